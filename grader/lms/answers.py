@@ -1,4 +1,4 @@
-"""Which written answers were there when a submission was entered: a mark is for what was read."""
+"""Fingerprints of written answers at the last entry, because a mark is valid only for one text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grader.course.paths import Course
 
 
 def fingerprints(notebook: NotebookNode) -> dict[str, str]:
-    """Digest of each written answer in an autograded copy, by ``grade_id``."""
+    """Return the digest of each written answer in an autograded copy, by ``grade_id``."""
     return {
         cell.metadata.nbgrader.grade_id: hashlib.sha256(cell.source.encode()).hexdigest()
         for cell in notebook.cells
@@ -24,7 +24,7 @@ def fingerprints(notebook: NotebookNode) -> dict[str, str]:
 
 
 def read_known(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:
-    """Fingerprints at the last entering, by lesson; empty where none is known."""
+    """Return the fingerprints from the last entry, by lesson; empty if none are stored."""
     try:
         known = json.loads(_path(course, student, stage).read_text("utf-8"))
     except (OSError, ValueError):
@@ -33,25 +33,29 @@ def read_known(course: Course, student: str, stage: str) -> dict[str, dict[str, 
 
 
 def write_known(course: Course, student: str, stage: str, known: dict[str, dict[str, str]]) -> None:
-    """Keep fingerprints; only after the gradebook was written, so that in doubt somebody looks."""
+    """Store the fingerprints of written answers.
+
+    Call this only after the gradebook was written. If the run is interrupted in between, answers
+    count as changed, and a person grades them again.
+    """
     write_atomically(json.dumps(known), _path(course, student, stage))
 
 
 def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
-    """Give a row of the gradebook a new automatic score, and keep what a person gave.
+    """Set a new automatic score of a grade, and keep the points given by a person.
 
     Parameters
     ----------
     grade : nbgrader.api.Grade
     auto_score : float or None
-        None where a person has to grade.
+        None if a person has to grade the cell.
     unchanged : bool
-        Whether a written answer is the one that was there before.
+        Whether the written answer is the same as at the last entry.
     """
     if auto_score is None:
         settled = unchanged and grade.manual_score is not None
     else:
-        # Points of the machine that a person has overruled.
+        # Points given by hand count only while the automatic score that they overrule is the same.
         settled = grade.manual_score is None or grade.auto_score == auto_score
         if grade.manual_score is None:
             grade.needs_manual_grade = False

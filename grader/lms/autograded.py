@@ -1,7 +1,8 @@
-"""The autograded copy of a submission: what nbgrader keeps, and people open in Formgrader.
+"""The autograded copy of a submission, which nbgrader stores and Formgrader shows.
 
-It is built, not mended: the graded cells as they were released, the student's work in them, and
-around them the student's own cells, of which only kind and text are taken.
+The copy is built from scratch instead of repairing the submitted file. It contains the graded cells
+as they were released, with the student's work filled in. The student's own cells are placed around
+them, and only their type and text are kept.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
 MUCH_TEXT = 40_000
-"""Characters, of which every page is made in a few seconds."""
+"""Number of characters up to which every page is rendered within a few seconds."""
 LOOK_FOR_IT = (
     "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
     "please look for it.*"
@@ -38,12 +39,13 @@ LOOK_FOR_IT = (
 
 
 def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> tuple[NotebookNode, str]:
-    """The autograded copy of what was judged, with its scores and messages.
+    """Build the autograded copy of a judged submission, with its scores and messages.
 
     Returns
     -------
     (nbformat.NotebookNode, str)
-        The copy; and why nothing of the student's is in it, where the verdict does not say it.
+        The copy, and the reason why it contains nothing of the student's work. The reason is empty
+        if the work is included, or if the verdict already states the reason.
     """
     copy, complaint = copy_apart(handed_in, lesson)
     if complaint in verdict.problems:
@@ -54,24 +56,26 @@ def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> tuple[
 
 
 def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
-    """Build the copy of what was handed in, in a process of its own.
+    """Build the autograded copy of a submission in a separate process.
 
     Returns
     -------
     (nbformat.NotebookNode, str)
-        The copy; and why nothing of the student's is in it, where that is too much to show.
+        The copy, and the message that explains why it contains nothing of the student's work. The
+        message is empty unless the submission takes too much time or memory to show.
 
     Raises
     ------
     grader.intake.reader_process.ReadingFailed
+        If the process failed for a reason that is not the student's fault.
     """
 
     def work() -> NotebookNode:
         copy = build_copy(prepare_to_show(handed_in, lesson))
-        _try_to_show(copy, lesson)
+        _render_if_long(copy, lesson)
         return copy
 
-    _released(lesson)  # read here, and remembered for the next
+    _released_notebook(lesson)  # fill the cache in this process, for the next copies
     try:
         copy = apart(handed_in.name, work)
     except TooCostly as error:
@@ -79,54 +83,63 @@ def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
     return nbformat.from_dict(copy), ""
 
 
-def _try_to_show(copy: NotebookNode, lesson: Lesson) -> None:
-    """Make a page of much text, as feedback and Formgrader will, which look at some of it twice."""
-    released = {cell.source for cell in _released(lesson).cells}
+def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
+    """Render a long copy once, because feedback pages and Formgrader will render it later.
+
+    A copy that takes too long to render then fails here, inside the limits of the separate process.
+    """
+    released = {cell.source for cell in _released_notebook(lesson).cells}
     if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > MUCH_TEXT:
         HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 
 def build_copy(prepared: Prepared) -> NotebookNode:
-    """Build the autograded copy, without scores.
+    """Build the autograded copy of a prepared notebook, without scores.
 
     Returns
     -------
     nbformat.NotebookNode
-        Valid, whatever was handed in, and with each graded cell of the release once.
+        A valid notebook for any submission. It contains each graded cell of the release exactly
+        once.
     """
-    released = _released(prepared.lesson)
+    released = _released_notebook(prepared.lesson)
     copy = nbformat.from_dict({**released, "cells": []})
-    given = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
-    names = {place: name for name, place in prepared.graded.items()}
-    ours = {cell.source: cell for cell in released.cells}
-    where = {}
+    by_id = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
+    grade_ids = {place: name for name, place in prepared.graded.items()}
+    by_source = {cell.source: cell for cell in released.cells}
+    positions = {}
     for place, cell in enumerate(prepared.cells):
-        name = names.get(place)
-        shown = name is None and cell.source.strip() != ""
-        if name is None and cell.grade_id in prepared.lesson.steps and cell.grade_id not in where:
-            name, shown = cell.grade_id, False
-        if name is None and cell.grade_id in given and not is_solution(given[cell.grade_id]):
-            # Ours, and shown as released; what a student changed in it was judged, and stays.
-            shown = cell.source.split() != given[cell.grade_id].source.split()
-            name = cell.grade_id if cell.grade_id not in where else None
+        name = grade_ids.get(place)
+        show = name is None and cell.source.strip() != ""
+        if (
+            name is None
+            and cell.grade_id in prepared.lesson.steps
+            and cell.grade_id not in positions
+        ):
+            name, show = cell.grade_id, False
+        if name is None and cell.grade_id in by_id and not is_solution(by_id[cell.grade_id]):
+            # A locked cell is shown as released. If the student changed it, the changed text was
+            # judged, so it is kept next to the released one.
+            show = cell.source.split() != by_id[cell.grade_id].source.split()
+            name = cell.grade_id if cell.grade_id not in positions else None
         if name is not None:
-            where[name] = len(copy.cells)
-            copy.cells.append(_filled(given[name], cell, prepared.answers.get(name)))
-        if shown:
-            copy.cells.append(_shown(cell, ours.get(cell.source), prepared.lesson))
-    _add_missing(copy, given, where, prepared)
+            positions[name] = len(copy.cells)
+            copy.cells.append(_filled_cell(by_id[name], cell, prepared.answers.get(name)))
+        if show:
+            copy.cells.append(_student_cell(cell, by_source.get(cell.source), prepared.lesson))
+    _add_missing(copy, by_id, positions, prepared)
     for number, cell in enumerate(copy.cells):
         cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
     return copy
 
 
 def graded_cells(notebook: NotebookNode) -> list[NotebookNode]:
-    """The cells that nbgrader knows."""
+    """Return the cells that carry nbgrader metadata."""
     return [cell for cell in notebook.cells if "nbgrader" in cell.metadata]
 
 
 def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
-    """Write a verdict under the graded cells of a copy, in place of all outputs."""
+    """Write a verdict below the graded cells of a copy and remove all other outputs."""
     results = {exercise.name: exercise for exercise in verdict.exercises}
     for cell in notebook.cells:
         if cell.cell_type != "code":
@@ -138,7 +151,7 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
                 score_output(results[cell.metadata.nbgrader["grade_id"].removeprefix("test_")])
             ]
     if verdict.problems:
-        # A block of HTML, in which nobody's Markdown is at work.
+        # An HTML block, so that Markdown in student-controlled text is not rendered.
         listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
         about = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
         notebook.cells.insert(0, about)
@@ -146,7 +159,7 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
 
 
 def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> str | None:
-    """Key of the verdict that a copy in ``autograded/`` shows; None where there is none."""
+    """Return the key of the verdict shown by an autograded copy; None if there is no copy."""
     path = course.autograded / student / stage / f"{lesson_name}.ipynb"
     try:
         return json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
@@ -155,14 +168,14 @@ def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> s
 
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:
-    """An output from which nbgrader reads the score and people read the reasons."""
+    """Build a cell output with the score for nbgrader and the reasons for people."""
     folded = fold(exercise)
-    told = [test for test in (folded.first, *folded.others) if test]
-    rows = [_row("✗ failed", test.title, test.message) for test in told]
-    rows += [_row("✗ failed", one.says, "; ".join(one.titles)) for one in folded.folds]
+    failures = [test for test in (folded.first, *folded.others) if test]
+    rows = [_row("✗ failed", test.title, test.message) for test in failures]
+    rows += [_row("✗ failed", group.says, "; ".join(group.titles)) for group in folded.folds]
     if exercise.slip:
-        kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
-        rows.append(_row(kept, exercise.slip.sentence, ""))
+        credit = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
+        rows.append(_row(credit, exercise.slip.sentence, ""))
     rows += [_row("✓ passed", test.title, test.message) for test in folded.passed]
     return nbformat.v4.new_output(
         "execute_result",
@@ -177,7 +190,7 @@ def score_output(exercise: ExerciseResult) -> NotebookNode:
 
 
 def _row(mark: str, title: str, message: str) -> str:
-    """A line of the table under an exercise. Points are those of the whole."""
+    """Format one row of the table below an exercise; single rows carry no points."""
     lines = "".join(f"<br>{escape(line)}" for line in message.splitlines())
     return (
         f"<tr><td style='text-align:left;vertical-align:top;white-space:nowrap;"
@@ -187,19 +200,19 @@ def _row(mark: str, title: str, message: str) -> str:
 
 
 @functools.cache
-def _released(lesson: Lesson) -> NotebookNode:
+def _released_notebook(lesson: Lesson) -> NotebookNode:
     return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
 
 
-def _shown(cell: Cell, ours: NotebookNode | None, lesson: Lesson) -> NotebookNode:
-    """A cell around the graded ones; as it was released where it says the same."""
+def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> NotebookNode:
+    """Build the copy of a student's ungraded cell, as released if its text is unchanged."""
     if is_setup_cell(cell.source, lesson.name):
         return _cell(f"{TITLE}\n# (The tools of the course, packed.)", kind="code")
-    if ours is not None and ours.cell_type == "markdown" and cell.kind == "markdown":
-        made = _cell(ours.source)
-        if "attachments" in ours:
-            made.attachments = ours.attachments
-        return made
+    if released is not None and released.cell_type == "markdown" and cell.kind == "markdown":
+        new_cell = _cell(released.source)
+        if "attachments" in released:
+            new_cell.attachments = released.attachments
+        return new_cell
     if cell.kind == "code":
         return _cell(cell.source, kind="code")
     if cell.kind == "raw":  # some programs take raw text for HTML
@@ -208,47 +221,51 @@ def _shown(cell: Cell, ours: NotebookNode | None, lesson: Lesson) -> NotebookNod
 
 
 def _cell(source: str, kind: str = "markdown") -> NotebookNode:
-    """A new cell. nbformat's own functions look through the format's schema for each."""
-    run = {"outputs": [], "execution_count": None} if kind == "code" else {}
-    cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **run}
+    """Build a cell directly, because nbformat's constructors validate against the schema."""
+    code_fields = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **code_fields}
     return nbformat.from_dict(cell)
 
 
-def _with_pictures(made: NotebookNode, attachments: dict) -> NotebookNode:
-    """Attach pictures. nbconvert gives up where one is named that is not there."""
+def _with_pictures(cell: NotebookNode, attachments: dict) -> NotebookNode:
+    """Attach harmless pictures and disable all other references, which nbconvert cannot handle."""
     pictures = harmless_pictures(attachments)
     if pictures:
-        made.attachments = pictures
-    made.source = _PICTURE.sub(
-        lambda found: found[0] if found[1] in pictures else f"{NO_WIDTH}{found[0]}",
-        made.source,
+        cell.attachments = pictures
+    cell.source = _PICTURE.sub(
+        lambda match: match[0] if match[1] in pictures else f"{NO_WIDTH}{match[0]}",
+        cell.source,
     )
-    return made
+    return cell
 
 
-def _filled(given: NotebookNode, cell: Cell | None, answer: WrittenAnswer | None) -> NotebookNode:
-    """A released cell with the student's work in it; as it was released where it is locked."""
-    made = nbformat.from_dict(given)
+def _filled_cell(
+    released: NotebookNode, cell: Cell | None, answer: WrittenAnswer | None
+) -> NotebookNode:
+    """Build a released cell with the student's work in it; locked cells stay as released."""
+    filled = nbformat.from_dict(released)
     if answer is not None:
         if answer.text:
-            made.source = harmless(answer.text)
+            filled.source = harmless(answer.text)
         elif not answer.certain:
-            made.source = f"{given.source}\n\n{LOOK_FOR_IT}"
-        made = _with_pictures(made, answer.attachments)
-    elif is_solution(made) and cell is not None:
-        made.source = cell.source
-    return made
+            filled.source = f"{released.source}\n\n{LOOK_FOR_IT}"
+        filled = _with_pictures(filled, answer.attachments)
+    elif is_solution(filled) and cell is not None:
+        filled.source = cell.source
+    return filled
 
 
-def _add_missing(copy: NotebookNode, given: dict, where: dict, prepared: Prepared) -> None:
-    """Put the graded cells that are not there behind the one that they were released behind."""
+def _add_missing(copy: NotebookNode, by_id: dict, positions: dict, prepared: Prepared) -> None:
+    """Insert each missing graded cell after the graded cell that preceded it in the release."""
     before = -1
-    for name, cell in given.items():
-        if name not in where:
-            made = _filled(cell, None, prepared.answers.get(name))
+    for name, cell in by_id.items():
+        if name not in positions:
+            filled = _filled_cell(cell, None, prepared.answers.get(name))
             if name in prepared.graded:  # it shares a cell with another one
-                made.source = f"# {name} stands in the cell of another exercise."
-            copy.cells.insert(before + 1, made)
-            where.update({other: at + 1 for other, at in where.items() if at > before})
-            where[name] = before + 1
-        before = where[name]
+                filled.source = f"# {name} stands in the cell of another exercise."
+            copy.cells.insert(before + 1, filled)
+            positions.update(
+                {later: place + 1 for later, place in positions.items() if place > before}
+            )
+            positions[name] = before + 1
+        before = positions[name]

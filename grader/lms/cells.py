@@ -1,4 +1,4 @@
-"""What the gradebook holds of each cell: points by machine and by hand, and comments."""
+"""Points and comments of single cells in the gradebook."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from sqlalchemy.orm import Query
 
 @dataclass(frozen=True)
 class CellMark:
-    """How a graded cell of a student's stands.
+    """Points of one graded cell of a student.
 
     Attributes
     ----------
     score : float
-        What counts: a person's points where there are some, else those of the machine; and extra
-        points.
+        Points that count: those given by hand if there are any, otherwise the automatic ones, plus
+        extra points.
     by_hand : bool
-        Whether a person gave or changed them.
+        Whether a person gave or changed the points.
     waiting : bool
-        Whether a person has still to look.
+        Whether a person still has to grade the cell.
     """
 
     score: float
@@ -39,14 +39,14 @@ class CellMark:
 
 @dataclass(frozen=True)
 class CellMarks:
-    """The cells of a stage.
+    """Marks and comments of all cells of a stage.
 
     Attributes
     ----------
     marks : dict of (str, str, str) to CellMark
-        By student, lesson and nbgrader's name of the cell.
+        Marks by student, lesson and nbgrader's name of the cell.
     comments : dict of (str, str, str) to str
-        What a person wrote beside a solution.
+        Comments that a person wrote, by student, lesson and name of the cell.
     """
 
     marks: dict[tuple[str, str, str], CellMark]
@@ -54,7 +54,7 @@ class CellMarks:
 
 
 def cell_marks(book: Gradebook, stage: str) -> CellMarks:
-    """Read the cells of a stage, of all students at once."""
+    """Read the cells of a stage for all students in two queries."""
     grades = _rows(
         book,
         stage,
@@ -81,7 +81,7 @@ def cell_marks(book: Gradebook, stage: str) -> CellMarks:
 
 
 def _rows(book: Gradebook, stage: str, table: type, *columns: object) -> Query:
-    """Columns of all grades, or of all comments, behind student, lesson and cell."""
+    """Query columns of all grades or all comments, preceded by student, lesson and cell."""
     return (
         book.db.query(SubmittedAssignment.student_id, Notebook.name, BaseCell.name, *columns)
         .select_from(table)

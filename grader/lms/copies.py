@@ -1,4 +1,4 @@
-"""The folder that people open beside the gradebook: copies, and what was handed in with them."""
+"""The folder of autograded copies and the other submitted files, for viewing in Formgrader."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from utils.notebooks.reading import UnreadableNotebook
 def write_files(
     course: Course, entry: StageEntry, copies: dict, modules: dict[Path, bytes], draft: Path
 ) -> None:
-    """Write into a folder of their own the copies, modules as judged, and all other files."""
+    """Write the copies, the modules as judged and all other submitted files to a draft folder."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
     for place in entry.places(course):
         for path in _other_files(place):
             with contextlib.suppress(UnreadableNotebook):
-                _put(read_file(path), draft / path.relative_to(place))
+                _write(read_file(path), draft / path.relative_to(place))
     for path, source in modules.items():
-        _put(source, draft / path)
+        _write(source, draft / path)
     for name, notebook in copies.items():
         (draft / f"{name}.ipynb").write_text(nbformat.writes(notebook) + "\n", "utf-8")
     for path in draft.rglob("*"):
         if path.is_file():
-            path.chmod(0o444)  # as nbgrader leaves them
+            path.chmod(0o444)  # read-only, as nbgrader leaves them
 
 
-def _put(content: bytes, path: Path) -> None:
+def _write(content: bytes, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
 
@@ -46,13 +46,13 @@ def _other_files(place: Path) -> Iterator[Path]:
         folders[:] = [name for name in folders if not name.startswith((".", "__"))]
         for name in files:
             path = Path(folder) / name
-            ordinary = stat.S_ISREG(path.lstat().st_mode)
-            if ordinary and path.suffix != ".ipynb" and not name.startswith("."):
+            is_regular = stat.S_ISREG(path.lstat().st_mode)
+            if is_regular and path.suffix != ".ipynb" and not name.startswith("."):
                 yield path
 
 
 def put_in_place(draft: Path, folder: Path) -> None:
-    """Put a complete folder in the place of the one before."""
+    """Replace a folder by a complete draft of it."""
     old = folder.with_name(f".{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     with contextlib.suppress(FileNotFoundError):

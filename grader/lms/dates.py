@@ -1,9 +1,9 @@
-"""Let the gradebook know when work is due, for whom later, so that nbgrader's penalties agree.
+"""Enter due dates and extensions into the gradebook, so that nbgrader's penalties are right.
 
-nbgrader keeps one date for a stage, and with a student's submission how much later that student
-may hand in. So a date that was given before anything was handed in is entered with what is. What
-was entered is remembered in ``verdicts/``, so that what leaves the file is taken back, and what a
-person has entered in the gradebook is not.
+nbgrader stores one due date per stage, and each student's extension with the submission. An
+extension granted before a student submits is therefore entered together with the submission. Each
+entered date is recorded in ``verdicts/``. Dates deleted from the file are then also removed from
+the gradebook, while dates that a person entered there are kept.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from grader.lms.gradebook import is_there, open_gradebook
 
 
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
-    """Enter when each stage that the gradebook knows is due.
+    """Enter the due date of each stage that the gradebook contains.
 
-    A date that has left the file leaves the gradebook, too, which has again what it had before.
+    If a date was deleted from the file, the gradebook gets back the date that it had before.
     """
     for stage in stages():
         with contextlib.suppress(MissingEntry):
@@ -38,12 +38,14 @@ def _enter_due_date(
     course: Course, book: Gradebook, assignment: Assignment, wanted: datetime | None
 ) -> None:
     path = course.verdicts / f".due.{assignment.name}"
-    remembered = entered, before = _read_due(path)
-    if assignment.duedate != entered:  # a person has entered it
+    recorded = entered, before = _read_due(path)
+    if assignment.duedate != entered:  # a person has changed the date
         before = assignment.duedate
-    if wanted is not None and (wanted, before) != remembered:
+    if wanted is not None and (wanted, before) != recorded:
         times = [time and time.isoformat() for time in (wanted, before)]
-        write_atomically(json.dumps(times), path)  # first: what is forgotten would stay for good
+        write_atomically(
+            json.dumps(times), path
+        )  # write this first: an unrecorded date could never be removed
     due = before if wanted is None else wanted
     if assignment.duedate != due:
         assignment.duedate = due
@@ -53,7 +55,7 @@ def _enter_due_date(
 
 
 def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
-    """What was entered as due, and what the gradebook had before."""
+    """Return the due date that was entered, and the date that the gradebook had before."""
     try:
         entered, before = json.loads(path.read_text("utf-8"))
         return datetime.fromisoformat(entered), before and datetime.fromisoformat(before)
@@ -64,15 +66,16 @@ def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
 def extension(
     course: Course, submission: SubmittedAssignment, deadlines: Deadlines
 ) -> timedelta | None:
-    """How much later than everybody a student may hand in a stage, which may be negative.
+    """Return how much later than the stage's due date a student may submit; it may be negative.
 
-    Where somebody has granted more in the gradebook, that counts, until the file names the student.
+    A longer extension that a person granted in the gradebook counts, unless the file names the
+    student.
     """
     student, stage = submission.student.id, submission.assignment.name
     dates = deadlines.stages.get(stage, Dates())
     granted = submission.extension
     if granted is not None and granted == _entered(course, student, stage):
-        granted = None  # nobody's wish but the file's
+        granted = None  # it came from the file and was not granted by a person
     if dates.due is None:
         return granted
     wanted = deadlines.due(student, stage) - dates.due
@@ -82,7 +85,7 @@ def extension(
 
 
 def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines) -> None:
-    """Give a submission its extension, and remember that it was not a person who did."""
+    """Give a submission its extension, and record that it came from the file."""
     wanted = extension(course, submission, deadlines)
     if wanted == submission.extension:
         return
@@ -97,21 +100,22 @@ def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines
 def granted_in_gradebook(
     course: Course, stages: Iterable[str], deadlines: Deadlines
 ) -> dict[str, dict[str, datetime]]:
-    """Until when stages may be handed in, as far as the gradebook says more than the file.
+    """Return the due dates for which the gradebook grants more time than the file.
 
     Returns
     -------
     dict of str to (dict of str to datetime)
-        By stage and student, aware; `""` is everybody, where the file has no date.
+        Aware due dates by stage and student. The student `""` stands for the whole class; it is
+        used if the file has no date.
     """
-    found: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
+    granted: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
     if not is_there(course):
-        return found
+        return granted
     with open_gradebook(course) as book:
-        for stage, names in found.items():
+        for stage, dates in granted.items():
             with contextlib.suppress(MissingEntry):
-                names |= _granted(course, book.find_assignment(stage), deadlines)
-    return found
+                dates |= _granted(course, book.find_assignment(stage), deadlines)
+    return granted
 
 
 def _granted(course: Course, assignment: Assignment, deadlines: Deadlines) -> dict[str, datetime]:
@@ -119,13 +123,13 @@ def _granted(course: Course, assignment: Assignment, deadlines: Deadlines) -> di
     due = date_of_file or (assignment.duedate and assignment.duedate.replace(tzinfo=UTC))
     if due is None:
         return {}
-    names = {} if date_of_file else {"": due}
+    dates = {} if date_of_file else {"": due}
     for submission in assignment.submissions:
         student = submission.student.id
         until = due + (extension(course, submission, deadlines) or timedelta())
         if until > (deadlines.due(student, assignment.name) or due):
-            names[student] = until
-    return names
+            dates[student] = until
+    return dates
 
 
 def _entered(course: Course, student: str, stage: str) -> timedelta | None:
@@ -140,5 +144,5 @@ def _path(course: Course, student: str, stage: str) -> Path:
 
 
 def _naive(time: datetime) -> datetime:
-    """A time as nbgrader keeps it: in UTC, without saying so."""
+    """Convert a time to a naive one in UTC, as nbgrader stores it."""
     return time.astimezone(UTC).replace(tzinfo=None)

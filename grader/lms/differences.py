@@ -1,4 +1,4 @@
-"""What the gradebook and the autograded copies say otherwise than the verdicts do."""
+"""Comparison of the gradebook and the autograded copies with the verdicts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grader.lms.entries import StageEntry
 from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import known_time
 
-CLOSE = 1e-6  # points are written with two digits
+CLOSE = 1e-6  # points are written with two decimal places
 
 
 def differences(
@@ -24,53 +24,57 @@ def differences(
     late: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
-    """What the gradebook and the autograded copies say otherwise than the verdicts do.
+    """List the differences between the verdicts and the gradebook with its autograded copies.
 
     Returns
     -------
     list of str
-        One sentence each; empty when all is as it should be.
+        One sentence per difference; empty if everything matches.
     """
     try:
         submission = book.find_submission(entry.stage, entry.student)
     except MissingEntry:
         return [f"{entry.name}: it is not in the gradebook"]
-    found = []
+    sentences = []
     if submission.timestamp != known_time(entry.places(course)):
-        found.append(f"{entry.name}: the gradebook has another time of submission")
+        sentences.append(f"{entry.name}: the gradebook has another time of submission")
     if submission.extension != extension(course, submission, deadlines):
-        found.append(f"{entry.name}: the gradebook has another extension")
+        sentences.append(f"{entry.name}: the gradebook has another extension")
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
     for notebook in submission.notebooks:
-        where = f"{entry.name}, {notebook.name}"
+        label = f"{entry.name}, {notebook.name}"
         verdict = verdicts.get(notebook.name)
         wanted = _scores(verdict)
         for grade in notebook.grades:
-            score, most = wanted.get(grade.name, (None if verdict else 0.0, None))
+            score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
             if (verdict is None or grade.name in wanted) and not _same(grade.auto_score, score):
-                found.append(
-                    f"{where}: {grade.name} has {grade.auto_score} points, judged were {score}"
+                sentences.append(
+                    f"{label}: {grade.name} has {grade.auto_score} points, judged were {score}"
                 )
-            if most is not None and not _same(grade.max_score, most):
-                found.append(f"{where}: {grade.name} is worth {grade.max_score} points, not {most}")
+            if max_score is not None and not _same(grade.max_score, max_score):
+                sentences.append(
+                    f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
+                )
         if not _same(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
-            found.append(f"{where}: the penalty for lateness is another")
+            sentences.append(f"{label}: the penalty for lateness is another")
         if (
             verdict
             and key_of_copy(course, entry.student, entry.stage, notebook.name) != verdict.key
         ):
-            found.append(f"{where}: the autograded copy is of another verdict")
+            sentences.append(f"{label}: the autograded copy is of another verdict")
     missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
-    return found + [f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)]
+    return sentences + [
+        f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)
+    ]
 
 
 def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:
-    """(score, most) by nbgrader's name of the cell with the points."""
+    """Return (score, maximum score) by nbgrader's name of the cell with the points."""
     return {
         f"test_{exercise.name}": (exercise.score, exercise.max_score)
         for exercise in (verdict.exercises if verdict else ())
     }
 
 
-def _same(one: float | None, other: float | None) -> bool:
-    return abs((one or 0.0) - (other or 0.0)) < CLOSE
+def _same(first: float | None, second: float | None) -> bool:
+    return abs((first or 0.0) - (second or 0.0)) < CLOSE

@@ -1,4 +1,4 @@
-"""How a class did in a lesson, and over whom that is reckoned."""
+"""Distribution of the scores of a class in one lesson."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ BINS = 10
 
 @dataclass(frozen=True)
 class Distribution:
-    """The scores of one lesson, before points are taken off for lateness.
+    """Distribution of the scores of one lesson, before penalties for lateness.
 
     Attributes
     ----------
     name, stage : str
     count : int
-        How many have a score: the mean is over them.
+        Number of students with a score, over whom mean and median are computed.
     waiting : int
-        For how many of these a person has still to add something.
+        Number of these students whose submission a person still has to grade in part.
     not_entered, missing, excused : int
-        How many others there are, and have none.
+        Numbers of students without a score, by reason.
     mean, median, max_score : float
     histogram : tuple of int
-        Students by score, from 0 to the most.
+        Number of students in each of `BINS` equal ranges from 0 to the maximum score.
     seconds : float or None
-        What it took to judge one, as the median.
+        Median time in which one submission was judged.
     """
 
     name: str
@@ -49,33 +49,35 @@ class Distribution:
 
     @property
     def over(self) -> str:
-        """Over whom mean and median are, and who is left out."""
-        who = f"over the {self.count} with a score" if self.count > 1 else "of the one with a score"
+        """Phrase that says which students mean and median include and which they leave out."""
+        phrase = (
+            f"over the {self.count} with a score" if self.count > 1 else "of the one with a score"
+        )
         if self.waiting:
-            who += f", {self.waiting} of them still to be graded by a person"
-        others = {
+            phrase += f", {self.waiting} of them still to be graded by a person"
+        excluded = {
             "not yet entered": self.not_entered,
             "missing": self.missing,
             "excused": self.excused,
         }
-        left = [f"{number} {what}" for what, number in others.items() if number]
-        return f"{who}; not counted: {', '.join(left)}" if left else who
+        parts = [f"{number} {reason}" for reason, number in excluded.items() if number]
+        return f"{phrase}; not counted: {', '.join(parts)}" if parts else phrase
 
 
 def distribution_of(
     lesson: Lesson, results: ClassResults, verdicts: Sequence[Verdict]
 ) -> Distribution:
-    """The `Distribution` of a lesson: by the gradebook, or without one by the verdicts."""
+    """Return the distribution of a lesson from the gradebook, or from the verdicts without one."""
     judged = [verdict for verdict in verdicts if verdict.lesson == lesson.name]
-    mine = [result for result in results.notebooks if result.lesson == lesson.name]
-    scores = [result.score for result in mine if result.score is not None]
-    most = results.lessons.get(lesson.name)
-    if not mine and judged:
-        scores, most = [verdict.score for verdict in judged], judged[0].max_score
-    kinds = Counter((result.standing, result.score is not None) for result in mine)
+    own = [result for result in results.notebooks if result.lesson == lesson.name]
+    scores = [result.score for result in own if result.score is not None]
+    max_score = results.lessons.get(lesson.name)
+    if not own and judged:
+        scores, max_score = [verdict.score for verdict in judged], judged[0].max_score
+    kinds = Counter((result.standing, result.score is not None) for result in own)
     histogram = [0] * BINS
     for score in scores:
-        histogram[max(0, min(BINS - 1, int(BINS * score / most)))] += 1
+        histogram[max(0, min(BINS - 1, int(BINS * score / max_score)))] += 1
     return Distribution(
         lesson.name,
         lesson.stage,
@@ -86,7 +88,7 @@ def distribution_of(
         kinds[EXCUSED, False],
         statistics.mean(scores) if scores else 0.0,
         statistics.median(scores) if scores else 0.0,
-        most or 0.0,
+        max_score or 0.0,
         tuple(histogram),
         statistics.median(verdict.seconds for verdict in judged) if judged else None,
     )

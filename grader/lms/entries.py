@@ -1,4 +1,4 @@
-"""What is to be entered: of each student a stage, all of it or nothing."""
+"""Entries for the gradebook: one student's stage each, entered completely or not at all."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.judging.verdict import JUDGED, Verdict
 
 @dataclass(frozen=True)
 class StageEntry:
-    """What a student handed in for a stage, with its verdicts."""
+    """A student's submission for a stage, with its verdicts."""
 
     student: str
     stage: str
@@ -21,19 +21,22 @@ class StageEntry:
 
     @property
     def name(self) -> str:
-        """What sentences call it."""
+        """Student and stage, for use in messages."""
         return f"{self.student}, {self.stage}"
 
     def places(self, course: Course) -> tuple[Path, ...]:
-        """The folders in which it lies; more than one where the student's is spelt in two ways."""
-        found = {submission.place(course) for submission, _ in self.judged}
-        return tuple(sorted(found))
+        """Return the submission folders; several if the student's folder has several spellings."""
+        places = {submission.place(course) for submission, _ in self.judged}
+        return tuple(sorted(places))
 
 
 def entries_of(
     course: Course, judged: Sequence[tuple[Submission, Verdict]], unknown: Mapping[str, str]
 ) -> tuple[list[StageEntry], list[str]]:
-    """(what can be entered, a sentence on each that cannot); `unknown` has those on strangers."""
+    """Return the entries, and one sentence for each submission that cannot be entered.
+
+    `unknown` maps each ID that is not on the roster to such a sentence.
+    """
     groups: dict[tuple[str, str], list] = {}
     for submission, verdict in judged:
         groups.setdefault((submission.student, submission.lesson.stage), []).append(

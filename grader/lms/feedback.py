@@ -1,4 +1,4 @@
-"""What a student gets back for a stage: every lesson, exercise, mark and comment."""
+"""Feedback for a student on one stage: every lesson, exercise, mark and comment."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from grader.lms.standings import class_results
 
 @dataclass(frozen=True)
 class Text:
-    """Markdown of a person, in which nothing is HTML any more, and its pictures."""
+    """Markdown written by a person, with all HTML disabled, and its pictures."""
 
     markdown: str
     attachments: dict = field(default_factory=dict)
@@ -42,19 +42,20 @@ class Text:
 
 @dataclass(frozen=True)
 class ExerciseFeedback:
-    """What is said of an exercise.
+    """Feedback on one exercise.
 
     Attributes
     ----------
     exercise : grader.course.lessons.Exercise
     mark : grader.lms.cells.CellMark
     judged : grader.judging.verdict.ExerciseResult or None
-        None where a person grades.
+        None if a person grades the exercise.
     folded : grader.lms.check_summary.Folded or None
+        Summary of the checks; None if a person grades the exercise.
     answer : Text or None
-        What was written; None where nothing was, or where nothing is to be written.
+        The student's written answer; None if it is blank or the exercise does not require one.
     comment : Text or None
-        What a person wrote about it.
+        The grader's comment on the answer.
     """
 
     exercise: Exercise
@@ -67,7 +68,7 @@ class ExerciseFeedback:
 
 @dataclass(frozen=True)
 class LessonFeedback:
-    """What is said of a lesson.
+    """Feedback on one lesson.
 
     Attributes
     ----------
@@ -75,9 +76,9 @@ class LessonFeedback:
     title : str
     result : grader.lms.results.NotebookResult
     problems : tuple of str
-        About the notebook as a whole.
+        Messages about the notebook as a whole.
     exercises : tuple of ExerciseFeedback
-        None where nothing was handed in.
+        Empty if the lesson was not submitted.
     """
 
     lesson: Lesson
@@ -89,7 +90,7 @@ class LessonFeedback:
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a student gets back for a stage.
+    """Feedback for one student on one stage.
 
     Attributes
     ----------
@@ -97,7 +98,7 @@ class Feedback:
     result : grader.lms.results.StageResult
     lessons : tuple of LessonFeedback
     zone : tzinfo or None
-        In which times are told; None for that of this machine.
+        Time zone for all times in the feedback; None for the zone of this machine.
     """
 
     person: Person
@@ -107,7 +108,7 @@ class Feedback:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What is to be known about the whole."""
+        """Sentences about the stage as a whole."""
         if self.result.standing == EXCUSED:
             return ("You are excused from this stage: none of this counts, for you or against.",)
         waiting = self.result.standing == WAITING
@@ -116,11 +117,11 @@ class Feedback:
 
 
 class NotReady(Exception):
-    """There is no feedback for somebody yet; `str()` is the sentence to show."""
+    """Feedback for a student is not ready yet; `str()` is the message to show."""
 
 
 class FeedbackWriter:
-    """Reads what there is to say about the students of a stage."""
+    """Collects the feedback for the students of one stage."""
 
     def __init__(self, course: Course, stage: str) -> None:
         self._course, self._stage = course, stage
@@ -131,7 +132,7 @@ class FeedbackWriter:
             self._cells: CellMarks = cell_marks(book, stage)
 
     def people(self, wanted: Collection[str] = ()) -> list[Person]:
-        """Those who have handed something in; of these only some, where ids are given."""
+        """Return the students with a submission, limited to the wanted IDs if there are any."""
         return [
             person
             for person in self._results.people
@@ -139,16 +140,17 @@ class FeedbackWriter:
         ]
 
     def strangers(self) -> tuple[str, ...]:
-        """Who has marks in this stage, and is not on the roster."""
+        """Return the IDs that have marks in this stage but are not on the roster."""
         with_marks = {student for student, _, _ in self._cells.marks}
         return tuple(id for id in self._results.strangers if id in with_marks)
 
     def feedback(self, person: Person) -> Feedback:
-        """All that there is to say to one of them.
+        """Collect all feedback for one student.
 
         Raises
         ------
         NotReady
+            If the latest submission has not been judged and entered yet.
         """
         lessons = [self._lesson(result) for result in self._notebooks(person.id)]
         result = self._results.stage(person.id, self._stage)
@@ -159,8 +161,8 @@ class FeedbackWriter:
         return any(result.score is not None or result.standing == WAITING for result in results)
 
     def _notebooks(self, student: str) -> list[NotebookResult]:
-        found = (self._results.notebook(student, lesson) for lesson in self._results.lessons)
-        return [result for result in found if result and result.stage == self._stage]
+        results = (self._results.notebook(student, lesson) for lesson in self._results.lessons)
+        return [result for result in results if result and result.stage == self._stage]
 
     def _lesson(self, result: NotebookResult) -> LessonFeedback:
         lesson = find_lesson(result.lesson)
@@ -169,7 +171,7 @@ class FeedbackWriter:
         place = (result.student, lesson.stage)
         verdict = read_verdict(self._course.verdicts.joinpath(*place, f"{lesson.name}.json"))
         copy = self._copy(*place, lesson)
-        # Who has a mark by hand, and no file any more, has neither.
+        # A student with a mark given by hand and without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
             raise NotReady(
                 f"{result.student}, {lesson.name}: what was handed in and judged last is not in "
@@ -183,7 +185,7 @@ class FeedbackWriter:
         return LessonFeedback(lesson, title_of(lesson), result, problems, exercises)
 
     def _copy(self, student: str, stage: str, lesson: Lesson) -> nbformat.NotebookNode:
-        """The autograded copy, which is ours and valid; an empty one where there is none."""
+        """Return the autograded copy, or an empty notebook if there is none."""
         path = self._course.autograded / student / stage / f"{lesson.name}.ipynb"
         try:
             return nbformat.v4.reads(path.read_text("utf-8"))
@@ -199,7 +201,9 @@ class FeedbackWriter:
     ) -> ExerciseFeedback:
         where = (result.student, result.lesson)
         exercises = verdict.exercises if verdict else ()
-        judged = next((one for one in exercises if one.name == exercise.name), None)
+        judged = next(
+            (candidate for candidate in exercises if candidate.name == exercise.name), None
+        )
         written = answers.get(exercise.cell) if exercise.by_hand else None
         comment = self._cells.comments.get((*where, exercise.name), "")
         return ExerciseFeedback(
@@ -213,7 +217,7 @@ class FeedbackWriter:
 
 
 def _written(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> Text | None:
-    """A written answer, as it was made harmless for the copy; None where nothing was written."""
+    """Return a written answer, already sanitized in the copy, or None if it is blank."""
     if cell.source.strip() in ("", _placeholders(lesson).get(name)):
         return None
     return Text(cell.source, dict(cell.get("attachments", {})))
@@ -221,23 +225,23 @@ def _written(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> Text | N
 
 @functools.cache
 def _placeholders(lesson: Lesson) -> dict[str, str]:
-    """What stands in the cells of the release for written answers."""
+    """Return the released text of each written answer's cell, by ``grade_id``."""
     released = nbformat.v4.reads(lesson.released.read_text("utf-8"))
     return {cell.metadata.nbgrader.grade_id: cell.source.strip() for cell in graded_cells(released)}
 
 
 @functools.cache
 def title_of(lesson: Lesson) -> str:
-    """The heading of a lesson's notebook."""
+    """Return the first heading of a lesson's notebook."""
     for cell in json.loads(lesson.released.read_text("utf-8"))["cells"]:
-        found = re.match(r"# (.+)", "".join(cell["source"]))
-        if cell["cell_type"] == "markdown" and found:
-            return found[1]
+        heading = re.match(r"# (.+)", "".join(cell["source"]))
+        if cell["cell_type"] == "markdown" and heading:
+            return heading[1]
     return lesson.name
 
 
 def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
-    """Sentences on when a stage was handed in, by the clocks of a zone, and what that costs."""
+    """Yield sentences on the submission time of a stage, in a zone, and on the late penalty."""
     if result.undecided:
         yield (
             "Whether this is late, a person has still to decide: nobody knows yet when it was "
@@ -256,7 +260,7 @@ def _moment(when: datetime, zone: tzinfo | None) -> str:
 
 
 def _span(time: timedelta) -> str:
-    """Such as "2 days and 3 hours": the two largest units."""
+    """Format a time span in its two largest units, such as "2 days and 3 hours"."""
     minutes = -(-int(time.total_seconds()) // 60)
     days, rest = divmod(minutes, 24 * 60)
     hours, minutes = divmod(rest, 60)

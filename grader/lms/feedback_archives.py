@@ -1,6 +1,6 @@
-"""Feedback of many students in one zip, named so that a learning platform gives each their own.
+"""Zip archives of feedback, with file names that an LMS can match with its students.
 
-Both platforms go by the names of what was handed in, which `collect` keeps beside the work.
+Canvas and Moodle use the names of the submitted files, which `collect` records with the submission.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from grader.lms.feedback import Feedback, FeedbackWriter, LessonFeedback, NotRea
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 
-# How `Source.archive` ends: the owner as the archive calls them, and the file that they handed in.
-_HANDED = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
+# `Source.archive` ends with the owner's name in the archive and the name of the submitted file.
+_OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
 _TEAM = "handed in as {}, which may be a team: give each of them their own page"
 
 
 @dataclass(frozen=True)
 class Returned:
-    """What a platform is given.
+    """Content of a feedback archive for one LMS.
 
     Attributes
     ----------
     files : dict of str to bytes
-        By name.
+        File contents by name.
     left : tuple of str
-        A sentence on each student who gets nothing by it.
+        One sentence about each student for whom the archive has no feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
@@ -43,72 +43,73 @@ class Returned:
 
 
 def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> Returned:
-    """A page for each, for *Upload multiple feedback files in a zip*.
+    """Build a page for each student, for *Upload multiple feedback files in a zip*.
 
-    Moodle finds the participant by the number in ``{name}_{number}_assignsubmission_file_{file}``.
-    A team has a number of its own, which as a participant's would be somebody else's. In each
-    assignment a person has another number; who handed in to several gets a page for each, and
-    Moodle passes over those of the others.
+    Moodle finds a participant by the number in ``{name}_{number}_assignsubmission_file_{file}``. A
+    team also has a number, which may be the participant number of a different student. The number
+    of a student differs between assignments. A student who submitted to several gets one page for
+    each, and Moodle ignores the pages that belong to other assignments.
     """
     sources, roster = _sources(course, stage), read_roster(course)
     shared = _shared(sources)
-    files, left = {}, []
+    files, skipped = {}, []
     for feedback in all_feedback:
         person = feedback.person
-        handed = [one for one in sources.get(person.id, {}).values() if one.participant]
-        if not handed:
-            left.append(f"{person.id}: their work was not collected from a zip of Moodle's")
+        own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
+        if not own_files:
+            skipped.append(f"{person.id}: their work was not collected from a zip of Moodle's")
             continue
-        for owner, number in sorted({(one.owner, one.participant) for one in handed}):
+        for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.like(name) or name.endswith(number)
             if owner in shared or not named:
-                left.append(f"{person.id}: {_TEAM.format(name)}")
+                skipped.append(f"{person.id}: {_TEAM.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
-    return Returned(files, tuple(left))
+    return Returned(files, tuple(skipped))
 
 
 def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> Returned:
-    """A notebook for each that was handed in, for *Upload Submissions*.
+    """Build a notebook for each submitted notebook, for *Upload Submissions*.
 
-    Canvas finds the file that is answered by ``{name}_{user id}_{attachment id}_{file}``, and calls
-    the answer like that file. Who handed in a zip gets a zip, with the page.
+    Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
+    feedback the same name. If a student submitted a zip, the feedback is a zip that contains the
+    page.
     """
     sources = _sources(course, stage)
     shared = _shared(sources)
-    files, left = {}, []
+    files, skipped = {}, []
     for feedback in all_feedback:
         id, lessons = (
             feedback.person.id,
             {lesson.lesson.name: lesson for lesson in feedback.lessons},
         )
-        mine = {name: one for name, one in sources.get(id, {}).items() if one.attachment}
-        team = {one.owner for one in mine.values()} & shared
-        answers = {
-            f"{one.owner}_{one.attachment}_{one.file}": answer
-            for name, one in mine.items()
-            if not team and (answer := _answer(feedback, lessons[name], one.file))
+        own_files = {name: file for name, file in sources.get(id, {}).items() if file.attachment}
+        team = {file.owner for file in own_files.values()} & shared
+        contents = {
+            f"{file.owner}_{file.attachment}_{file.file}": content
+            for name, file in own_files.items()
+            if not team and (content := _feedback_file(feedback, lessons[name], file.file))
         }
-        files |= answers
+        files |= contents
         if team:
-            left.append(f"{id}: {_TEAM.format(min(team))}")
-        elif not answers:
-            left.append(f"{id}: no notebook of theirs was collected from a zip of Canvas's")
-    return Returned(files, tuple(left))
+            skipped.append(f"{id}: {_TEAM.format(min(team))}")
+        elif not contents:
+            skipped.append(f"{id}: no notebook of theirs was collected from a zip of Canvas's")
+    return Returned(files, tuple(skipped))
 
 
 @dataclass(frozen=True)
 class Platform:
-    """Where feedback is handed back to.
+    """An LMS to which feedback can be uploaded.
 
     Attributes
     ----------
     returns : callable
-        From course, stage and feedback to `Returned`.
+        Builds `Returned` from course, stage and feedback.
     next_step : str
-        What to do with the zip.
+        Instructions for uploading the zip.
     """
 
     returns: Callable[[Course, str, Sequence[Feedback]], Returned]
@@ -132,16 +133,16 @@ PLATFORMS = {
 
 @dataclass(frozen=True)
 class Written:
-    """What came of handing back a stage.
+    """Files written by `write_feedback`.
 
     Attributes
     ----------
     pages : tuple of pathlib.Path
-        One for each student.
+        One page per student.
     archive : pathlib.Path or None
-        The zip for a learning platform; None where nobody would get anything by it.
+        The zip for the LMS; None if it would be empty.
     left : tuple of str
-        A sentence on each student who has no page, or is not in the zip.
+        One sentence about each student without a page, or without a file in the zip.
     """
 
     pages: tuple[Path, ...]
@@ -157,16 +158,16 @@ def write_feedback(
     platform: str | None,
     progress: Callable[[int, int, object], None],
 ) -> Written:
-    """Write ``<folder>/<stage>/<student>.html``, and the zip of a platform beside the stage.
+    """Write ``<folder>/<stage>/<student>.html``, and the zip for an LMS next to the stage's folder.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     stage : str
     students : collection of str
-        Only for them; for all where it is empty.
+        IDs of the students to include; empty for all.
     folder : pathlib.Path
-        Made where there is none.
+        Created if it does not exist.
     platform : str or None
         One of `PLATFORMS`.
     progress : callable
@@ -179,12 +180,12 @@ def write_feedback(
     writer = FeedbackWriter(course, stage)
     people = writer.people(students)
     all_feedback, pages = [], []
-    left = [f"{id}: has marks, and is not on the roster" for id in writer.strangers()]
+    skipped = [f"{id}: has marks, and is not on the roster" for id in writer.strangers()]
     for done, person in enumerate(people, start=1):
         try:
             feedback = writer.feedback(person)
         except NotReady as reason:
-            left.append(str(reason))
+            skipped.append(str(reason))
         else:
             path = folder / stage / f"{person.id}.html"
             write_atomically(feedback_page(feedback), path)
@@ -192,25 +193,25 @@ def write_feedback(
             pages.append(path)
         progress(done, len(people), person.id)
     if not platform or not pages:
-        return Written(tuple(pages), None, tuple(left))
+        return Written(tuple(pages), None, tuple(skipped))
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
         write_atomically(zipped(returned.files), archive)
-    return Written(tuple(pages), archive, (*left, *returned.left))
+    return Written(tuple(pages), archive, (*skipped, *returned.left))
 
 
 @dataclass(frozen=True)
-class _Handed:
-    """How a learning platform calls a file that somebody handed in.
+class _SubmittedFile:
+    """Identification of a submitted file in an LMS.
 
     Attributes
     ----------
     owner, file : str
     attachment : int
-        Canvas's number of it; 0 elsewhere.
+        Canvas's number of the file; 0 for other platforms.
     participant : str
-        Moodle's number of whose it is; empty elsewhere.
+        Moodle's number of the owner; empty for other platforms.
     """
 
     owner: str
@@ -219,28 +220,28 @@ class _Handed:
     participant: str
 
 
-def _sources(course: Course, stage: str) -> dict[str, dict[str, _Handed]]:
-    """Where the files that count came from, by student and lesson."""
-    found: dict[str, dict[str, _Handed]] = {}
+def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]:
+    """Return the origins of the files that count, by student and lesson."""
+    sources: dict[str, dict[str, _SubmittedFile]] = {}
     for submission in find_submissions(course, [stage]):
         source = read_record(submission.place(course)).files.get(submission.path.name)
-        match = source and _HANDED.search(source.archive)
+        match = source and _OWNER_AND_FILE.search(source.archive)
         if match:
-            handed = _Handed(match["owner"], match["file"], source.order, source.participant)
-            found.setdefault(submission.student, {})[submission.lesson.name] = handed
-    return found
+            file = _SubmittedFile(match["owner"], match["file"], source.order, source.participant)
+            sources.setdefault(submission.student, {})[submission.lesson.name] = file
+    return sources
 
 
-def _shared(sources: dict[str, dict[str, _Handed]]) -> set[str]:
-    """Owners of whom more than one student has work: teams."""
+def _shared(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
+    """Return the owners whose files belong to more than one student, which are teams."""
     owners = Counter(
-        owner for mine in sources.values() for owner in {one.owner for one in mine.values()}
+        owner for files in sources.values() for owner in {file.owner for file in files.values()}
     )
     return {owner for owner, count in owners.items() if count > 1}
 
 
-def _answer(feedback: Feedback, lesson: LessonFeedback, file: str) -> bytes | None:
-    """What is handed back for a file: something that opens under its name."""
+def _feedback_file(feedback: Feedback, lesson: LessonFeedback, file: str) -> bytes | None:
+    """Build the feedback for one submitted file, in a format that matches the file's suffix."""
     if file.lower().endswith(".zip"):
         return zipped({f"{feedback.result.stage}_feedback.html": feedback_page(feedback).encode()})
     return feedback_notebook(feedback, lesson) if file.lower().endswith(".ipynb") else None

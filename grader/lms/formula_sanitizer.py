@@ -1,9 +1,9 @@
-r"""Formulas of a stranger: MathJax obeys the commands that are named here, and no others.
+r"""Sanitizer for formulas in untrusted text: MathJax obeys only commands on an allow-list.
 
-Some commands of MathJax make links and styles, load more commands, or define new names for these.
-So a formula is shown as the text that it is if it holds a command that is not known to draw
-mathematics and nothing else. Everywhere, whether it is a formula or not, a space of no width parts
-the backslash of such a command from its name: that holds, however a program tells formulas.
+Some MathJax commands create links and styles, load more commands, or define new names for these. A
+formula with a command that is not known to draw only mathematics is therefore shown as source text.
+In addition, a zero-width space separates the backslash of every such command from its name, inside
+and outside formulas. This protects every page, however a program detects formulas.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ arcsin arccos arctan arg cos cosh cot coth csc deg det dim exp gcd hom inf injli
 limsup ln log max min Pr projlim sec sin sinh sup tan tanh varliminf varlimsup varinjlim varprojlim
 bmod pmod mod pod operatorname limits nolimits
 """
-_BUILT = """
+_CONSTRUCTS = """
 frac dfrac tfrac cfrac binom dbinom tbinom sqrt root of over atop choose brace brack overset
 underset stackrel buildrel sideset substack boxed fbox overline underline overbrace underbrace
 overparen underparen overrightarrow underrightarrow overleftarrow underleftarrow overleftrightarrow
@@ -99,7 +99,7 @@ COMMANDS = frozenset(
         *_SYMBOLS.split(),
         *_ARROWS.split(),
         *_FUNCTIONS.split(),
-        *_BUILT.split(),
+        *_CONSTRUCTS.split(),
         *_DELIMITERS.split(),
         *_SPACES.split(),
         *_FONTS.split(),
@@ -110,26 +110,26 @@ _ENVIRONMENT = re.compile(
     r"alignat|multline|gather|split)\*?|aligned|alignedat|gathered)\}"
 )
 _COLOR = re.compile(r"\s{0,9}\{(?:[A-Za-z]{1,20}|#[0-9A-Fa-f]{3,6})\}")
-_SHORT = re.compile(r"\s{0,9}\{\s{0,9}\d{0,2}(?:\.\d{0,3})?\s{0,9}(?:em|ex|mu|pt|px|mm|cm|in)\}")
-# With these arguments alone.
+_LENGTH = re.compile(r"\s{0,9}\{\s{0,9}\d{0,2}(?:\.\d{0,3})?\s{0,9}(?:em|ex|mu|pt|px|mm|cm|in)\}")
+# Allowed only with these arguments.
 WITH_ARGUMENT = {
     "begin": _ENVIRONMENT,
     "end": _ENVIRONMENT,
     "color": _COLOR,
     "textcolor": _COLOR,
-    "hspace": _SHORT,
+    "hspace": _LENGTH,
 }
 
-# MathJax has no command of one letter that does more than draw one.
+# Only longer names are checked, because one-letter commands of MathJax draw one character at most.
 _COMMAND = re.compile(r"\\([A-Za-z]{2,}+)")
 _AS_MATHJAX_READS = re.compile(r"\\(?:([A-Za-z]{2,}+)|[\s\S])")
-# What becomes a backslash, or a letter of a name behind one, after programs have looked for it.
+# Entities that become a backslash, or a letter of a command name, after formulas are detected.
 _ENTITY = re.compile(
     r"&(?=#0*+(?:\d{1,2}|1[01]\d|12[0-7])(?!\d)|#[xX]0*+[0-7]?[0-9A-Fa-f](?![0-9A-Fa-f])|bsol;)"
 )
 _MAY_HOLD_FORMULAS = re.compile(r"[$&]|\\[(\[]|\\begin")
-# Each ends before the next one could begin, so no letter is looked at again and again. Atomic
-# groups, as Debian's Python 3.11.2 fails to match a possessive `(?:(?!...)...)*+`.
+# Each alternative ends before the next match could begin, so no character is scanned repeatedly.
+# Atomic groups, because Python 3.11.2 of Debian fails to match a possessive `(?:(?!...)...)*+`.
 _FORMULA = re.compile(
     r"\$\$[^$]++\$\$|\$[^$]++\$"
     r"|\\\\?\[(?>(?:(?!\\\\?[\[\]])[\s\S])*)\\\\?\]"
@@ -139,29 +139,29 @@ _FORMULA = re.compile(
 
 
 def harmless_formulas(markdown: str) -> str:
-    """Markdown in which MathJax finds no command but those that draw mathematics.
+    """Return Markdown in which MathJax finds only commands that draw mathematics.
 
     Returns
     -------
     str
-        A formula with any other command is code, which nothing takes for a formula.
+        A formula with any other command becomes inline code, which is not rendered as a formula.
     """
     if not _MAY_HOLD_FORMULAS.search(markdown):
         return markdown
     text = _FORMULA.sub(_as_code_if_unknown, markdown)
-    text = _COMMAND.sub(_parted_if_unknown, text)
+    text = _COMMAND.sub(_split_if_unknown, text)
     return _ENTITY.sub("&" + NO_WIDTH, text)
 
 
 def _as_code_if_unknown(formula: re.Match) -> str:
-    commands = (found for found in _AS_MATHJAX_READS.finditer(formula[0]) if found[1])
+    commands = (match for match in _AS_MATHJAX_READS.finditer(formula[0]) if match[1])
     if all(map(_is_known, commands)):
         return formula[0]
     fence = "`" * (1 + max((len(run) for run in re.findall("`+", formula[0])), default=0))
     return f"{fence} {formula[0]} {fence}"
 
 
-def _parted_if_unknown(command: re.Match) -> str:
+def _split_if_unknown(command: re.Match) -> str:
     return command[0] if _is_known(command) else f"\\{NO_WIDTH}{command[1]}"
 
 

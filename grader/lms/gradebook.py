@@ -1,4 +1,4 @@
-"""nbgrader's gradebook of a course: where it is, and how it opens."""
+"""Location and opening of a course's nbgrader gradebook."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ from grader.lms.results import GradebookUnreachable
 
 
 def open_gradebook(course: Course) -> Gradebook:
-    """Open nbgrader's gradebook of a course, made where there is none; a context manager.
+    """Open the nbgrader gradebook of a course as a context manager; create it if necessary.
 
     Raises
     ------
     GradebookUnreachable
+        If the database driver is missing or the database cannot be opened.
     """
-    # nbgrader starts a program for this, which takes seconds for each new gradebook.
+    # nbgrader would start a program to find this version, which takes seconds for each new
+    # gradebook.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
     try:
@@ -45,25 +47,25 @@ def open_gradebook(course: Course) -> Gradebook:
 
 
 def is_there(course: Course) -> bool:
-    """Whether there is a gradebook to open; on a server, whether there is one it tells itself."""
+    """Return whether a gradebook file exists; always True for a database on a server."""
     url = make_url(database_url(course))
     return url.drivername != "sqlite" or Path(url.database or "").is_file()
 
 
 def address(course: Course) -> str:
-    """Where the gradebook is, without a password."""
+    """Return the location of the gradebook without its password."""
     url = make_url(database_url(course))
     return url.database if url.drivername == "sqlite" else url.render_as_string(True)
 
 
 def database_url(course: Course) -> str:
-    """Where the gradebook is, for whoever connects to it."""
+    """Return the URL of the gradebook, which may contain a password."""
     return CourseDirectory(config=course_settings(course.root)).db_url
 
 
 @functools.cache
 def _alembic_version() -> str:
-    """The version of nbgrader's tables."""
+    """Return the current version of nbgrader's database schema."""
     settings = AlembicConfig()
     folder = Path(nbgrader.api.__file__).parent / "alembic"
     settings.set_main_option("script_location", str(folder))

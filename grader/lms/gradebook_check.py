@@ -1,4 +1,4 @@
-"""What `doctor` says about the gradebook."""
+"""Checks of the gradebook for the `doctor` command."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from grader.lms.standings import class_results
 
 
 def examine_gradebook(course: Course) -> Iterator[Finding]:
-    """Whether it opens, whose marks it holds, and whether they all are on the roster."""
+    """Check that the gradebook opens and that all students with marks are on the roster."""
     try:
         results = class_results(course)
     except GradebookUnreachable as error:
         yield Finding("gradebook", False, str(error))
         return
     except (RosterTrouble, DeadlinesTrouble):
-        return  # which is said already
-    marked = {notebook.student for notebook in results.notebooks if notebook.score is not None}
+        return  # other checks of `doctor` report these problems
+    marked = {result.student for result in results.notebooks if result.score is not None}
     yield Finding("gradebook", True, f"{address(course)}, with marks of {len(marked)} students")
     for sentence in not_on_the_roster(results):
         yield Finding("gradebook", False, sentence)

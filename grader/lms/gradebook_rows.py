@@ -1,4 +1,4 @@
-"""What the gradebook says about each notebook of each student, read in one question."""
+"""The gradebook's data on each notebook of each student, read in one query."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nbgrader.api import (
 )
 from sqlalchemy import exists, func, or_
 
-# Of a notebook: a person has given points for it.
+# Condition on a notebook: a person has given points for it.
 MARKED_BY_HAND = exists().where(
     Grade.notebook_id == SubmittedNotebook.id,
     or_(Grade.manual_score.is_not(None), func.coalesce(Grade.extra_credit, 0.0) != 0.0),
@@ -24,17 +24,18 @@ MARKED_BY_HAND = exists().where(
 
 @dataclass(frozen=True)
 class GradebookRow:
-    """What the gradebook says about a notebook of a student.
+    """The gradebook's data on one notebook of a student.
 
     Attributes
     ----------
     student, stage, lesson : str
     score, max_score, penalty : float
     needs_person : bool
-        Whether a person has still to grade something in it.
+        Whether a person still has to grade a part of it.
     has_mark_by_hand : bool
+        Whether a person has given points for it.
     handed_in, due : datetime or None
-        In UTC, without saying so, as nbgrader keeps them.
+        Naive times in UTC, as nbgrader stores them.
     extension : timedelta or None
     """
 
@@ -52,9 +53,10 @@ class GradebookRow:
 
 
 def read_rows(book: Gradebook) -> list[GradebookRow]:
-    """All rows of a gradebook."""
-    # All in one question: each object by itself is three, which a server far away answers slowly.
-    asked = (
+    """Read all rows of a gradebook."""
+    # One query for everything: separate objects take three each, which is slow with a remote
+    # server.
+    columns = (
         SubmittedAssignment.student_id,
         Assignment.name,
         Notebook.name,
@@ -67,12 +69,12 @@ def read_rows(book: Gradebook) -> list[GradebookRow]:
         Assignment.duedate,
         SubmittedAssignment.extension,
     )
-    found = (
-        book.db.query(*asked)
+    rows = (
+        book.db.query(*columns)
         .select_from(SubmittedNotebook)
         .join(SubmittedNotebook.assignment)
         .join(SubmittedAssignment.assignment)
         .join(SubmittedNotebook.notebook)
         .all()
     )
-    return [GradebookRow(*row) for row in found]
+    return [GradebookRow(*row) for row in rows]

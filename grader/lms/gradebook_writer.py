@@ -1,8 +1,8 @@
-"""Enter verdicts into nbgrader's gradebook: all of a submission or nothing.
+"""Enter verdicts into nbgrader's gradebook, each submission completely or not at all.
 
-What the gradebook should hold is compared with what it holds, before and after. Whatever differs
-is entered again, so a run that was broken off, a deleted gradebook, a new due date and changed
-points need no care of their own. One process writes.
+The expected content of the gradebook is compared with its actual content, before and after. Every
+difference is entered again. This also covers an interrupted run, a deleted gradebook, a new due
+date and changed points. Only one process may write at a time.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from grader.lms.withdrawal import withdraw
 
 
 class GradebookTrouble(Exception):
-    """The gradebook does not hold what it should; `str()` is the sentence to show."""
+    """The gradebook does not contain everything it should; `str()` is the message to show."""
 
 
 def enter(
@@ -48,42 +48,45 @@ def enter(
     progress: Callable[[int, int, object], None],
     student: str | None = None,
 ) -> None:
-    """Make the gradebook say what the verdicts say, and note which marks have changed.
+    """Update the gradebook to match the verdicts, and log the marks that changed.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     judged : list of (Submission, Verdict)
     stages : iterable of str
-        What was graded; there nobody else has a submission.
+        Stages that were graded. Students without a submission are withdrawn from these stages.
     progress : callable
         Called with (done, total, student) after each student's stage.
     student : str, optional
-        Who alone was graded; the others stay as they are.
+        Enter only this student; the others stay as they are.
 
     Raises
     ------
     GradebookTrouble
-        After everybody else has been entered.
+        If some submissions could not be entered; all others have been entered by then.
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     unknown = strangers(course, roster) if roster else {}
     entries, trouble = entries_of(course, judged, unknown)
     with open_gradebook(course) as book:
-        note_changes(course, book)  # what was graded by hand since
+        note_changes(course, book)  # log marks given by hand since the last run
         late = late_penalties(course)
         trouble += register(course, book, dict.fromkeys(stages))
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
-        known = {(submission.student, submission.lesson.stage) for submission, _ in judged}
-        trouble += withdraw(course, book, stages, known, student)
+        submitted = {(submission.student, submission.lesson.stage) for submission, _ in judged}
+        trouble += withdraw(course, book, stages, submitted, student)
         for done, entry in enumerate(entries, start=1):
             if differences(course, book, entry, late, deadlines):
-                trouble += _enter_or_say_why_not(course, book, entry, late, deadlines)
+                trouble += _try_to_enter(course, book, entry, late, deadlines)
             progress(done, len(entries), entry.student)
-        keys = {(one.student, one.lesson.name): verdict.key for one, verdict in judged}
+        keys = {
+            (submission.student, submission.lesson.name): verdict.key
+            for submission, verdict in judged
+        }
         note_changes(course, book, keys)
     if trouble:
         raise GradebookTrouble(
@@ -91,19 +94,19 @@ def enter(
         )
 
 
-def _enter_or_say_why_not(
+def _try_to_enter(
     course: Course,
     book: Gradebook,
     entry: StageEntry,
     late: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
-    """Write one submission; a sentence on each thing that is not as it should be then."""
+    """Enter one submission and return a sentence about each remaining problem."""
     try:
         trouble = _enter_one(course, book, entry, late, deadlines)
-    except Replaced as replaced:  # what is there stays, until somebody judges again
+    except Replaced as replaced:  # the entered marks stay until the new file is judged
         return [str(replaced)]
-    except Exception as error:  # one student must not stop the others
+    except Exception as error:  # one student's failure must not stop the others
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
     return trouble + differences(course, book, entry, late, deadlines)
 
@@ -115,12 +118,12 @@ def _enter_one(
     late: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
-    """Write one submission: files beside their place, the gradebook, then the files' place.
+    """Enter one submission: write its files to a draft, update the gradebook, move the draft.
 
     Returns
     -------
     list of str
-        A sentence on each copy in which nothing of the student's could be shown.
+        One sentence for each copy that shows nothing of the student's work.
     """
     copies, modules, trouble = {}, {}, []
     for submission, verdict in entry.judged:
@@ -138,7 +141,7 @@ def _enter_one(
     folder = course.autograded / entry.student / entry.stage
     draft = folder.with_name(f".{folder.name}.part")
     write_files(course, entry, copies, modules, draft)
-    known = read_known(course, entry.student, entry.stage)
+    old_answers = read_known(course, entry.student, entry.stage)
     answers = {name: fingerprints(copy) for name, copy in copies.items()}
     with _one_transaction(book):
         book.update_or_create_student(entry.student)
@@ -149,12 +152,12 @@ def _enter_one(
         for notebook in submission.notebooks:
             copy = copies.get(notebook.name)
             if copy is None:
-                _nothing_handed_in(notebook)
+                _enter_as_missing(notebook)
             else:
-                same = known.get(notebook.name, {})
-                _save(notebook, copy, same, answers[notebook.name])
+                previous = old_answers.get(notebook.name, {})
+                _save(notebook, copy, previous, answers[notebook.name])
         book.db.flush()
-        book.db.expire_all()  # sums are made by the database
+        book.db.expire_all()  # the database computes the sums
         for notebook in submission.notebooks:
             notebook.late_submission_penalty = penalty_of(submission, notebook, late)
     put_in_place(draft, folder)
@@ -168,7 +171,7 @@ def _save(
     before: dict[str, str],
     now: dict[str, str],
 ) -> None:
-    """Take scores from the cells of a copy, as nbgrader's SaveAutoGrades does."""
+    """Take the scores from the cells of a copy, as nbgrader's SaveAutoGrades does."""
     cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
     for grade in notebook.grades:
         score, _ = determine_grade(cells[grade.name])
@@ -179,14 +182,14 @@ def _save(
         comment.auto_comment = "No response." if untouched else None
 
 
-def _nothing_handed_in(notebook: SubmittedNotebook) -> None:
+def _enter_as_missing(notebook: SubmittedNotebook) -> None:
     for grade in notebook.grades:
         grade.auto_score, grade.needs_manual_grade = 0.0, False
 
 
 @contextlib.contextmanager
 def _one_transaction(book: Gradebook) -> Iterator[None]:
-    """Keep what nbgrader would commit step by step until all of it is there."""
+    """Defer nbgrader's step-by-step commits until all steps have succeeded."""
     session: Session = book.db()
     commit, session.commit = session.commit, session.flush
     try:

@@ -1,8 +1,8 @@
-"""Every mark that changed: from what, to what, when, and by which verdict or by a person.
+"""A log of every mark that changed: old and new value, time, and the verdict or person behind it.
 
-``marks.jsonl`` beside the course has a line for each change, and is only ever added to. What it
-says last is compared with the gradebook, so that marks are noticed that somebody gave in between;
-a line that is lost, or torn by a power cut, is written again.
+``marks.jsonl`` in the course folder has one line per change and is only ever appended to. Each run
+compares the last known marks with the gradebook, so marks that a person entered in between are
+noticed. A line that was lost or truncated by a power cut is written again.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from sqlalchemy.orm import Query
 from grader.course.paths import Course
 from grader.lms.autograded import key_of_copy
 
-CLOSE = 1e-6  # points are written with two digits
-LATENESS = "late penalty"  # stands in the place of an exercise
+CLOSE = 1e-6  # points are written with two decimal places
+LATENESS = "late penalty"  # used in place of an exercise name
 A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
 GONE = "taken out of the gradebook"
 
@@ -38,21 +38,21 @@ Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
 
 @dataclass(frozen=True)
 class Change:
-    """One mark that changed.
+    """One change of a mark.
 
     Attributes
     ----------
     when : str
-        When it was noticed, in ISO 8601.
+        Time at which the change was noticed, in ISO 8601.
     student, stage, lesson : str
     exercise : str
-        Or `LATENESS`, of which the points are those taken off.
+        Name of the exercise, or `LATENESS`, whose points are a deduction.
     before, after : float or None
-        None where there is no mark.
+        None if there is no mark.
     by : str
-        "verdict" with its key, "a person", or what else it was.
+        "verdict" with its key, "a person", or one of the module's other reasons.
     by_hand : tuple of (float or None, float or None) or None
-        The mark and the extra points that a person has given by then.
+        The mark and the extra points that a person has given so far.
     """
 
     when: str
@@ -67,22 +67,22 @@ class Change:
 
     @property
     def place(self) -> Place:
-        """Which mark it is."""
+        """Student, stage, lesson and exercise of the mark."""
         return self.student, self.stage, self.lesson, self.exercise
 
 
 def read_changes(course: Course) -> Iterator[Change]:
-    """All changes, the oldest first; lines that cannot be read are left out."""
+    """Yield all changes, oldest first, skipping unreadable lines."""
     try:
         text = _path(course).read_text("utf-8", errors="surrogateescape")
     except FileNotFoundError:
         return
     for line in text.split("\n"):
         try:
-            about = json.loads(line)
-            by_hand = about.pop("by_hand", None)
-            before, after = about.pop("from"), about.pop("to")
-            yield Change(**about, before=before, after=after, by_hand=by_hand and tuple(by_hand))
+            fields = json.loads(line)
+            by_hand = fields.pop("by_hand", None)
+            before, after = fields.pop("from"), fields.pop("to")
+            yield Change(**fields, before=before, after=after, by_hand=by_hand and tuple(by_hand))
         except (ValueError, TypeError, KeyError, AttributeError):
             continue
 
@@ -90,15 +90,14 @@ def read_changes(course: Course) -> Iterator[Change]:
 def note_changes(
     course: Course, book: Gradebook, keys: Mapping[tuple[str, str], str] | None = None
 ) -> None:
-    """Add a line for each mark that is another than the last line about it says.
+    """Append a line for each mark that differs from the last line about it.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     book : nbgrader.api.Gradebook
     keys : dict of (str, str) to str, optional
-        Keys of the verdicts by student and lesson, where they are known; the copies in
-        ``autograded/`` have them, too.
+        Known verdict keys by student and lesson. Other keys are read from ``autograded/``.
     """
     known = {change.place: change for change in read_changes(course)}
     now = datetime.now(UTC).isoformat(timespec="seconds")
@@ -110,33 +109,33 @@ def note_changes(
         after, by_hand = marks.get(place, (None, None))
         if _same(before, after):
             continue
-        by = _by(course, place, place in marks, by_hand != (last and last.by_hand), keys or {})
+        by = _cause(course, place, place in marks, by_hand != (last and last.by_hand), keys or {})
         lines.append(_line(Change(now, *place, before, after, by, by_hand)))
     _append(course, lines)
 
 
-def _by(
+def _cause(
     course: Course,
     place: Place,
-    is_there: bool,
-    other_hand: bool,
+    exists: bool,
+    changed_by_hand: bool,
     keys: Mapping[tuple[str, str], str],
 ) -> str:
-    """Who or what changed a mark."""
+    """Return the cause of a change: a verdict, a person, lateness or a removal."""
     student, stage, lesson, exercise = place
     if exercise == LATENESS:
         return LATE
-    if not is_there:
+    if not exists:
         return GONE
-    if other_hand:
+    if changed_by_hand:
         return A_PERSON
     key = keys.get((student, lesson)) or key_of_copy(course, student, stage, lesson)
     return f"{A_VERDICT} {key}" if key else A_VERDICT
 
 
 def _marks(course: Course, book: Gradebook) -> dict[Place, tuple[float | None, tuple | None]]:
-    """(mark, what a person has given) of every graded cell."""
-    asked = (
+    """Return (mark, points given by a person) for every graded cell."""
+    columns = (
         SubmittedAssignment.student_id,
         Assignment.name,
         Notebook.name,
@@ -146,37 +145,41 @@ def _marks(course: Course, book: Gradebook) -> dict[Place, tuple[float | None, t
         Grade.extra_credit,
     )
     rows = (
-        _joined(book, asked)
+        _query(book, columns)
         .join(Grade, Grade.notebook_id == SubmittedNotebook.id)
         .join(BaseCell, BaseCell.id == Grade.cell_id)
     )
-    found = {}
+    marks = {}
     for student, stage, lesson, cell, auto, manual, extra in rows:
         mark = auto if manual is None else manual
         by_hand = None if manual is None and not extra else (manual, extra or None)
-        if by_hand is None and not mark:  # nbgrader has 0 for what was not handed in
+        if by_hand is None and not mark:  # nbgrader stores 0 for a lesson that was not submitted
             copy = course.autograded / student / stage / f"{lesson}.ipynb"
             mark = mark if copy.is_file() else None
         elif extra:
             mark = (mark or 0.0) + extra
-        found[student, stage, lesson, cell.removeprefix("test_")] = (mark, by_hand)
-    return found
+        marks[student, stage, lesson, cell.removeprefix("test_")] = (mark, by_hand)
+    return marks
 
 
 def _penalties(book: Gradebook) -> dict[Place, tuple[float, None]]:
-    """Points taken off for lateness, where there are any."""
-    asked = (
+    """Return the points deducted for lateness, for notebooks with a deduction."""
+    columns = (
         SubmittedAssignment.student_id,
         Assignment.name,
         Notebook.name,
         SubmittedNotebook.late_submission_penalty,
     )
-    return {(*about, LATENESS): (off, None) for *about, off in _joined(book, asked) if off}
+    return {
+        (*identity, LATENESS): (points, None)
+        for *identity, points in _query(book, columns)
+        if points
+    }
 
 
-def _joined(book: Gradebook, asked: tuple) -> Query:
+def _query(book: Gradebook, columns: tuple) -> Query:
     return (
-        book.db.query(*asked)
+        book.db.query(*columns)
         .select_from(SubmittedNotebook)
         .join(SubmittedNotebook.assignment)
         .join(SubmittedAssignment.assignment)
@@ -184,14 +187,14 @@ def _joined(book: Gradebook, asked: tuple) -> Query:
     )
 
 
-def _same(one: float | None, other: float | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return abs(one - other) < CLOSE
+def _same(first: float | None, second: float | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return abs(first - second) < CLOSE
 
 
 def _line(change: Change) -> str:
-    about = {
+    fields = {
         "when": change.when,
         "student": change.student,
         "stage": change.stage,
@@ -202,7 +205,7 @@ def _line(change: Change) -> str:
         "by": change.by,
     }
     by_hand = {"by_hand": change.by_hand} if change.by_hand else {}
-    return json.dumps(about | by_hand, ensure_ascii=False) + "\n"
+    return json.dumps(fields | by_hand, ensure_ascii=False) + "\n"
 
 
 def _append(course: Course, lines: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""The table of marks in the report: a row a student, a cell a lesson."""
+"""The table of marks in the report: one row per student, one cell per lesson."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ JUDGE_FAILED = "the judge failed: grade again"
 
 @dataclass(frozen=True)
 class MarkCell:
-    """What stands in a cell, what it means, and the number to sort by."""
+    """Text of a cell, its explanation, and the number used for sorting."""
 
     text: str
     means: str = ""
@@ -34,18 +34,18 @@ class MarkCell:
 
 @dataclass(frozen=True)
 class StudentRow:
-    """One student.
+    """The row of one student.
 
     Attributes
     ----------
     person : grader.course.roster.Person
     is_known : bool
-        False for who handed in and is not in the gradebook.
+        False for a student who submitted but is not in the gradebook.
     cells : tuple of MarkCell
     late : MarkCell
     sum : MarkCell
     share : float or None
-        What that is of what it could be; None for who has no mark.
+        Fraction of the possible points that the student earned; None without a mark.
     """
 
     person: Person
@@ -58,16 +58,16 @@ class StudentRow:
 
 @dataclass(frozen=True)
 class Section:
-    """How a section did.
+    """Summary of one section of the class.
 
     Attributes
     ----------
     name : str
-        Empty for those who are in none.
+        Empty for students without a section.
     people, marked : int
-        How many are in it, and how many of them have a mark.
+        Number of students in the section, and number of those with a mark.
     mean : float or None
-        Of what these have of what they could have, from 0 to 1.
+        Mean share of points among the students with a mark, from 0 to 1.
     """
 
     name: str
@@ -78,20 +78,20 @@ class Section:
 
 @dataclass(frozen=True)
 class MarksTable:
-    """All rows, and what a column is worth.
+    """All rows of the table, and the points available in each column.
 
     Attributes
     ----------
     lessons : tuple of Lesson
     most : tuple of str
-        Points of each lesson.
+        Points available in each lesson.
     rows : tuple of StudentRow
     sections : tuple of Section
-        Empty where nobody is in one.
+        Empty if no student has a section.
     has_late : bool
-        Whether anybody is late.
+        Whether any student is late.
     from_gradebook : bool
-        False where the scores are the judge's.
+        False if the scores come from the judge.
     """
 
     lessons: tuple[Lesson, ...]
@@ -107,23 +107,23 @@ def marks_table(
     results: ClassResults,
     verdicts: Mapping[str, Mapping[str, Verdict]],
 ) -> MarksTable:
-    """Make the table of a class.
+    """Build the table of marks for a class.
 
     Parameters
     ----------
     lessons : list of Lesson
-        The columns.
+        Columns of the table.
     results : ClassResults
-        The marks.
+        Marks from the gradebook.
     verdicts : dict of str to dict of str to Verdict
-        By student and lesson: of who is not in the results, the scores are these.
+        Verdicts by student and lesson. They provide the scores of students without results.
     """
-    worth = {v.lesson: v.max_score for mine in verdicts.values() for v in mine.values()}
+    worth = {v.lesson: v.max_score for by_lesson in verdicts.values() for v in by_lesson.values()}
     worth |= results.lessons
-    rows = [_known(person, lessons, results, verdicts) for person in results.people]
+    rows = [_gradebook_row(person, lessons, results, verdicts) for person in results.people]
     known = {person.id for person in results.people}
     rows += [
-        _unknown(id, lessons, verdicts[id], bool(results.people))
+        _judged_row(id, lessons, verdicts[id], bool(results.people))
         for id in verdicts
         if id not in known
     ]
@@ -137,25 +137,25 @@ def marks_table(
     )
 
 
-def _known(
+def _gradebook_row(
     person: Person,
     lessons: Sequence[Lesson],
     results: ClassResults,
     verdicts: Mapping[str, Mapping[str, Verdict]],
 ) -> StudentRow:
-    mine = [results.notebook(person.id, lesson.name) for lesson in lessons]
+    own = [results.notebook(person.id, lesson.name) for lesson in lessons]
     judged = verdicts.get(person.id, {})
     cells = tuple(
-        _cell(result, judged.get(lesson.name)) for result, lesson in zip(mine, lessons, strict=True)
+        _cell(result, judged.get(lesson.name)) for result, lesson in zip(own, lessons, strict=True)
     )
-    found = [result for result in mine if result]
+    existing = [result for result in own if result]
     stages = dict.fromkeys(lesson.stage for lesson in lessons)
-    standings = [one for stage in stages if (one := results.stage(person.id, stage))]
-    counted = [one for one in found if one.standing != EXCUSED]
-    most = sum(one.max_score for one in counted)
-    earned = [one.points for one in counted if one.points is not None]
-    share = sum(earned) / most if earned and most else None
-    return StudentRow(person, True, cells, _late(standings), _sum(found), share)
+    standings = [result for stage in stages if (result := results.stage(person.id, stage))]
+    counted = [result for result in existing if result.standing != EXCUSED]
+    maximum = sum(result.max_score for result in counted)
+    earned = [result.points for result in counted if result.points is not None]
+    share = sum(earned) / maximum if earned and maximum else None
+    return StudentRow(person, True, cells, _late(standings), _sum(existing), share)
 
 
 def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
@@ -176,30 +176,32 @@ def _cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
         return MarkCell("exc.", "excused: nothing is expected")
     if result.score is None:
         return MarkCell("…", "handed in, and not yet entered")
-    text, means = write_number(result.points), []
+    text, notes = write_number(result.points), []
     if result.standing == EXCUSED:
-        text, means = f"({text})", ["excused: does not count"]
+        text, notes = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
-        text, means = f"{text} …", ["a person has still to grade something in it"]
+        text, notes = f"{text} …", ["a person has still to grade something in it"]
     if result.penalty:
-        means.append(
+        notes.append(
             f"{write_number(result.score)} less {write_number(result.penalty)} for lateness"
         )
-    return MarkCell(text, "; ".join(means), result.points)
+    return MarkCell(text, "; ".join(notes), result.points)
 
 
 def _sum(results: Sequence[NotebookResult]) -> MarkCell:
-    """The points of all that counts, of what they could be."""
+    """Build the cell with the total of all lessons that count and its maximum."""
     counted = [result for result in results if result.standing != EXCUSED]
     if not counted:
         return MarkCell("exc." if results else "–")
-    whole = sum(result.points or 0.0 for result in counted)
+    total = sum(result.points or 0.0 for result in counted)
     waiting = sum(result.standing == WAITING for result in counted)
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"wait for a person": waiting, "missing": missing}
-    means = ", ".join(f"{number} {what}" for what, number in kinds.items() if number)
-    most = write_number(sum(result.max_score for result in counted))
-    return MarkCell(f"{write_number(whole)} of {most}{' …' if waiting else ''}", means, whole)
+    explanation = ", ".join(f"{number} {label}" for label, number in kinds.items() if number)
+    maximum = write_number(sum(result.max_score for result in counted))
+    return MarkCell(
+        f"{write_number(total)} of {maximum}{' …' if waiting else ''}", explanation, total
+    )
 
 
 def _late(stages: Sequence[StageResult]) -> MarkCell:
@@ -209,22 +211,22 @@ def _late(stages: Sequence[StageResult]) -> MarkCell:
     parts = [duration(late)] if late else []
     parts += [f"−{write_number(penalty)}"] if penalty else []
     parts += ["undecided"] if undecided else []
-    means = "; ".join(
+    explanation = "; ".join(
         f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
     )
-    return MarkCell(", ".join(parts), means, late.total_seconds())
+    return MarkCell(", ".join(parts), explanation, late.total_seconds())
 
 
 def duration(time: timedelta) -> str:
-    """How long in the largest two units: ``1 d 3 h``, ``5 h 20 min``; at least a minute."""
+    """Format a time span in two units, such as ``1 d 3 h`` or ``5 h 20 min``; at least 1 min."""
     minutes = max(1, round(time.total_seconds() / 60))
     days, hours, rest = minutes // 1440, minutes % 1440 // 60, minutes % 60
     parts = [(days, "d"), (hours, "h"), (0 if days else rest, "min")]
     return " ".join(f"{number} {unit}" for number, unit in parts if number)
 
 
-def _unknown(
-    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_stranger: bool
+def _judged_row(
+    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_unknown: bool
 ) -> StudentRow:
     cells = []
     for lesson in lessons:
@@ -236,5 +238,5 @@ def _unknown(
         else:
             cells.append(MarkCell(write_number(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
-    whole = MarkCell(write_number(sum(scores)), "by the judge", sum(scores))
-    return StudentRow(Person(id), not is_stranger, tuple(cells), MarkCell(""), whole)
+    total = MarkCell(write_number(sum(scores)), "by the judge", sum(scores))
+    return StudentRow(Person(id), not is_unknown, tuple(cells), MarkCell(""), total)

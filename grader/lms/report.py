@@ -1,6 +1,6 @@
-"""The report on a class: one HTML page that needs nothing beside it, and one without names.
+"""The report on a class: one self-contained HTML page, and a second one without names.
 
-The marks are the gradebook's; what went wrong is the judge's.
+Marks come from the gradebook; failures come from the judge's verdicts.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from grader.lms.marks_table import duration, marks_table
 from grader.lms.results import ClassResults, write_number
 
 NOBODY = ClassResults((), (), ())
-# A lesson that fewer have handed in says too much about each of them, even without names.
+# Results of a lesson with fewer submissions could be traced to single students, even without names.
 FEWEST = 5
 
 Judged = Sequence[tuple[Submission, Verdict]]
@@ -46,16 +46,16 @@ Judged = Sequence[tuple[Submission, Verdict]]
 
 @dataclass(frozen=True)
 class GradingRun:
-    """What a run of `grade` did.
+    """Statistics of one run of the `grade` command.
 
     Attributes
     ----------
     judged, before : int
-        Notebooks that it judged, and those that had been judged before.
+        Number of notebooks judged in this run, and of notebooks judged in earlier runs.
     seconds : float
-        What judging took, by the clock on the wall.
+        Wall-clock time of judging.
     sandbox : str
-        The program that built the sandbox; empty if a cluster's workers each chose their own.
+        Program that built the sandbox; empty if the workers of a cluster each chose their own.
     """
 
     judged: int
@@ -72,20 +72,20 @@ def write_report(
     warning: str = "",
     left: Sequence[tuple[Path, str]] = (),
 ) -> Path:
-    """Write the report, and beside it ``anonymous.html``, which names nobody.
+    """Write the report, and ``anonymous.html`` without names next to it.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     judged : list of (grader.classroom.submissions.Submission, grader.judging.verdict.Verdict)
     results : grader.lms.results.ClassResults, optional
-        What the gradebook says. Without it, scores are the judge's.
+        Marks from the gradebook. Without them, the report shows the judge's scores.
     run : GradingRun, optional
-        What was done just now.
+        Statistics of the run that has just ended.
     warning : str, optional
-        A sentence for the head of the page.
+        Sentence at the top of the page.
     left : list of (Path, str), optional
-        Files that nobody judged, each with the reason.
+        Files that were not judged, each with the reason.
 
     Returns
     -------
@@ -149,40 +149,44 @@ def _lessons(pairs: Sequence[tuple[str, Verdict]], results: ClassResults) -> lis
 def _distributions(
     lessons: Sequence[Lesson], results: ClassResults, counted: Sequence[Verdict]
 ) -> list[Distribution]:
-    found = (distribution_of(lesson, results, counted) for lesson in lessons)
-    return [one for one in found if one.count]
+    distributions = (distribution_of(lesson, results, counted) for lesson in lessons)
+    return [distribution for distribution in distributions if distribution.count]
 
 
 def _items(lessons: Sequence[Lesson], counted: Sequence[Verdict]) -> list[tuple[str, list]]:
-    found = []
+    analyses = []
     for lesson in lessons:
         items = items_of([verdict for verdict in counted if verdict.lesson == lesson.name])
         if items:
-            found.append((lesson.name, items))
-    return found
+            analyses.append((lesson.name, items))
+    return analyses
 
 
 def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[str]]]:
-    """(lesson, students who handed in the same bytes), but for those of the notebook given out."""
-    found: dict[tuple[str, str], list[str]] = {}
+    """Return (lesson, students with identical files), without notebooks left as released."""
+    by_content: dict[tuple[str, str], list[str]] = {}
     for student, verdict in pairs:
         if verdict.fingerprint:
-            found.setdefault((verdict.lesson, verdict.fingerprint), []).append(student)
-    twice = {place: students for place, students in found.items() if len(students) > 1}
-    given = {
+            by_content.setdefault((verdict.lesson, verdict.fingerprint), []).append(student)
+    duplicates = {
+        content: students for content, students in by_content.items() if len(students) > 1
+    }
+    as_released = {
         HandedIn(lesson.released.name, lesson.released.read_bytes()).fingerprint()
         for lesson in all_lessons()
-        if lesson.name in {name for name, _ in twice}
+        if lesson.name in {name for name, _ in duplicates}
     }
     return [
-        (lesson, students) for (lesson, print_), students in twice.items() if print_ not in given
+        (lesson, students)
+        for (lesson, fingerprint), students in duplicates.items()
+        if fingerprint not in as_released
     ]
 
 
 def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
 ) -> list[tuple[Person, list, dict[str, Verdict]]]:
-    """Each with how they stand in the stages, and the verdicts on their notebooks."""
+    """Return each student with their stage results and the verdicts on their notebooks."""
     known = {person.id: person for person in results.people}
     ids = dict.fromkeys([*known, *by_student])
     stages: dict[str, list] = {}
@@ -192,41 +196,43 @@ def _people(
 
 
 def _namesakes(results: ClassResults) -> set[str]:
-    """Names that more than one student has."""
+    """Return the names shared by more than one student."""
     counts = Counter(person.name for person in results.people)
     return {name for name, count in counts.items() if count > 1}
 
 
 def _links(course: Course) -> list[tuple[str, str]]:
-    """(address, words) of what lies beside the report."""
-    found = [("anonymous.html", "this report without names")]
+    """Return (address, link text) of each file next to the report."""
+    links = [("anonymous.html", "this report without names")]
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
-        found.append((quote(path.name), f"which answers of {stage} are alike"))
+        links.append((quote(path.name), f"which answers of {stage} are alike"))
     for path in sorted(course.report.glob("league_*.csv")):
         stage = path.stem.removeprefix("league_")
-        found.append(
+        links.append(
             (f"../league/{quote(stage)}.html", f"the league of {stage}, for a class to see")
         )
-        found.append((quote(path.name), f"who is who in the league of {stage}"))
+        links.append((quote(path.name), f"who is who in the league of {stage}"))
     for path in sorted(course.root.glob("scores*.csv")):
-        found.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))
+        links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))
     for path in sorted((course.root / "handed_back").glob("*/")):
-        found.append((f"../handed_back/{quote(path.name)}/", f"feedback on {path.name}"))
-    return found
+        links.append((f"../handed_back/{quote(path.name)}/", f"feedback on {path.name}"))
+    return links
 
 
 def _anonymous(about: dict, counted: Sequence[Verdict]) -> str:
-    """The page without names: it gets numbers, and titles of ours; no word of a student."""
+    """Render the page without names from numbers and check titles, never from student text."""
     handed_in = Counter(verdict.lesson for verdict in counted)
     few = sorted(lesson for lesson, count in handed_in.items() if count < FEWEST)
     shown = [verdict for verdict in counted if verdict.lesson not in few]
     kept = {
         **about,
         "distributions": [
-            one for one in about["distributions"] if one.count >= FEWEST and one.name not in few
+            distribution
+            for distribution in about["distributions"]
+            if distribution.count >= FEWEST and distribution.name not in few
         ],
-        "hardest": [one for one in about["hardest"] if one.lesson not in few],
+        "hardest": [check for check in about["hardest"] if check.lesson not in few],
         "items": [(lesson, items) for lesson, items in about["items"] if lesson not in few],
         "not_started": not_started(shown),
     }

@@ -1,6 +1,6 @@
-"""The results of a class: what report, table and exporters are given.
+"""The results of a class, as used by the report, the marks table and the exporters.
 
-Missing, 0, excused and waiting are four things. A student's standing says which of them it is.
+Missing, 0, excused and waiting are four different states. `standing` distinguishes them.
 """
 
 from __future__ import annotations
@@ -12,33 +12,33 @@ from datetime import datetime, timedelta
 
 from grader.course.roster import Person
 
-MISSING = "missing"  # nothing was handed in
-EXCUSED = "excused"  # nothing is expected
-WAITING = "waiting"  # a person has still to grade, or it is handed in and not yet entered
-MARKED = "marked"  # there is a mark, and 0 is one
+MISSING = "missing"  # the lesson was not submitted
+EXCUSED = "excused"  # the student is exempt from the lesson
+WAITING = "waiting"  # a person has to grade a part, or the submission is not entered yet
+MARKED = "marked"  # there is a mark, which may be 0
 
 
 class GradebookUnreachable(Exception):
-    """The gradebook cannot be opened; `str()` is the sentence to show."""
+    """The gradebook cannot be opened; `str()` is the message to show."""
 
 
 @dataclass(frozen=True)
 class NotebookResult:
-    """How somebody stands in a lesson.
+    """A student's result in one lesson.
 
     Attributes
     ----------
     student : str
-        Id.
+        ID of the student.
     stage, lesson : str
     standing : str
         `MISSING`, `EXCUSED`, `WAITING` or `MARKED`.
     score : float or None
-        What was earned so far, by machine and by hand, before a penalty. None where nothing is
-        entered: missing, or waiting to be entered.
+        Points earned so far, by machine and by hand, before the penalty. None if nothing is
+        entered, because the lesson is missing or waits to be entered.
     max_score : float
     penalty : float
-        Points that nbgrader takes off for lateness.
+        Points that nbgrader deducts for lateness.
     """
 
     student: str
@@ -51,30 +51,30 @@ class NotebookResult:
 
     @property
     def points(self) -> float | None:
-        """What is left after the penalty; None as `score`."""
+        """Points after the penalty; None if `score` is None."""
         return _after(self.score, self.penalty)
 
 
 @dataclass(frozen=True)
 class StageResult:
-    """How somebody stands in a stage.
+    """A student's result in one stage.
 
     Attributes
     ----------
     student, stage : str
     standing : str
-        `EXCUSED`, `MISSING` where no lesson was handed in, `WAITING` where one waits, else
-        `MARKED`: a lesson that is missing counts 0 then.
+        `EXCUSED`, `MISSING` if no lesson was submitted, `WAITING` if a lesson waits, otherwise
+        `MARKED`. In a marked stage, a missing lesson counts as 0.
     score : float or None
     max_score, penalty : float
-        As of a `NotebookResult`, for all lessons of the stage.
+        Sums over all lessons of the stage; see `NotebookResult`.
     handed_in, due : datetime or None
-        Aware; None where nobody has said so.
+        Aware times of submission and due date; None if unknown.
     late : timedelta
-        Since it was due; zero in time.
+        Time between due date and submission; zero if the submission was on time.
     undecided : str
-        Where it is due, why nobody knows when it was handed in: whether it is late, a person has to
-        say. Empty where it is known, and where there is nothing to say so.
+        Reason why the time of submission is unknown although the stage has a due date. A person
+        then has to decide whether it is late. Empty in all other cases.
     """
 
     student: str
@@ -90,24 +90,24 @@ class StageResult:
 
     @property
     def points(self) -> float | None:
-        """What is left after the penalty; None as `score`."""
+        """Points after the penalty; None if `score` is None."""
         return _after(self.score, self.penalty)
 
 
 @dataclass(frozen=True)
 class ClassResults:
-    """How a class stands, in everything that anybody has handed in.
+    """Results of a class in all lessons that at least one student submitted.
 
     Attributes
     ----------
     people : tuple of grader.course.roster.Person
-        All on the roster, in its order; without a roster, all who handed in.
+        All students on the roster, in its order. Without a roster, all students who submitted.
     notebooks : tuple of NotebookResult
-        One for each of them and each lesson, in this order.
+        One for each student and lesson, in this order.
     stages : tuple of StageResult
-        One for each of them and each stage.
+        One for each student and stage.
     strangers : tuple of str
-        Who has marks in the gradebook, and is not on the roster: they have no results here.
+        IDs that have marks in the gradebook but are not on the roster. They have no results here.
     """
 
     people: tuple[Person, ...]
@@ -116,16 +116,16 @@ class ClassResults:
     strangers: tuple[str, ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
-        """How a student stands in a lesson; None where nobody has handed it in."""
+        """Return a student's result in a lesson, or None if no student submitted the lesson."""
         return self._notebooks.get((student, lesson))
 
     def stage(self, student: str, stage: str) -> StageResult | None:
-        """How a student stands in a stage; None where nobody has handed anything in."""
+        """Return a student's result in a stage, or None if no student submitted any of it."""
         return self._stages.get((student, stage))
 
     @functools.cached_property
     def lessons(self) -> dict[str, float]:
-        """What each lesson that was handed in is worth, in their order."""
+        """Maximum score of each submitted lesson, in lesson order."""
         return {result.lesson: result.max_score for result in sorted(self.notebooks, key=_lesson)}
 
     @functools.cached_property
@@ -138,13 +138,13 @@ class ClassResults:
 
 
 def standing_in_stage(lessons: Iterable[NotebookResult]) -> str:
-    """What the standing in each lesson of a stage comes to."""
+    """Combine the standings in the lessons of a stage into one."""
     found = {result.standing for result in lessons}
-    return next((one for one in (EXCUSED, WAITING, MARKED) if one in found), MISSING)
+    return next((standing for standing in (EXCUSED, WAITING, MARKED) if standing in found), MISSING)
 
 
 def write_number(points: float, decimal_mark: str = ".") -> str:
-    """Points with two digits at most, as everything has them."""
+    """Format points with at most two decimal places."""
     return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)
 
 

@@ -1,4 +1,4 @@
-"""The marks of a class in one assignment of a learning platform."""
+"""The marks of a class in one assignment of an LMS."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ WITHOUT = {
 
 @dataclass(frozen=True)
 class Mark:
-    """What one person is given.
+    """Points of one student in an assignment.
 
     Attributes
     ----------
     person : grader.course.roster.Person
     points : float
-        After the penalty for lateness.
+        Points after the penalty for lateness.
     """
 
     person: Person
@@ -34,19 +34,19 @@ class Mark:
 
 @dataclass(frozen=True)
 class Marks:
-    """Who has a mark, and who has none.
+    """Marks of a class in an assignment, and the students without a mark.
 
     Attributes
     ----------
     assignment : str
-        A stage or a lesson.
+        Name of a stage or lesson.
     worth : dict of str to float
-        Points of each of its lessons.
+        Points of each lesson in the assignment.
     marks : tuple of Mark
     without : dict of str to tuple of grader.course.roster.Person
-        Those who have no mark, by standing.
+        Students without a mark, by standing.
     lost, notes : tuple of str
-        As in `Exported`.
+        Same meaning as in `Exported`.
     """
 
     assignment: str
@@ -58,36 +58,38 @@ class Marks:
 
     @property
     def most(self) -> float:
-        """What the assignment is worth."""
+        """Maximum number of points in the assignment."""
         return sum(self.worth.values())
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """All on the roster."""
+        """All students, first those with a mark."""
         others = (person for people in self.without.values() for person in people)
         return (*(mark.person for mark in self.marks), *others)
 
 
 def marks_of(order: Order) -> Marks:
-    """The marks that are to be exported.
+    """Collect the marks to export.
 
     Raises
     ------
     ExportTrouble
-        Where there is no such assignment, and where a mark waits for a person and nobody said that
-        it may.
+        If the assignment does not exist, or if a mark is still waiting and the order does not allow
+        provisional marks.
     """
     results, assignment = order.results, order.assignment
-    notebooks = [one for one in results.notebooks if assignment in (one.stage, one.lesson)]
+    notebooks = [
+        result for result in results.notebooks if assignment in (result.stage, result.lesson)
+    ]
     if not notebooks:
         names = dict.fromkeys(
-            name for notebook in results.notebooks for name in (notebook.stage, notebook.lesson)
+            name for result in results.notebooks for name in (result.stage, result.lesson)
         )
         raise ExportTrouble(
             f"Say with --assignment which stage or lesson these marks are of. Handed in was: "
             f"{', '.join(sorted(names))}."
         )
-    waiting = [one for one in notebooks if one.standing == WAITING]
+    waiting = [result for result in notebooks if result.standing == WAITING]
     if waiting and not order.provisional:
         raise ExportTrouble(
             f"{'; '.join(_by_lesson(waiting))}: waiting. Grade in Formgrader what a person grades, "
@@ -103,7 +105,7 @@ def marks_of(order: Order) -> Marks:
             without[standing].append(person)
     return Marks(
         assignment,
-        {one.lesson: one.max_score for one in notebooks},
+        {result.lesson: result.max_score for result in notebooks},
         tuple(marks),
         {standing: tuple(people) for standing, people in without.items()},
         tuple(not_on_the_roster(results)),
@@ -117,16 +119,16 @@ def _notes(
     marks: Sequence[Mark],
     without: dict[str, list[Person]],
 ) -> Iterator[str]:
-    """What these marks are made of, and who has none; empty where there is nothing to say."""
+    """Yield sentences on the origin of the marks and on students without one; some may be empty."""
     ids = {mark.person.id for mark in marks}
-    mine = [notebook for notebook in notebooks if notebook.student in ids]
-    waiting = [one for one in mine if one.standing == WAITING]
-    zeros = [one for one in mine if one.standing == MISSING]
+    own = [result for result in notebooks if result.student in ids]
+    waiting = [result for result in own if result.standing == WAITING]
+    zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
     undecided = [
-        one.student
-        for one in results.stages
-        if one.undecided and one.stage == stage and one.student in ids
+        result.student
+        for result in results.stages
+        if result.undecided and result.stage == stage and result.student in ids
     ]
     yield listed("Provisional, with what waits for a person still to come", _by_lesson(waiting))
     yield listed("Counted as 0, because nothing was handed in", _by_lesson(zeros))
@@ -136,18 +138,18 @@ def _notes(
 
 
 def listed(title: str, names: Iterable[str]) -> str:
-    """One sentence with all names; none where there are none."""
+    """Join a title and all names into one sentence; empty if there are no names."""
     names = list(names)
     return f"{title}: {'; '.join(names)}." if names else ""
 
 
 def _standing(results: ClassResults, person: Person, assignment: str) -> tuple[str, float | None]:
-    found = results.stage(person.id, assignment) or results.notebook(person.id, assignment)
-    return (found.standing, found.points) if found else (MISSING, None)
+    result = results.stage(person.id, assignment) or results.notebook(person.id, assignment)
+    return (result.standing, result.points) if result else (MISSING, None)
 
 
 def _by_lesson(notebooks: Iterable[NotebookResult]) -> list[str]:
     students: dict[str, list[str]] = {}
-    for notebook in sorted(notebooks, key=lambda one: one.lesson):
-        students.setdefault(notebook.lesson, []).append(notebook.student)
+    for result in sorted(notebooks, key=lambda result: result.lesson):
+        students.setdefault(result.lesson, []).append(result.student)
     return [f"{lesson} of {', '.join(names)}" for lesson, names in students.items()]

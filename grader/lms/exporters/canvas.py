@@ -1,8 +1,8 @@
-"""Marks for Canvas: in the file that its gradebook exports, ready to be imported.
+"""Marks for Canvas: written into the file that its gradebook exports, ready for import.
 
-Importing writes every column that Canvas knows, and a blank cell takes a mark away. So of the file
-only the columns that say who somebody is are kept, and the one assignment; and only the rows of
-those who have a mark. What a teaching assistant has entered since, elsewhere or for others, stays.
+An import writes every column that Canvas knows, and a blank cell deletes a mark. The output
+therefore contains only the columns that identify a student, the column of the assignment, and the
+rows of students with a mark. Marks that were entered elsewhere in the meantime are not changed.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from grader.lms.exporters.row_matching import PersonRow
 from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))
-LAST = "Section"  # of the columns that say who somebody is
+LAST = "Section"  # last of the columns that identify a student
 TOTAL = re.compile(
-    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # nobody imports these
+    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # these are never imported
 )
 POINTS_POSSIBLE = "Points Possible"
 EXCUSED, NOT_ASSIGNED = "EX", "N/A"
@@ -36,7 +36,7 @@ def canvas(order: Order) -> Exported:
     Raises
     ------
     ExportTrouble
-        Nothing is filled in where the file is another, or where points differ.
+        If the file is not a gradebook of Canvas, or if the points differ. Nothing is written then.
     """
     marks, sheet = marks_of(order), read_worksheet(order.into)
     people = _people_columns(sheet)
@@ -48,20 +48,20 @@ def canvas(order: Order) -> Exported:
             "Export the gradebook again."
         )
     most = read_number(possible[0][column])
-    times = factor(marks, most, sheet.head[column], order.scale)
+    scale_factor = factor(marks, most, sheet.head[column], order.scale)
     places = []
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
             places.append(RowPlace(row, _row(sheet, row, name)))
     mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
-    filled = fill(marks, places, Column(column, times, mark, EXCUSED), _refusal(column))
+    filled = fill(marks, places, Column(column, scale_factor, mark, EXCUSED), _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
     return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
 def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
-    """The columns that say who somebody is."""
+    """Return the titles of the columns that identify a student."""
     if any(sheet.head[: len(names)] == names for names in NAMES) and LAST in sheet.head:
         return sheet.head[: sheet.head.index(LAST) + 1]
     raise ExportTrouble(
@@ -82,12 +82,12 @@ def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | No
 
 
 def _title(title: str) -> str:
-    """The title of an assignment without Canvas's number."""
+    """Return the title of an assignment without Canvas's number."""
     return re.sub(r"\s\(\d+\)$", "", title)
 
 
 def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
-    """Who it is; without what Canvas writes around a name that begins like a formula."""
+    """Return a student's name without Canvas's quoting of names that look like formulas."""
     cells = [re.sub(r'^="(.*)"$', r"\1", cell.strip()) for cell in row]
     return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
 

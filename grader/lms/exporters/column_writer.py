@@ -1,7 +1,7 @@
-"""Fill one column of a platform's file with marks, and account for each mark and each row.
+"""Fill one column of an LMS file with marks, and account for each mark and each row.
 
-What Canvas and Moodle have in common. Rows of people without a mark are left out: whatever the
-platform holds for them by the time of the import stays as it is.
+This is the common part of the exporters for Canvas and Moodle. Rows of students without a mark are
+left out, so an import does not change whatever the LMS has stored for them.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from grader.lms.exporters.row_matching import PersonRow, join
 from grader.lms.exporters.worksheet import read_number
 from grader.lms.results import EXCUSED, write_number
 
-CLOSE = 0.005  # points are written with two digits
+CLOSE = 0.005  # points are written with two decimal places
 
 
 @dataclass(frozen=True)
 class RowPlace:
-    """A row of the file, and what it says about whose it is."""
+    """A row of the file and the identification of its owner."""
 
     row: tuple[str, ...]
     who: PersonRow
@@ -29,7 +29,7 @@ class RowPlace:
 
 @dataclass(frozen=True)
 class Filled:
-    """What became of marks and rows; `lost` and `notes` as in `Exported`."""
+    """Result of filling a column; `lost` and `notes` have the same meaning as in `Exported`."""
 
     rows: tuple[tuple[str, ...], ...]
     placed: int
@@ -39,17 +39,17 @@ class Filled:
 
 @dataclass(frozen=True)
 class Column:
-    """Where marks go, and how this site writes them.
+    """The column for the marks and its number format.
 
     Attributes
     ----------
     place : int
     times : float
-        What our points are multiplied with.
+        Factor by which our points are multiplied.
     decimal_mark : str
     excused : str
-        What is written for who is excused; empty where the platform knows nothing of the kind.
-        Like a mark, it is refused or named where it replaces another.
+        Text for an excused student; empty if the LMS has no such text. Like a mark, it may be
+        refused, and it is listed if it replaces a different value.
     """
 
     place: int
@@ -72,7 +72,8 @@ def fill(
     places : list of RowPlace
     column : Column
     refusal : callable
-        Given a row and the points for it, why the platform would not take them; or empty.
+        Takes a row and its points. Returns the reason why the LMS would reject them, or an empty
+        string.
     """
     joined = join([place.who for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
@@ -80,13 +81,13 @@ def fill(
     for mark in marks.marks:
         points = mark.points * column.times
         place = joined.rows.get(mark.person.id)
-        why = (
+        reason = (
             joined.doubts.get(mark.person.id, "no row in the file is theirs")
             if place is None
             else refusal(places[place].row, points)
         )
-        if why:
-            lost.append(f"{mark.person.called}, {write_number(points)} points: {why}.")
+        if reason:
+            lost.append(f"{mark.person.called}, {write_number(points)} points: {reason}.")
         else:
             row, cell = places[place].row, write_number(points, column.decimal_mark)
             rows[place] = _written(row, column, cell)
@@ -99,13 +100,13 @@ def fill(
         if place is None:
             continue
         row = places[place].row
-        if why := refusal(row, 0.0):
-            unexcused.append(f"{person.called}: {why}")
+        if reason := refusal(row, 0.0):
+            unexcused.append(f"{person.called}: {reason}")
             continue
         rows[place] = _written(row, column, column.excused)
-        before = row[column.place].strip()
-        if before not in ("", column.excused):
-            replaced.append(f"{person.called} {before} by {column.excused}")
+        old = row[column.place].strip()
+        if old not in ("", column.excused):
+            replaced.append(f"{person.called} {old} by {column.excused}")
     absent = {
         person.id: person.called
         for people in marks.without.values()
@@ -130,12 +131,12 @@ def fill(
 
 
 def factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
-    """What our points are multiplied with to be the platform's.
+    """Return the factor that converts our points into the points of the LMS.
 
     Raises
     ------
     ExportTrouble
-        Where the platform gives other points, and nobody said to convert.
+        If the LMS states no points, or if its points differ and `scale` is False.
     """
     if not most:
         raise ExportTrouble(
@@ -157,31 +158,33 @@ def factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
 def guess(
     titles: dict[int, str], assignment: str, wanted: str | None, file: str, plain: Callable
 ) -> int:
-    """The column of an assignment, by its title; `plain` takes the platform's own part off it.
+    """Find the column of an assignment by its title.
+
+    `plain` removes the parts that the LMS adds to a title.
 
     Raises
     ------
     ExportTrouble
-        Where none or several fit, with the titles that there are.
+        If no column or more than one matches; the message lists all titles.
     """
     if wanted is not None:
-        found = [place for place, title in titles.items() if wanted in (title, plain(title))]
-        what = f"column {wanted!r}"
+        hits = [place for place, title in titles.items() if wanted in (title, plain(title))]
+        target = f"column {wanted!r}"
     else:
         name = letters(assignment)
-        found = [place for place, title in titles.items() if name in letters(plain(title))]
-        what = f"column whose title names {assignment}"
-    if len(found) == 1:
-        return found[0]
-    there = ", ".join(repr(title) for title in titles.values()) or "none for marks"
+        hits = [place for place, title in titles.items() if name in letters(plain(title))]
+        target = f"column whose title names {assignment}"
+    if len(hits) == 1:
+        return hits[0]
+    available = ", ".join(repr(title) for title in titles.values()) or "none for marks"
     raise ExportTrouble(
-        f"{file} has {'no' if not found else 'more than one'} {what}. Name the one that is meant "
-        f"with --column; there is: {there}."
+        f"{file} has {'no' if not hits else 'more than one'} {target}. Name the one that is meant "
+        f"with --column; there is: {available}."
     )
 
 
 def _same(before: str, points: float) -> bool:
-    """Whether nothing that somebody has entered is replaced by other points."""
+    """Return whether a cell is blank or already contains these points."""
     number = read_number(before)
     return not before.strip() or (number is not None and abs(number - points) < CLOSE)
 

@@ -1,8 +1,8 @@
-"""Marks for Gradescope: an autograder that hands them out, and judges nothing.
+"""Marks for Gradescope: an autograder that delivers stored marks and does not judge.
 
-Gradescope takes marks of programming assignments from an autograder alone. This one brings them
-along, by e-mail, and gives each submission its `results.json`, if it is the one that was judged.
-No student code runs where it runs.
+Gradescope accepts marks of programming assignments only from an autograder. This one contains the
+marks by e-mail address. It writes `results.json` for a submission only if that submission is the
+one that was judged. It does not run student code.
 """
 
 from __future__ import annotations
@@ -26,22 +26,23 @@ PROGRAMS = ("setup.sh", "run_autograder")
 
 
 def gradescope(order: Order) -> Exported:
-    """Make an autograder for Gradescope, to be uploaded as it is.
+    """Build an autograder that can be uploaded to Gradescope unchanged.
 
     Returns
     -------
     Exported
-        A zip.
+        A zip archive.
 
     Raises
     ------
     ExportTrouble
+        If the marks cannot be exported; see `marks_of`.
     """
     marks = marks_of(order)
-    given: dict[str, list[Submission]] = {}
+    submitted: dict[str, list[Submission]] = {}
     for submission in find_submissions(order.course):
         if order.assignment in (submission.lesson.stage, submission.lesson.name):
-            given.setdefault(submission.student, []).append(submission)
+            submitted.setdefault(submission.student, []).append(submission)
     entries, lost = {}, list(marks.lost)
     sharing = Counter(_email(mark) for mark in marks.marks)
     for mark in marks.marks:
@@ -51,7 +52,7 @@ def gradescope(order: Order) -> Exported:
                 raise _NoEntry("Gradescope knows them by e-mail, and the roster has none.")
             if sharing[email] > 1:
                 raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
-            entries[email] = _entry(order, mark, given.get(mark.person.id, ()))
+            entries[email] = _entry(order, mark, submitted.get(mark.person.id, ()))
         except _NoEntry as error:
             lost.append(f"{mark.person.called}, {write_number(mark.points)} points: {error}")
     files = {
@@ -64,16 +65,16 @@ def gradescope(order: Order) -> Exported:
 
 
 class _NoEntry(Exception):
-    """A mark cannot be handed out; the rest of the sentence."""
+    """A mark cannot be delivered; `str()` is the reason."""
 
 
 def _email(mark: Mark) -> str:
-    """What Gradescope knows somebody by; empty where that is not known here."""
+    """Return the address by which Gradescope identifies a student; empty if unknown."""
     return mark.person.email.strip().casefold()
 
 
 def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
-    """The results of one person, and by which files they are known."""
+    """Build the results of one student, with digests that identify the judged submission."""
     course = order.course
     if not submissions:
         raise _NoEntry("nothing lies in submitted/ for it, so no submission can be compared.")
@@ -91,10 +92,9 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
     folders = {submission.place(course) for submission in submissions}
     known = [digest(path) for folder in folders for path in files_of(folder)]
     results = [
-        notebook
-        for notebook in order.results.notebooks
-        if notebook.student == mark.person.id
-        and order.assignment in (notebook.stage, notebook.lesson)
+        result
+        for result in order.results.notebooks
+        if result.student == mark.person.id and order.assignment in (result.stage, result.lesson)
     ]
     return {
         "judged": sorted(judged),
@@ -103,36 +103,36 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
             "score": round(mark.points, 2),
             "output": _summary(results),
             "visibility": "visible",
-            "tests": [_test(result, reports.get(result.lesson)) for result in results],
+            "tests": [_lesson_test(result, reports.get(result.lesson)) for result in results],
         },
     }
 
 
 def _summary(results: Sequence[NotebookResult]) -> str:
     lines = [
-        f"{one.lesson}: {write_number(one.score or 0.0)} of {write_number(one.max_score)} points"
-        for one in results
+        f"{row.lesson}: {write_number(row.score or 0.0)} of {write_number(row.max_score)} points"
+        for row in results
     ]
-    penalty = sum(result.penalty for result in results)
+    penalty = sum(row.penalty for row in results)
     if penalty:
         lines.append(f"Taken off for lateness: {write_number(penalty)} points")
     return "\n".join(lines)
 
 
-def _test(result: NotebookResult, verdict: Verdict | None) -> dict:
-    """A lesson, as one of Gradescope's tests."""
+def _lesson_test(result: NotebookResult, verdict: Verdict | None) -> dict:
+    """Build the entry of a lesson in Gradescope's list of tests."""
     return {
         "name": result.lesson,
         "score": round(result.score or 0.0, 2),
         "max_score": result.max_score,
         "output": "Nothing was handed in."
         if result.standing == MISSING
-        else _told(result, verdict),
+        else _lesson_output(result, verdict),
         "visibility": "visible",
     }
 
 
-def _told(result: NotebookResult, verdict: Verdict | None) -> str:
+def _lesson_output(result: NotebookResult, verdict: Verdict | None) -> str:
     if verdict is None:
         return ""
     lines = [*verdict.problems]
@@ -145,7 +145,7 @@ def _told(result: NotebookResult, verdict: Verdict | None) -> str:
 
 
 def _exercise(exercise: ExerciseResult) -> list[str]:
-    """The points of an exercise, and the first thing that fails in full."""
+    """Return the points of an exercise and its failed checks, with the first message in full."""
     head = f"{exercise.name}: {exercise.score:.4g} of {exercise.max_score:.4g} points"
     failed = [test for test in exercise.tests if not test.passed]
     lines = [head, *(f"  FAILED  {test.title}" for test in failed)]

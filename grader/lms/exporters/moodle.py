@@ -1,8 +1,8 @@
-"""Marks for Moodle: in the offline grading worksheet of an assignment, ready to be uploaded.
+"""Marks for Moodle: in the offline grading worksheet of an assignment, ready for upload.
 
-Moodle finds its columns by titles in the site's language, so all columns are kept as they came. It
-skips a blank, and says nothing of a mark that it skips: above the maximum, locked, or changed since
-the download. The first two are said here.
+Moodle finds its columns by titles in the site's language, so all columns are kept unchanged. It
+skips blank cells. It also skips a mark without a message if the mark is above the maximum, locked
+or changed since the download. The exporter reports the first two cases.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_wor
 from grader.lms.results import write_number
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
-# What Moodle answers to "Grade can be changed" where it cannot.
+# Values of the column "Grade can be changed" for a locked grade, in various languages.
 LOCKED = frozenset(
     [
         "no",
@@ -57,27 +57,27 @@ def moodle(order: Order) -> Exported:
     Parameters
     ----------
     order : Order
-        Its column is the title of the one for the grade.
+        Its `column` is the title of the grade column.
 
     Raises
     ------
     ExportTrouble
-        Nothing is filled in where the file is another, or where points differ.
+        If the file is not a grading worksheet, or if the points differ. Nothing is written then.
     """
     marks, sheet = marks_of(order), read_worksheet(order.into)
     column = _grade_column(sheet, order.column)
     most = read_number(sheet.rows[0][column + 1])
-    times = factor(marks, most, sheet.head[column], order.scale)
+    scale_factor = factor(marks, most, sheet.head[column], order.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
     places = [RowPlace(row, _row(row, column, hidden)) for row in sheet.rows]
-    filled = fill(marks, places, Column(column, times, mark), _refusal(column, most))
+    filled = fill(marks, places, Column(column, scale_factor, mark), _refusal(column, most))
     text = sheet.text(range(len(sheet.head)), filled.rows)
     return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
 def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
-    """The column of the grade: before the one that has the same maximum in each row."""
+    """Find the grade column: the next column contains the same maximum in every row."""
     titles = {
         place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
     }
@@ -93,7 +93,7 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
 
 
 def _is_grade(sheet: MarksTableFile, place: int) -> bool:
-    """Whether a column can be that of the grade, as the numbers in it and behind it say."""
+    """Return whether the numbers in a column and in the next one fit a grade and its maximum."""
     (most, *others) = {row[place + 1] for row in sheet.rows}
     highest = read_number(most)
     if place == 0 or others or not highest:
@@ -104,20 +104,21 @@ def _is_grade(sheet: MarksTableFile, place: int) -> bool:
 
 
 def _hides_names(sheet: MarksTableFile) -> bool:
-    """Whether the second column is not the name: an anonymous worksheet has the status there."""
+    """Return whether the worksheet is anonymous, with the status in place of the name."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 
 def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
-    """Who it is: the first cell is Moodle's number for them, in words; the second is the name.
+    """Identify the owner of a row from its cells.
 
-    Behind them stand fields that the site has chosen, such as e-mail and ID number.
+    The first cell is Moodle's number of the participant, in words, and the second is the name. The
+    next cells are fields chosen by the site, such as e-mail address and ID number.
     """
     fields = row[1:column]
     name = "" if hidden else row[1]
-    surely = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
+    certain = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
     claims = (
-        (*surely, ("id", row[0]), ("lms_id", row[0])),
+        (*certain, ("id", row[0]), ("lms_id", row[0])),
         tuple(("lms_id", cell) for cell in fields),
     )
     return PersonRow(f"{row[0]} ({name})" if name else row[0], claims, name)

@@ -1,7 +1,7 @@
-"""Whose row it is in a file of the learning platform.
+"""Matching of rows in an LMS file with students.
 
-A mark in another's row is worse than one that is asked about. So a row is somebody's only where
-what it says names one person, and no other row names the same.
+A mark in the wrong row is worse than a mark that is left out and reported. A row is therefore
+assigned to a student only if it identifies exactly one, and no other row identifies the same one.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ Claim = tuple[str, str]  # (attribute of a person, text of the row)
 
 @dataclass(frozen=True)
 class PersonRow:
-    """What a row says about whose it is.
+    """The data by which a row identifies its owner.
 
     Attributes
     ----------
     label : str
-        What sentences call it.
+        Name of the row in messages.
     claims : tuple of tuple of (str, str)
-        Attributes of a person with what the row has for them, by rank. Those of the first rank are
-        sure; a number of a lower one may be anybody's, and counts where the name agrees.
+        Pairs of a person's attribute and the row's text for it, by rank. Claims of the first rank
+        are certain. Numbers in lower ranks are ambiguous, and count only if the name agrees.
     name : str
-        It counts alone where nothing else names anybody; empty where the file hides it.
+        Name of the owner, used alone if no claim matches; empty if the file hides it.
     lms_id : str
-        The platform's number of a person, where it has one that every file has: who has another on
-        the roster only bears the same name.
+        The LMS's ID of the person, if all of its files contain one. A student with a different ID
+        on the roster merely has the same name.
     """
 
     label: str
@@ -40,20 +40,20 @@ class PersonRow:
 
 @dataclass(frozen=True)
 class Joined:
-    """Rows and people.
+    """Result of matching rows with students.
 
     Attributes
     ----------
     rows : dict of str to int
-        Place of the row, by id of the person.
+        Index of the row by student ID.
     strangers : tuple of str
-        Labels of the rows that are nobody's.
+        Labels of the rows without a matching student.
     doubts : dict of str to str
-        Why a person has no row although some may be theirs, by id.
+        Reason why a student has no row although some rows may match, by ID.
     by_name : tuple of str
-        Labels of the rows that only their name gave to somebody.
+        Labels of the rows that were matched by name alone.
     renamed : tuple of str
-        Rows with another name than the roster has.
+        Rows whose name differs from the roster.
     """
 
     rows: dict[str, int]
@@ -64,51 +64,51 @@ class Joined:
 
 
 def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
-    """Find the row of each person."""
-    found: dict[str, int] = {}
+    """Find the row of each student."""
+    matched: dict[str, int] = {}
     doubts: dict[str, str] = {}
     settled: set[int] = set()
     by_name: list[int] = []
-    for named in _passes(rows, people):
-        new = {
+    for ids_in in _passes(rows, people):
+        candidates = {
             place: ids
             for place in range(len(rows))
-            if place not in settled and (ids := named(place))
+            if place not in settled and (ids := ids_in(place))
         }
         rows_of: dict[str, list[int]] = {}
-        for place, ids in new.items():
-            for one in ids:
-                rows_of.setdefault(one, []).append(place)
+        for place, ids in candidates.items():
+            for id in ids:
+                rows_of.setdefault(id, []).append(place)
         by_name = []
-        for place, ids in new.items():
-            rivals = sorted({other for id_ in ids for other in rows_of[id_]})
+        for place, ids in candidates.items():
+            rivals = sorted({rival for id in ids for rival in rows_of[id]})
             if len(ids) > 1 or len(rivals) > 1:
-                reason = f"{_or(rows[other].label for other in rivals)} may be {_or(sorted(ids))}"
-                doubts |= dict.fromkeys(ids - found.keys(), reason)
+                reason = f"{_or(rows[rival].label for rival in rivals)} may be {_or(sorted(ids))}"
+                doubts |= dict.fromkeys(ids - matched.keys(), reason)
                 settled.add(place)
-            elif not ids & (found.keys() | doubts.keys()):
-                found[min(ids)] = place
+            elif not ids & (matched.keys() | doubts.keys()):
+                matched[min(ids)] = place
                 settled.add(place)
                 by_name.append(place)
     for place, row in enumerate(rows):
         for person in _namesakes(row, people) if place not in settled else ():
-            if person.id not in found:
+            if person.id not in matched:
                 reason = f"{row.label} has the number {row.lms_id}, and not their {person.lms_id}"
                 doubts.setdefault(person.id, reason)
     strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
-        f"{rows[found[person.id]].label} for {person.called}"
+        f"{rows[matched[person.id]].label} for {person.called}"
         for person in people
-        if person.id in found and not _agrees(rows[found[person.id]].name, person)
+        if person.id in matched and not _agrees(rows[matched[person.id]].name, person)
     )
     by_name = [rows[place].label for place in by_name]
-    return Joined(found, strangers, doubts, tuple(by_name), renamed)
+    return Joined(matched, strangers, doubts, tuple(by_name), renamed)
 
 
 def _passes(
     rows: Sequence[PersonRow], people: Sequence[Person]
 ) -> Iterator[Callable[[int], set[str]]]:
-    """Whom the row at a place names: by each rank of its claims, and at last by its name."""
+    """Yield functions from row index to matching IDs: one per rank of claims, then by name."""
     roster = Roster(tuple(people))
     owners: dict[Claim, set[str]] = {}
     for person in people:
@@ -132,14 +132,14 @@ def _passes(
 
 
 def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
-    """Who is called as a row says, and has another number."""
+    """Yield the students with the name in a row but a different number."""
     for person in Roster(tuple(people)).like(row.name):
         if has_another_number(person, row.lms_id):
             yield person
 
 
 def _agrees(name: str, person: Person) -> bool:
-    """Whether a name may be somebody's; who has none here may have any."""
+    """Return whether a name may belong to a person; a person without a stored name matches any."""
     return not name or person.name == person.id or bool(Roster((person,)).like(name))
 
 

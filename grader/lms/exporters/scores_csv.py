@@ -1,4 +1,4 @@
-"""A class as a table of comma-separated values: a row a student, for spreadsheets and programs."""
+"""Scores of a class as a CSV file with one row per student, for spreadsheets and programs."""
 
 from __future__ import annotations
 
@@ -26,37 +26,43 @@ ABOUT_STAGE = ("handed in", "days late", "late penalty", "standing")
 
 
 def scores_csv(order: Order) -> Exported:
-    """Write the scores of a class; of one stage or lesson, where the order names it.
+    """Write the scores of a class, limited to one stage or lesson if the order names it.
 
-    A heading, a row with what each lesson is worth, and a row for each student: the score in each
-    lesson, empty where there is none; of each stage when it was handed in, how late, what is taken
-    off for it, and how the student stands, in words; at last the total and what it is out of. Who
-    is excused from a stage has neither points nor a place for them.
+    The file has a heading, a row with the maximum score of each lesson, and one row per student. A
+    student's row contains the score in each lesson, which is empty if there is none. For each stage
+    it also contains the submission time, days late, penalty and standing in words. The last two
+    columns are the total and its maximum; stages from which a student is excused count in neither.
     """
     notebooks = [
-        one for one in order.results.notebooks if order.assignment in (None, one.stage, one.lesson)
+        result
+        for result in order.results.notebooks
+        if order.assignment in (None, result.stage, result.lesson)
     ]
     if not notebooks:
         raise ExportTrouble(f"Nobody has handed in anything for {order.assignment}.")
     stages: dict[str, dict[str, float]] = {}
-    for one in sorted(notebooks, key=lambda one: one.lesson):
-        stages.setdefault(one.stage, {})[one.lesson] = one.max_score
+    for result in sorted(notebooks, key=lambda result: result.lesson):
+        stages.setdefault(result.stage, {})[result.lesson] = result.max_score
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
     table.writerow(_head(stages))
     table.writerow(_out_of(stages))
     for person in order.results.people:
-        mine = [notebook for notebook in notebooks if notebook.student == person.id]
-        table.writerow(_row(order, person, mine, stages))
+        own = [result for result in notebooks if result.student == person.id]
+        table.writerow(_row(order, person, own, stages))
     content = file.getvalue().encode("utf-8", "replace")
-    marked = {one.student for one in notebooks if one.standing != EXCUSED and one.score is not None}
+    marked = {
+        result.student
+        for result in notebooks
+        if result.standing != EXCUSED and result.score is not None
+    }
     return Exported(content, len(marked), tuple(not_on_the_roster(order.results)))
 
 
 def _head(stages: dict[str, dict[str, float]]) -> list[str]:
     columns = list(ABOUT_PERSON)
     for stage, lessons in stages.items():
-        columns += [*lessons, *(f"{stage}: {what}" for what in ABOUT_STAGE)]
+        columns += [*lessons, *(f"{stage}: {title}" for title in ABOUT_STAGE)]
     return [*columns, "Total", "Out of"]
 
 
@@ -71,18 +77,18 @@ def _out_of(stages: dict[str, dict[str, float]]) -> list[str]:
 def _row(
     order: Order,
     person: Person,
-    mine: Sequence[NotebookResult],
+    own: Sequence[NotebookResult],
     stages: dict[str, dict[str, float]],
 ) -> list[str]:
-    about = (person.id, person.last_name, person.first_name, person.email, person.section)
-    cells = [harmless_cell(text) for text in about]
+    texts = (person.id, person.last_name, person.first_name, person.email, person.section)
+    cells = [harmless_cell(text) for text in texts]
     for stage in stages:
-        of_stage = [one for one in mine if one.stage == stage]
-        cells += [_score(one) for one in of_stage]
-        cells += _about_stage(order.results.stage(person.id, stage), of_stage)
-    counted = [one for one in mine if one.standing != EXCUSED]
-    total = sum(one.points or 0.0 for one in counted)
-    return [*cells, write_number(total), write_number(sum(one.max_score for one in counted))]
+        in_stage = [result for result in own if result.stage == stage]
+        cells += [_score(result) for result in in_stage]
+        cells += _about_stage(order.results.stage(person.id, stage), in_stage)
+    counted = [result for result in own if result.standing != EXCUSED]
+    total = sum(result.points or 0.0 for result in counted)
+    return [*cells, write_number(total), write_number(sum(result.max_score for result in counted))]
 
 
 def _score(result: NotebookResult) -> str:
@@ -96,7 +102,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
     return [
         handed_in.strftime("%Y-%m-%d %H:%M:%S UTC") if handed_in else "",
         _days_late(stage),
-        write_number(sum(lesson.penalty for lesson in lessons if lesson.standing != EXCUSED)),
+        write_number(sum(result.penalty for result in lessons if result.standing != EXCUSED)),
         _standing(lessons),
     ]
 
@@ -110,11 +116,11 @@ def _days_late(stage: StageResult) -> str:
 
 
 def _standing(lessons: Sequence[NotebookResult]) -> str:
-    """The standing in a stage or lesson, with the lessons that stand otherwise than it sounds."""
-    whole = standing_in_stage(lessons)
-    words = [] if whole == WAITING else [whole]
-    if whole not in (EXCUSED, MISSING):
+    """Return the standing in a stage or lesson, followed by the lessons that deviate from it."""
+    combined = standing_in_stage(lessons)
+    words = [] if combined == WAITING else [combined]
+    if combined not in (EXCUSED, MISSING):
         for standing in (WAITING, MISSING):
-            names = [lesson.lesson for lesson in lessons if lesson.standing == standing]
+            names = [result.lesson for result in lessons if result.standing == standing]
             words += [f"{standing}: {', '.join(names)}"] if names else []
     return "; ".join(words)
