@@ -14,6 +14,7 @@ PLAIN = (
     "grader/*.py",
     "grader/authoring",
     "grader/classroom/*.py",
+    "grader/classroom/collect",
     "grader/course",
     "grader/intake",
     "grader/judging",

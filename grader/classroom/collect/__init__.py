@@ -1,12 +1,13 @@
-"""Collect what a class handed in: ``python -m grader collect ARCHIVE… --stage STAGE``.
+"""Collect the submissions of a class: ``python -m grader collect ARCHIVE… --stage STAGE``.
 
-An archive is opened (`opening`, `zips`), one of `KINDS` says who handed in what, and `owners` finds
-them on the roster, or in `answers`: that is `collecting`. What one `student` handed in is opened in
-a process of its own (`looking`), `recognising` says which lesson a notebook is for, `choosing`
-finds the newest, and `placing` puts it into ``submitted/``. The `outcome` has what is left to ask.
+`collection` runs these steps. An archive is opened (`sources`, `zips`), one of `KINDS` says which
+owner each file belongs to, and `owners` finds the owners on the roster or in `answers`. For each
+`student`, files are opened in a process of their own (`inspection`), `identification` finds the
+lesson of a notebook, `selection` the newest file, and `storage` puts it into ``submitted/``. The
+`outcome` has the result and the open questions.
 
-Another kind of archive is a module with a function from `Archive` to what was handed in, and a line
-in the table.
+To add a kind of archive, write a module with a function from `Archive` to submitted files, and add
+a line to the table.
 """
 
 from collections.abc import Iterable
@@ -31,7 +32,7 @@ KINDS: dict[str, Kind] = {
 
 
 def open_all(paths: Iterable[Path]) -> list[tuple[Path, str, list[Handed]]]:
-    """Open archives; of each, what kind it is, and what was handed in.
+    """Open archives, and return the kind of each and the submitted files in it.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""What whoever collects has answered: whose something is, and which lesson a file is for.
+"""The instructor's answers to questions about owners and lessons of files.
 
-Whose it is is kept in ``submitted/.whose.jsonl``, a line for each person whom an answer names, so
-that the next archive of the stage does not ask again. Which lesson a file is for, the record in the
-student's folder tells, by what was placed.
+Answers about owners are stored in ``submitted/.whose.jsonl``, one line for each student that an
+answer names, so that the next archive of the stage does not raise the question again. Answers
+about lessons follow from the record in the student's folder, which lists the placed files.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ NOBODY = "-"
 
 @dataclass(frozen=True)
 class Answers:
-    """All answers that count.
+    """All valid answers.
 
     Attributes
     ----------
     who : dict of str to (tuple of str)
-        By what an archive calls somebody (`same`), the ids of all whose it is; none where it is
-        nobody's.
+        The ids of all owners, by the label in an archive (`same`); empty if the work belongs to no
+        student.
     lessons : dict of str to grader.course.lessons.Lesson
-        By name of a file.
+        The lesson of a file, by the file's name.
     before : frozenset of str
-        Those of `who` that were given before.
+        Labels in `who` whose answers were given earlier.
     """
 
     who: dict[str, tuple[str, ...]]
@@ -51,22 +51,22 @@ def read_answers(
     who: dict[str, str],
     lessons: dict[str, str],
 ) -> Answers:
-    """The answers of now, and those of before that they do not replace.
+    """Return the new answers, and the stored ones that they do not replace.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     roster : grader.course.roster.Roster or None
-        Who has left it is forgotten.
+        Stored answers that name a student who is no longer on it are ignored.
     stages : sequence of str
-        That are collected.
+        The stages that are collected.
     who, lessons : dict of str to str
-        As they were typed.
+        New answers, as they were typed.
 
     Raises
     ------
     CollectTrouble
-        There is no such lesson.
+        If there is no such lesson.
     """
     before: dict[str, list[str]] = {}
     for stage, label, id in _read(course):
@@ -82,7 +82,7 @@ def read_answers(
 def remember(
     course: Course, stages: Sequence[str], answers: Answers, asked: Collection[str]
 ) -> None:
-    """Keep the answers of now on what archives call somebody, for these stages."""
+    """Store the new answers about owners, for these stages."""
     now = {same(label): label for label in asked}
     now = {key: label for key, label in now.items() if key in answers.who.keys() - answers.before}
     lines = [line for line in _read(course) if not (line[0] in stages and same(line[1]) in now)] + [
@@ -96,12 +96,12 @@ def remember(
 
 
 def same(label: str) -> str:
-    """What is equal for two labels that mean the same."""
+    """Return a normal form of a label, equal for labels with the same meaning."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 
 def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
-    """Lessons that were named by number or name."""
+    """Return the lessons with these numbers or names."""
     found = {}
     for file, answer in answers.items():
         lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
@@ -112,7 +112,7 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
 
 
 def _read(course: Course) -> list[tuple[str, str, str]]:
-    """Stage, label and id of each line that can be read."""
+    """Yield stage, label and id of each readable line."""
     found = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():

@@ -1,10 +1,9 @@
 """Canvas: *Download Submissions* of an assignment.
 
-Its names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder. In `name`
-nothing but letters and digits is left. Where names are hidden it is
-``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. What was typed or linked has no attachment:
-``…_{user id}_text.html``, ``…_link.html``. Of a group one file comes, with the number of whoever
-speaks for it.
+File names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder; `name` has
+only letters and digits. With hidden names they are
+``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment:
+``…_{user id}_text.html``, ``…_link.html``. A group has one file, with the number of one member.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ _WHO = (
 )
 _FILE = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_WHO}_(?P<what>text|link)\.html", re.IGNORECASE)
-_AGAIN = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was handed in a second time
+_AGAIN = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
 _REMARKS = {
     "text": "was typed into Canvas, where no notebook can be: ask for the .ipynb file",
     "link": "is a link, to what may have changed since: ask for the .ipynb file",

@@ -1,4 +1,4 @@
-"""Collect: from archives to ``submitted/``, a student at a time; whose it is not is asked."""
+"""Copy submissions from archives into ``submitted/``; ask if the owner is unknown."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def collect(
         Archives.
     stages : sequence of str
     timestamps : pathlib.Path or None
-        A table of times.
+        A table of submission times.
     who, lessons : dict of str to str
         Answers to questions, as they were typed.
     progress : callable
@@ -93,7 +93,7 @@ def _excused(
 
 
 def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:
-    """All in an archive as one's, where somebody said whose it is, and it names nobody else."""
+    """Return the archive as one student's work, if an answer says so and no other is named."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
     if not owners.has_all(owner, {one.owner for one in handed} - {owner}):
@@ -104,7 +104,7 @@ def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:
 def _by_owner(
     places: Sequence[Place], owners: Owners, answers: Answers, outcome: CollectionReport
 ) -> Iterator[tuple[tuple[str, ...], list[Place]]]:
-    """What each handed in, with the ids of whom it is."""
+    """Group the submitted files by owner, with the ids of the owners."""
     groups: dict[tuple[Path, Owner], list[Place]] = {}
     for archive, one in places:
         groups.setdefault((archive, one.owner), []).append((archive, one))
@@ -135,7 +135,7 @@ def _by_owner(
 
 
 def _there(course: Course) -> dict[str, dict[Lesson, Submission]]:
-    """What lies in ``submitted/``, by student."""
+    """Return the submissions in ``submitted/``, by student."""
     found: dict[str, dict[Lesson, Submission]] = {}
     for submission in find_submissions(course):
         found.setdefault(submission.student, {})[submission.lesson] = submission
@@ -143,7 +143,7 @@ def _there(course: Course) -> dict[str, dict[Lesson, Submission]]:
 
 
 def _rows(owners: Owners, handed: Sequence[Place], id: str) -> list[SubmissionRow]:
-    """What the table of times says about a student."""
+    """Return the rows of the table of times about a student."""
     return [row for owner in {one.owner for _, one in handed} for row in owners.rows(owner, id)]
 
 

@@ -1,6 +1,6 @@
 """Any other zip or folder: ``{student}/…``, ``{student}.zip``, ``{student}_06_….ipynb``.
 
-Where nobody is named, all of it is one person's, called like the archive.
+If no name occurs, all files belong to one student, with the name of the archive.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ def folder(archive: Archive) -> list[Handed]:
 
 
 def _wrapper(archive: Archive) -> int:
-    """How many folders are around those of the students."""
+    """Return the number of folders around those of the students."""
     tops = {entry.path[0] for entry in archive.entries}
     seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
     only_folders = all(len(entry.path) > 2 for entry in archive.entries)
@@ -39,7 +39,7 @@ def _handed(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> Han
 
 
 def _named_in(name: str) -> str:
-    """Who the name of a file names; empty where it is that of a lesson alone."""
+    """Return the student in the name of a file; empty if it names only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
     at = re.search(lessons, stem, re.IGNORECASE)
@@ -50,5 +50,5 @@ def _named_in(name: str) -> str:
 
 
 def _is_of_the_course(name: str) -> bool:
-    """Whether a folder is called like one of ours, and so is nobody's name."""
+    """Return whether a folder has the name of a folder of the course, and so of no student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

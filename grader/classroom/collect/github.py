@@ -1,8 +1,8 @@
 """GitHub Classroom: a folder of checkouts, called ``{assignment}-{login}`` or ``…-{team}``.
 
-``classroom_roster.csv`` beside them, or among them, joins logins and the identifiers that the
-teacher gave. A commit's date is the student's claim, and is not read. Everybody is given all
-notebooks, so that one in which nobody worked is none that was handed in.
+``classroom_roster.csv``, next to the checkouts or among them, connects logins with the teacher's
+identifiers. The date of a commit is set by the student, so it is not read. Every repository
+contains all notebooks, so unchanged ones do not count as submitted.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ def github(archive: Archive) -> list[Handed] | None:
 
 
 def _owner(repository: str, begin: str, identifiers: dict[str, str]) -> Owner:
-    """Logins may hold hyphens, so of what all repositories begin with, the end may be a login's.
+    """Return the owner of a repository, by the login at the end of its name.
 
-    What is left behind that belongs to the login, and what is shorter is nobody's. Of one
-    repository alone nothing tells where its login begins.
+    Logins may contain hyphens, so a login may begin within the common beginning of all names, and
+    always contains the part after it. With a single repository, its beginning is unknown.
     """
     rest = repository.removeprefix(f"{begin}-") if begin else repository
     parts = repository.split("-")
@@ -53,7 +53,7 @@ def _owner(repository: str, begin: str, identifiers: dict[str, str]) -> Owner:
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:
-    """What the teacher calls each login."""
+    """Return the teacher's identifier of each login."""
     texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
     beside = archive.path.parent / ROSTER
     if beside.is_file():

@@ -1,4 +1,4 @@
-"""Which lesson a notebook is for: by its name, by what stands in it, or by an answer."""
+"""Find the lesson of a notebook: by its name, by its content, or by an answer."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from grader.course.lessons import Lesson, all_lessons, find_lesson
 
 
 class Unrecognised(Exception):
-    """Nothing tells what a file is for; `str()` says what to do."""
+    """The lesson of a file is unknown; `str()` says what to do."""
 
 
 class Contradiction(Exception):
-    """A file's name and what stands in it name two lessons; `str()` is the question."""
+    """The name and the content of a file state different lessons; `str()` is the question."""
 
     def __init__(self, text: str, lessons: tuple[Lesson, Lesson]) -> None:
         super().__init__(text)
@@ -25,15 +25,15 @@ class Contradiction(Exception):
 def lesson_of(
     file: File, there: Collection[Lesson], is_placed: Callable[[Lesson, File], bool]
 ) -> Lesson:
-    """What a notebook is for, where nobody has answered now.
+    """Return the lesson of a notebook without a new answer.
 
     Parameters
     ----------
     file : File
     there : collection of Lesson
-        Of which the student has something in place.
+        Lessons for which the student already has a file in place.
     is_placed : callable
-        Whether a file was collected for a lesson before: then it was answered, or clear.
+        Takes a lesson and a file, and returns whether the file was collected for it earlier.
 
     Raises
     ------
@@ -60,5 +60,5 @@ def lesson_of(
 
 
 def is_lesson(file: File, number: str) -> str:
-    """The option that says what a file is for."""
+    """Return the option that states the lesson of a file."""
     return f"--lesson {shlex.quote(f'{file.name}={number}')}"

@@ -1,7 +1,7 @@
-"""What lies in a file that a student handed in: a notebook, a module, or a zip of these.
+"""Inspect a submitted file: a notebook, a module, or a zip of these.
 
-It is unpacked and read in a process of its own, with a clock and a limit of memory, so that what a
-stranger made costs that stranger's work, and nobody else's.
+It is unpacked and read in a process of its own, with limits on time and memory, so that a harmful
+file affects only its author.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DEEPEST = 3  # zips in zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, WORK, OTHER = "notebook", "module", "work", "other"
 
-# What students hand in where they mean a notebook.
+# Kinds of files that students submit in place of a notebook.
 _WORK = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
 
 
@@ -40,17 +40,17 @@ class Piece:
     Attributes
     ----------
     path : tuple of str
-        Behind that of what was handed in; a zip is a folder.
+        Path below that of the submitted file; a zip counts as a folder.
     kind : {"notebook", "module", "work", "other"}
-        "work" is what somebody handed in for a notebook, and is none.
+        "work" is a file in place of a notebook, such as a PDF.
     data : bytes
-        Only of notebooks and modules.
+        Only for notebooks and modules.
     saved : datetime or None
-        As the zip around it says.
+        The time in the zip that contains the file.
     content : grader.classroom.contents.Content
-        Of a notebook.
+        Only for notebooks.
     complaint : str
-        Why nothing can be read in it; a sentence without the file's name.
+        Why the file cannot be read: a sentence without the file's name.
     """
 
     path: tuple[str, ...]
@@ -62,7 +62,7 @@ class Piece:
 
 
 def look_at(entry: ArchiveEntry, name: str) -> list[Piece]:
-    """Open one file that somebody handed in under a name."""
+    """Open one submitted file with its name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
         return [Piece((), OTHER)]
     contents.remember_what_was_released()
@@ -73,13 +73,13 @@ def look_at(entry: ArchiveEntry, name: str) -> list[Piece]:
         return [Piece((), WORK, complaint=str(error))]
     except TooCostly:
         return [Piece((), WORK, complaint="takes too long, or too much memory, to be opened")]
-    except ReadingFailed:  # a fault of ours, which costs nobody else's work
+    except ReadingFailed:  # a fault of the grader, which must not affect other files
         return [Piece((), WORK, complaint="cannot be opened: look at it, and ask for it unpacked")]
     return [_piece(*parts) for parts in found]
 
 
 def kind_of(name: str) -> str:
-    """What a file is by its name."""
+    """Return the kind of a file, by its name."""
     path = PurePath(name.lower())
     lesson = lesson_by_name(name)
     if ".ipynb" in path.suffixes or (lesson and path.suffix in ("", ".json", ".txt")):
@@ -96,7 +96,7 @@ def _look(
     saved: datetime | None = None,
     depth: int = 0,
 ) -> list[Piece]:
-    """See `look_at`; in the other process."""
+    """Do the work of `look_at`, in the other process."""
     kind = kind_of(name)
     if name.lower().endswith(".zip"):
         return _look_in_zip(data, path, depth + 1)
@@ -105,7 +105,7 @@ def _look(
             return [Piece(path, kind, data, saved, contents.look_into(data, name))]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
-            # A text that is called like a lesson may be anything.
+            # A text file with the name of a lesson may contain anything.
             kind = NOTEBOOK if ".ipynb" in name.lower() else WORK
             return [Piece(path, kind, data, saved, complaint=complaint)]
     if kind == MODULE and len(data) <= LARGEST_MODULE:
@@ -142,7 +142,7 @@ def _look_in_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Piece]:
 
 
 def _plain(piece: Piece) -> tuple:
-    """A piece as JSON can hold it."""
+    """Return a piece in a form that JSON can represent."""
     return (
         piece.path,
         piece.kind,

@@ -1,9 +1,9 @@
 """Moodle: *Download all submissions* of an assignment.
 
-A folder ``{name}_{number}_assignsubmission_{plugin}`` with what was handed in, subfolders and all;
-or, where the teacher prefers it, no folders, and ``_{file}`` behind each name. The number is that
-of a participant, as the grading worksheet has it. A team is ``{team}_{number of the team}``, and
-who is in none ``{default team}`` without a number. No ``_`` is left in names.
+Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
+subfolders. If the teacher chose no folders, ``_{file}`` follows each name. The number is that of
+the participant in the grading worksheet. A team is ``{team}_{number of the team}``; students
+without a team are ``{default team}`` without a number. Names do not contain ``_``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What became of everything that was to be collected."""
+"""The report on collecting: the result for every file, and open questions."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ ASKED = "?"
 
 @dataclass(frozen=True)
 class Question:
-    """What waits for somebody.
+    """A question for the instructor.
 
     Attributes
     ----------
     name : str
-        Of a file, or of whoever handed it in.
+        Name of a file or of its owner.
     text : str
-        What is the matter, and what to do; goes on where `name` ends.
+        The problem and what to do; it continues the sentence that `name` begins.
     """
 
     name: str
@@ -30,27 +30,27 @@ class Question:
 
 @dataclass
 class CollectionReport:
-    """What became of everything.
+    """The result of collecting.
 
     Attributes
     ----------
     lessons : list of Lesson
-        That could be handed in.
+        Lessons of the collected stages.
     archives : list of (pathlib.Path, str, int)
-        With the kind of each, and how many files are in it.
+        Each archive with its kind and number of files.
     roster : Roster or None
     states : dict of str to (dict of Lesson to str)
-        By student: "new", "newer", "same", "kept", or "?" where a question has to be answered.
+        By student: "new", "newer", "same", "kept", or "?" if there is a question.
     questions, remarks : list of Question
-        What has to be answered, and what only shall be known.
+        Questions that need an answer, and remarks that need none.
     left : collections.Counter
         Names of files that no lesson needs.
     late : list of str
-        Students whose work the learning platform marks late, and of whom no time is known.
+        Students whose work the learning platform marks late, without a known time.
     undecided : dict of str to str
-        By student, why nobody knows when the work was handed in.
+        By student, why the submission time is unknown.
     excused : list of str
-        Who is on the roster, and excused from all that could be handed in.
+        Students on the roster who are excused from all collected stages.
     """
 
     lessons: list[Lesson]
@@ -65,7 +65,7 @@ class CollectionReport:
     excused: list[str] = field(default_factory=list)
 
     def ask(self, name: str, text: str) -> None:
-        """Ask something; of a team's file only once."""
+        """Add a question; a question on a team's file is added only once."""
         question = Question(name, text)
         if question not in self.questions:
             self.questions.append(question)

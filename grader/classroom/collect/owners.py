@@ -1,4 +1,4 @@
-"""Whose something is: by the answers that were given, the roster, and Moodle's worksheet."""
+"""Find the owner of a file, by answers, the roster and Moodle's worksheet."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.course.roster import Person, Roster, has_another_number, letters
 
 LONGEST = 80
-# Windows has no folders of these names, whatever stands behind a dot.
+# Windows does not allow folders with these names, with or without an extension.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
 
 class UnknownOwner(Exception):
-    """It cannot be told whose something is; `str()` is the question."""
+    """The owner is unknown; `str()` is the question to show."""
 
 
 class Owners:
@@ -28,15 +28,15 @@ class Owners:
     Parameters
     ----------
     roster : grader.course.roster.Roster or None
-        Without one, folders are called as the archive calls people.
+        Without a roster, folders get the names in the archive.
     worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
-        Of whoever collects: the label of an owner (`same`), and the ids of all whose it is.
+        The instructor's answers: the ids of all owners, by label (`same`).
 
     Raises
     ------
     CollectTrouble
-        An answer names somebody who is not on the roster.
+        If an answer names a student who is not on the roster.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Owners:
                 self._check(label, id)
 
     def whose(self, owner: Owner) -> tuple[str, ...]:
-        """Ids of all whose work it is: of one person, of a team, or of nobody on the course.
+        """Return the ids of all owners: one student, a team, or none for other people.
 
         Raises
         ------
@@ -82,13 +82,13 @@ class Owners:
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
-        """Whether somebody has said whose it is."""
+        """Return whether an answer names the owner."""
         return same(owner.label) in self._answers
 
     def has_all(self, owner: Owner, others: Collection[Owner]) -> bool:
-        """Whether what an archive gives to others is an owner's, too: they are its folders.
+        """Return whether the other names in an archive are only folders of this owner.
 
-        So it is where somebody has said whose the archive is, and nobody else is known in it.
+        This is so if an answer names the owner of the archive, and no other student is known in it.
         """
         if not self._answers.get(same(owner.label)):
             return False
@@ -101,17 +101,17 @@ class Owners:
             return False
 
     def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
-        """A question about who is known only by what an archive calls them; empty without one.
+        """Return a question about an owner who is known only by a label; empty without one.
 
-        Canvas gives the work of a group the number of one of them, and the name of the group.
+        Canvas labels the work of a group with the number of one member and the name of the group.
 
         Parameters
         ----------
         owner : Owner
         ids : sequence of str
-            Whose it is taken to be.
+            The assumed owners.
         others : sequence of Owner
-            Those in the same archive who are taken to be the same.
+            Owners in the same archive with the same ids.
         """
         if self.is_answered(owner):
             return ""
@@ -133,7 +133,7 @@ class Owners:
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
-        """Lines of the worksheet about a student: of two in Moodle's own, nobody's can be told."""
+        """Return the rows of the worksheet about a student; none if Moodle's own has two."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):
@@ -143,7 +143,7 @@ class Owners:
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
-        """The rows that are one person's; of a namesake's time nobody gets any."""
+        """Return the rows that match exactly one person; ambiguous rows are dropped."""
         found: dict[str, list[SubmissionRow]] = {}
         for row in self._worksheet.rows:
             people = self._people_of(row)
@@ -152,7 +152,7 @@ class Owners:
         return found
 
     def _check(self, label: str, id: str) -> None:
-        """Refuse an answer that names nobody."""
+        """Raise `CollectTrouble` for an answer that names no student."""
         meant = ""
         if self._roster and self._roster.person(id) is None:
             why = "nobody on the roster has the id"
@@ -195,8 +195,8 @@ class Owners:
         return ()
 
     def _team(self, owner: Owner) -> list[Person]:
-        """The members of a team, where the worksheet has a column for it, and all are known."""
-        # An archive has blanks in the place of some signs.
+        """Return the members of a team, if the worksheet lists it and all members are known."""
+        # Archives replace some characters by blanks.
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
         members = [self._people_of(row) for row in rows]
@@ -238,7 +238,7 @@ class Owners:
 
 
 def safe_folder(name: str) -> str:
-    """A name that every system takes for a folder, as near to the given one as possible."""
+    """Return a folder name that is valid on every system, as close to the given one as possible."""
     text = unicodedata.normalize("NFC", name)
     text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
     text = " ".join(text.split())[:LONGEST].strip(" .-").lstrip("_") or "unnamed"

@@ -1,4 +1,4 @@
-"""What the parts of ``collect`` hand to each other."""
+"""The data that the modules of ``collect`` exchange."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class CollectTrouble(Exception):
-    """Nothing can be collected from what was named; `str()` is the sentence to show."""
+    """Nothing can be collected; `str()` is the sentence to show."""
 
 
 class Unreadable(Exception):
@@ -18,17 +18,17 @@ class Unreadable(Exception):
 
 @dataclass(frozen=True)
 class ArchiveEntry:
-    """A file in an archive, not read yet.
+    """A file in an archive, which has not been read yet.
 
     Attributes
     ----------
     path : tuple of str
-        Folders and name, with nothing in them that leads elsewhere.
+        Folders and name, without parts that lead elsewhere.
     moment : datetime
-        What the archive has for its time, naive. Learning platforms put there when it was
-        downloaded, everybody else when it was saved.
+        The time in the archive, without a zone. Learning platforms store the time of the
+        download; other programs store when the file was saved.
     read : callable
-        Returns its bytes; raises `Unreadable`.
+        Returns the bytes; raises `Unreadable`.
     """
 
     path: tuple[str, ...]
@@ -44,9 +44,9 @@ class Archive:
     ----------
     path : pathlib.Path
     entries : tuple of ArchiveEntry
-        But for hidden ones.
+        All files except hidden ones.
     checkouts : frozenset of (tuple of str)
-        Folders that git manages.
+        Folders that are git checkouts.
     """
 
     path: Path
@@ -56,20 +56,20 @@ class Archive:
 
 @dataclass(frozen=True)
 class Owner:
-    """Who handed something in, as an archive calls them.
+    """The owner of a file, as an archive names them.
 
     Attributes
     ----------
     label : str
-        What questions and answers call them.
+        The name in questions and answers.
     folder : str
-        What their folder is called where there is no roster.
+        The name of the folder if there is no roster.
     names : tuple of str
-        What they may be called on the roster, likeliest first.
+        Possible names on the roster, the likeliest first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas's number of a person, Moodle's of a participant, what is a GitHub login.
+        Canvas's number of the person, Moodle's number of the participant, GitHub logins.
     guesses : tuple of str
-        What may be a GitHub login, or the end of another one's.
+        Possible GitHub logins, or ends of other logins.
     """
 
     label: str
@@ -83,24 +83,24 @@ class Owner:
 
 @dataclass(frozen=True)
 class Handed:
-    """One thing that somebody handed in.
+    """One submitted file.
 
     Attributes
     ----------
     owner : Owner
     path : tuple of str
-        Its folders and name as they were before a learning platform changed them.
+        Folders and name before a learning platform changed them.
     entry : ArchiveEntry
     order : int
-        Higher is newer, in every archive of this kind; 0 where nothing is known.
+        Higher is newer, among archives of this kind; 0 if unknown.
     saved : datetime or None
         When the student saved it, as far as the archive knows.
     late : bool or None
-        Whether the learning platform marked it so; None where it marks nothing.
+        Whether the learning platform marked it late; None if the platform has no such mark.
     remark : str
-        A sentence where it is no file but a text that was typed, or a link.
+        A sentence if it is a typed text or a link instead of a file.
     given : bool
-        That it may be there because everybody was given it.
+        Whether it may be there only because every student was given it.
     """
 
     owner: Owner
@@ -114,7 +114,7 @@ class Handed:
 
     @property
     def name(self) -> str:
-        """What questions and answers call it."""
+        """The name in questions and answers."""
         return "/".join((self.owner.label, *self.path))
 
 

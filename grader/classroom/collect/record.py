@@ -1,6 +1,6 @@
-"""What was collected into a student's folder, and from where; and who is late without a time.
+"""The record of the files collected into a student's folder, with their origins and times.
 
-It is kept beside the work, as ``.collected.json``, so that it goes when the student's folder does.
+It is stored next to the work, as ``.collected.json``, so that it is deleted with the folder.
 """
 
 from __future__ import annotations
@@ -19,28 +19,28 @@ NAME = ".collected.json"
 
 @dataclass(frozen=True)
 class FileOrigin:
-    """Where a file came from.
+    """The origin of a file.
 
     Attributes
     ----------
     digest : str
-        SHA-256 of what was placed.
+        SHA-256 of the placed file.
     archive : str
         Name of the archive, and of the file in it.
     moment : str
-        What the archive has for its time, in ISO 8601.
+        The time in the archive, in ISO 8601.
     order : int
-        Higher is newer, in every archive of this kind; 0 where nothing is known.
+        Higher is newer, among archives of this kind; 0 if unknown.
     late : bool
-        That the learning platform marked it so.
+        Whether the learning platform marked it late.
     participant : str
-        Moodle's number of whose it is, a person or a team.
+        Moodle's number of the owner, a student or a team.
     beaten : tuple of str
-        SHA-256 of other files for the same, which somebody said do not count.
+        SHA-256 of other files for the lesson, which do not count according to an answer.
     when : str
-        When it was handed in, in ISO 8601; empty where that is not known.
+        Submission time in ISO 8601; empty if it is unknown.
     undecided : str
-        Why nobody knows when; empty where somebody does, or was not asked.
+        Why the submission time is unknown; empty if it is known or was not looked for.
     """
 
     digest: str
@@ -54,7 +54,7 @@ class FileOrigin:
     undecided: str = ""
 
     def newer_than(self, other: FileOrigin) -> bool | None:
-        """Whether it was handed in after another; None where nothing tells."""
+        """Return whether it was submitted after another file; None if that is unknown."""
         mine, others = (self.order, self.moment), (other.order, other.moment)
         if not (self.order and other.order):
             mine, others = mine[1:], others[1:]
@@ -63,18 +63,19 @@ class FileOrigin:
 
 @dataclass(frozen=True)
 class Record:
-    """What was collected into one folder.
+    """The files that were collected into one folder.
 
     Attributes
     ----------
     files : dict of str to FileOrigin
-        By the name under which each lies there.
+        By the name of the file in the folder.
     undecided : str
-        Why nobody knows when the work was handed in; empty where somebody does, or was not asked.
+        Why the submission time is unknown; empty if it is known or was not looked for.
     others : str
-        When what was not collected was handed in, in ISO 8601, where a ``timestamp.txt`` said so.
+        Submission time of files that were not collected, from a ``timestamp.txt``, in ISO 8601.
     written : str
-        What collecting wrote last into ``timestamp.txt``, in ISO 8601: another time is a person's.
+        The time that collecting last wrote to ``timestamp.txt``, in ISO 8601. Any other time there
+        was written by a person.
     """
 
     files: dict[str, FileOrigin] = field(default_factory=dict)
@@ -83,7 +84,7 @@ class Record:
     written: str = ""
 
     def time(self, folder: Path) -> tuple[datetime | None, str]:
-        """When all that lies in the folder was handed in; and why that is not known."""
+        """Return the submission time of the whole folder, and why it is unknown if it is."""
         lying = {name: one for name, one in self.files.items() if (folder / name).is_file()}
         for one in lying.values():
             if one.undecided:
@@ -96,7 +97,7 @@ class Record:
 
 
 def read_record(folder: Path) -> Record:
-    """What was collected into a folder; nothing where that is not known."""
+    """Return the record of a folder; an empty one if there is none or it cannot be read."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         content = json.loads((folder / NAME).read_text("utf-8"))
         files = {name: FileOrigin(**source) for name, source in content["files"].items()}
@@ -105,15 +106,15 @@ def read_record(folder: Path) -> Record:
 
 
 def write_record(record: Record, folder: Path) -> None:
-    """Keep what was collected into a folder."""
+    """Store the record of a folder."""
     write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
 
 
 def why_untimed(folder: Path) -> str:
-    """Why nobody knows when what was collected into a folder was handed in.
+    """Return why the submission time of a folder is unknown.
 
-    Empty where a ``timestamp.txt`` says it, and where the learning platform had nothing against it
-    and no table of times was given.
+    The result is empty if a ``timestamp.txt`` states the time, or if the learning platform marked
+    nothing late and no table of times was given.
     """
     if (folder / "timestamp.txt").is_file():
         return ""

@@ -1,4 +1,4 @@
-"""Which of the files that somebody handed in for a lesson counts: the newest, if that is known."""
+"""Select the file that counts for a lesson: the newest, if that is known."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.classroom.contents import copy_number
 
 @dataclass(frozen=True)
 class File:
-    """A piece of what somebody handed in, and how it came."""
+    """A file of a student, with the submission that contained it."""
 
     archive: Path
     handed: Handed
@@ -24,32 +24,32 @@ class File:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """Its folders and name, as whoever handed it in had them; a zip is a folder."""
+        """Folders and name on the student's machine; a zip counts as a folder."""
         return (*self.handed.path, *self.piece.path)
 
     @property
     def name(self) -> str:
-        """What questions and answers call it."""
+        """The name in questions and answers."""
         return "/".join((self.handed.owner.label, *self.path))
 
     @property
     def saved(self) -> datetime | None:
-        """When it was saved, as far as its archives know."""
+        """When the file was saved, as far as the archives know."""
         return self.piece.saved or self.handed.saved
 
     def lies_beside(self, other: File) -> bool:
-        """Whether it came in the same folder as another."""
+        """Return whether it is in the same folder as another file."""
         places = [(one.archive, one.handed.owner, one.path[:-1]) for one in (self, other)]
         return places[0] == places[1]
 
     @property
     def digest(self) -> str:
-        """SHA-256 of its content."""
+        """SHA-256 of the content."""
         return digest_of(self.piece.data)
 
     @property
     def source(self) -> FileOrigin:
-        """What is remembered of it where it is placed."""
+        """The origin to record when the file is placed."""
         handed = self.handed
         return FileOrigin(
             self.digest,
@@ -61,7 +61,7 @@ class File:
         )
 
 
-# What tells which of two files is newer, the surest first; None where it tells nothing.
+# Rules that say which of two files is newer, the most reliable first; None if a rule cannot say.
 EVIDENCE: tuple[Callable[[File], object], ...] = (
     lambda file: file.handed.order or None,
     lambda file: file.saved,
@@ -70,10 +70,10 @@ EVIDENCE: tuple[Callable[[File], object], ...] = (
 
 
 def newest(files: Sequence[File]) -> list[File]:
-    """The newest of some files for one lesson; more than one where nothing tells.
+    """Return the newest of some files for one lesson; several if the order is unknown.
 
-    One in which something was written goes before one as it was released, and one that can be
-    read before one that cannot: a browser's second download of the same notebook is no answer.
+    A changed notebook takes precedence over an unchanged one, and a readable file over an
+    unreadable one: a second download of the released notebook is not an answer.
     """
     found = list({file.digest: file for file in files}.values())
     for better in (

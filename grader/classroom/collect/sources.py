@@ -1,4 +1,4 @@
-"""Open what was named on the command line: a zip, a folder, one file."""
+"""Open an archive from the command line: a zip, a folder or a single file."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def open_archive(path: Path) -> Archive:
 
 
 def _below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
-    """The files of a folder; a link to a folder is not followed, and of git's own one is shown."""
+    """Yield the files of a folder without following links, and one entry for each .git folder."""
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):

@@ -1,10 +1,10 @@
-"""Put what was handed in into ``submitted/<student>/<stage>/``, and overwrite nothing in silence.
+"""Store files in ``submitted/<student>/<stage>/`` without overwriting anything silently.
 
-What gives way to something newer is kept in ``.older/`` beside it, which nobody judges.
+Files that newer ones replace are kept in ``.older/`` in the same folder, and are not judged.
 
-A time belongs to the files with which it came, so it stands with each of them in the record; of
-these ``timestamp.txt`` is made, which is taken away before anything changes and written at the end.
-Whoever is stopped in between leaves work of which the record says that its time is undecided.
+A time belongs to the files that it came with, so the record has a time for each file.
+``timestamp.txt`` is made from these: it is removed before anything changes and written at the
+end. After an interruption the record therefore says that the time is undecided.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ _UNREAD = "timestamp.txt did not say a time that could be read"
 
 
 class Unsure(Exception):
-    """Only a person can tell which of two files counts; `str()` says what to do."""
+    """A person has to decide which of two files counts; `str()` says what to do."""
 
 
 def digest_of(data: bytes) -> str:
-    """SHA-256 of some bytes."""
+    """Return the SHA-256 of some bytes."""
     return hashlib.sha256(data).hexdigest()
 
 
@@ -47,11 +47,11 @@ class StageFolder:
     Parameters
     ----------
     path : pathlib.Path
-        ``submitted/<student>/<stage>``; made when something is placed there.
+        ``submitted/<student>/<stage>``; created when a file is placed there.
     when : datetime, optional
-        When what is placed now was handed in.
+        Submission time of the files that are placed now.
     undecided : str, optional
-        Why that is not known; empty where nobody gave times.
+        Why that time is unknown; empty if no times were given.
     """
 
     def __init__(self, path: Path, when: datetime | None = None, undecided: str = "") -> None:
@@ -63,7 +63,7 @@ class StageFolder:
     def place(
         self, name: str, data: bytes, source: FileOrigin, there: Submission | None = None
     ) -> str:
-        """Place a file, or leave what lies there.
+        """Place a file, or keep the one that is there.
 
         Parameters
         ----------
@@ -71,12 +71,12 @@ class StageFolder:
         data : bytes
         source : FileOrigin
         there : Submission, optional
-            What counts for the same lesson by now, under whatever name.
+            The submission that counts for the lesson now, under any name.
 
         Returns
         -------
         {"new", "newer", "same", "kept"}
-            Whether nothing lay there, something older, the same, or something newer.
+            Whether there was no file, an older one, the same one, or a newer one.
 
         Raises
         ------
@@ -112,22 +112,22 @@ class StageFolder:
         return NEWER
 
     def holds(self, name: str, digest: str) -> bool:
-        """Whether a file was collected that was the same to the byte, and one still lies there."""
+        """Return whether an identical file was collected earlier and is still there."""
         source = self._record.files.get(name)
         return bool(source and source.digest == digest and (self.path / name).is_file())
 
     def beaten(self, name: str) -> Collection[str]:
-        """SHA-256 of files that do not count beside what lies there: somebody said so."""
+        """Return the SHA-256 of files that do not count, according to an answer."""
         source = self._record.files.get(name)
         return source.beaten if source else ()
 
     def note_time(self) -> str:
-        """Write when the work was handed in, as nbgrader's ``timestamp.txt``.
+        """Write the submission time to nbgrader's ``timestamp.txt``.
 
         Returns
         -------
         str
-            Why there is none for what lies here now; empty where there is one, or nobody asked.
+            Why the time is unknown; empty if it is known or was not looked for.
         """
         path = self.path / TIME
         if not self.path.is_dir() or path.is_file():
@@ -142,11 +142,11 @@ class StageFolder:
         return undecided
 
     def is_late(self) -> bool:
-        """Whether something that was collected is marked late."""
+        """Return whether a collected file is marked late."""
         return any(source.late for source in self._record.files.values())
 
     def _write(self, name: str, data: bytes, source: FileOrigin, older: Path | None = None) -> None:
-        """Write a file, of which nobody takes the time of another one for its own."""
+        """Write a file whose recorded time cannot be mistaken for that of another file."""
         was_timed = (self.path / TIME).is_file() or any(
             file.when for file in self._record.files.values()
         )
@@ -158,7 +158,7 @@ class StageFolder:
         self._note(name, dataclasses.replace(source, when=self._when, undecided=undecided))
 
     def _note_same(self, name: str, source: FileOrigin, before: FileOrigin | None) -> None:
-        """Note a file that lies here already, with the time that it came with, or comes with."""
+        """Record a file that is already here, with its earlier or its new time."""
         known = before if before and before.digest == source.digest else None
         if (self.path / TIME).is_file() or (known and known.when):
             when, undecided = (known.when, known.undecided) if known else ("", "")
@@ -174,9 +174,9 @@ class StageFolder:
         self._note(name, noted)
 
     def _forget_time(self) -> None:
-        """Take away what says when all was handed in, before it is true no more.
+        """Remove ``timestamp.txt`` before its time becomes wrong.
 
-        A time that was not written by `note_time` is a person's, and belongs to all that lies here.
+        A time that `note_time` did not write was written by a person, and belongs to all files.
         """
         path = self.path / TIME
         record = dataclasses.replace(self._record, undecided=_STOPPED)
@@ -239,7 +239,7 @@ def _line(when: datetime) -> str:
 
 
 def _said_in(path: Path) -> datetime | None:
-    """The time in a file that we wrote, or somebody else; None where it cannot be read."""
+    """Return the time in a ``timestamp.txt``, or None if it cannot be read."""
     try:
         time = read_time(read_file(path).decode("utf-8", "replace").strip(), "en", UTC)
         return time and time.astimezone(UTC)

@@ -1,4 +1,4 @@
-"""What one student handed in: each file goes to its lesson, or is asked about."""
+"""Collect the files of one student: place each one for its lesson, or ask about it."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ from grader.course.paths import Course
 
 
 class StudentCollector:
-    """Places what one student handed in.
+    """Places the files of one student.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     id : str
     there : dict of Lesson to Submission
-        What they have in ``submitted/`` by now.
+        The student's submissions in ``submitted/``.
     answers : Answers
     outcome : CollectionReport
-        What becomes of it is noted here.
+        Results are added to it.
     """
 
     def __init__(
@@ -63,14 +63,14 @@ class StudentCollector:
     def collect(
         self, handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
     ) -> None:
-        """Place all that is theirs.
+        """Place all files of the student.
 
         Parameters
         ----------
         handed : sequence of (pathlib.Path, Handed)
-            With the archive that it is in.
-        rows : sequence of Row, or None
-            What a table of times says about them; None where there is no such table.
+            Each submitted file with its archive.
+        rows : sequence of SubmissionRow, or None
+            Rows of the table of times about the student; None without a table.
         """
         files = self._files(handed)
         notebooks = self._by_lesson(files)
@@ -89,7 +89,7 @@ class StudentCollector:
         self._tell_doubts()
 
     def _files(self, handed: Sequence[tuple[Path, Handed]]) -> list[File]:
-        """Notebooks and modules; what may have been meant to be one is a doubt."""
+        """Return notebooks and modules; files in place of a notebook become doubts."""
         files, size = [], 0
         for archive, one in handed:
             if one.remark:
@@ -115,7 +115,7 @@ class StudentCollector:
         return files
 
     def _by_lesson(self, files: Sequence[File]) -> dict[Lesson, list[File]]:
-        """The notebooks among some files; what nothing tells the lesson of is asked."""
+        """Return the notebooks by lesson, and ask about those whose lesson is unknown."""
         found: dict[Lesson, list[File]] = {}
         for file in files:
             if file.piece.kind != NOTEBOOK:
@@ -139,7 +139,7 @@ class StudentCollector:
     def _place(
         self, folder: StageFolder, lesson: Lesson, several: list[File], files: list[File]
     ) -> str:
-        """Place the newest of some files for a lesson, and its modules; how that went."""
+        """Place the newest of some files for a lesson, with its modules; return the result."""
         name = f"{lesson.name}.ipynb"
         answered = [file for file in several if file.name in self._answers.lessons]
         beaten = folder.beaten(name)
@@ -166,7 +166,7 @@ class StudentCollector:
         return state
 
     def _place_modules(self, folder: StageFolder, notebook: File, files: list[File]) -> None:
-        """Place the modules that lie beside a notebook, which may import them."""
+        """Place the modules next to a notebook, which may import them."""
         beside: dict[str, list[File]] = {}
         for file in files:
             if file.piece.kind == MODULE and file.lies_beside(notebook):
@@ -179,9 +179,9 @@ class StudentCollector:
                 self._outcome.ask(file.name, str(question))
 
     def _tell_other_stage(self, lesson: Lesson, several: list[File]) -> None:
-        """Ask about files that were handed in with the wrong stage, unless they are there.
+        """Ask about files that were submitted with the wrong stage, unless they are in place.
 
-        What nobody worked in came with the course, of which somebody handed in all.
+        Unchanged notebooks are ignored, because some students submit the whole course.
         """
         worked = [file for file in several if not file.piece.content.untouched]
         several = [file for file in worked if not self._is_placed(lesson, file)]
@@ -194,7 +194,7 @@ class StudentCollector:
             self._outcome.ask(several[0].name, text)
 
     def _note_times(self, folders: Iterable[StageFolder]) -> None:
-        """Write when it was handed in, where that is known, and keep in mind where it is not."""
+        """Write the submission time if it is known, and report why if it is not."""
         for folder in folders:
             reason = folder.note_time()
             if reason:
@@ -203,7 +203,7 @@ class StudentCollector:
                 self._outcome.late.append(self._id)
 
     def _tell_doubts(self) -> None:
-        """Ask about what may have been meant to be work, where some is missing."""
+        """Ask about files in place of a notebook, if a notebook is missing."""
         missing = [
             lesson
             for lesson in self._outcome.lessons
@@ -218,7 +218,7 @@ class StudentCollector:
         self._doubts.append((Question(name, text), lesson))
 
     def _is_placed(self, lesson: Lesson, file: File) -> bool:
-        """Whether this very file was collected for a lesson before."""
+        """Return whether this file was collected for a lesson earlier."""
         return self._folder(lesson.stage).holds(f"{lesson.name}.ipynb", file.digest)
 
     def _folder(self, stage: str, when: datetime | None = None, undecided: str = "") -> StageFolder:
@@ -228,13 +228,13 @@ class StudentCollector:
 def _time(
     handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
 ) -> tuple[datetime | None, str]:
-    """When a student handed in, and why nobody knows where nobody does."""
+    """Return when a student submitted, and why that is unknown if it is."""
     times = [row.when for row in rows or () if row.when]
     if times:
         return max(times), ""
     if rows:
         return None, f"for a time, the table of times has {rows[0].said or 'nothing'!r}"
-    # Who marks what is late says of the rest that it is not: a table of the late ones is enough.
+    # A platform that marks late work says that the rest is on time: a table of it suffices.
     if rows is None or all(one.late is False for _, one in handed):
         return None, ""
     return None, "the table of times has no line about them, or more than one"

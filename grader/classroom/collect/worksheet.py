@@ -1,8 +1,8 @@
-"""When work was handed in, by a table: Moodle's grading worksheet, or one that somebody wrote.
+"""Read submission times from a table: Moodle's grading worksheet, or the instructor's own.
 
-Moodle writes titles and dates in the language of whoever downloads. Its first column has the
-participant's number behind a word, the second the full name. A table of one's own has an id in the
-first column, and a title that is known here above the times.
+Moodle writes titles and dates in the language of the downloading teacher. Its first column has a
+word and the participant's number, the second the full name. An instructor's own table has ids in
+the first column, and one of the known titles above the times.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import babel
 from grader.classroom.collect.protocol import CollectTrouble
 from grader.course.tables import separated
 
-# What Moodle calls "Last modified (submission)", and the language in which its dates then are.
+# Moodle's titles for "Last modified (submission)", and the language of the dates below each.
 TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",
@@ -43,20 +43,20 @@ _CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
 
 @dataclass(frozen=True)
 class SubmissionRow:
-    """What a table says about one person.
+    """A row of the table, about one person.
 
     Attributes
     ----------
     identifying : tuple of str
-        What tells who it is, the surest first: e-mail, numbers, names.
+        Texts that identify the person, the most reliable first: e-mail, numbers, names.
     others : tuple of str
-        All else; of a team's member its name.
+        All other texts, such as the name of a team.
     participant : str
-        Moodle's number; empty in a table of one's own.
+        Moodle's number; empty in an instructor's own table.
     when : datetime or None
-        Aware; None where no time can be read.
+        With a time zone; None if the time cannot be read.
     said : str
-        What stands there for a time.
+        The text in the column of times.
     """
 
     identifying: tuple[str, ...]
@@ -68,26 +68,26 @@ class SubmissionRow:
 
 @dataclass(frozen=True)
 class SubmissionTable:
-    """A table of who handed in when.
+    """A table of submission times.
 
-    In Moodle's own each person has one line and a number. Texts of students stand in it, too, and
-    as Moodle doubles no quotation mark behind a backslash, one can end its cell, and go on with
-    lines about somebody else.
+    In Moodle's worksheet each person has one line and a number. It also contains texts of students.
+    Moodle does not double a quotation mark after a backslash, so such a text can end its cell and
+    forge lines about other students.
     """
 
     rows: tuple[SubmissionRow, ...] = ()
 
     @functools.cached_property
     def is_moodles(self) -> bool:
-        """Whether its lines have the numbers of Moodle's participants."""
+        """Whether the lines have the numbers of Moodle's participants."""
         return any(row.participant for row in self.rows)
 
     def participant(self, number: str) -> SubmissionRow | None:
-        """The row of one of Moodle's participants."""
+        """Return the row of one of Moodle's participants."""
         return self._by_number.get(number) if number else None
 
     def naming(self, text: str) -> list[SubmissionRow]:
-        """The rows in which a text stands."""
+        """Return the rows that contain a text."""
         return [row for row in self.rows if text in row.identifying]
 
     @functools.cached_property
@@ -103,7 +103,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     ----------
     path : pathlib.Path
     zone : tzinfo or None
-        Of its times; None for that of this machine.
+        Zone of the times; None for this machine's.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
 def _row(
     cells: list[str], column: int, status: int, language: str, zone: tzinfo | None
 ) -> SubmissionRow:
-    """One line; behind the status stand marks, which may look like somebody's number."""
+    """Read one line; after the status come marks, which may look like numbers of people."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
     said = cells[column] if column < len(cells) else ""
     number = _NUMBER.fullmatch(cells[0])
@@ -155,9 +155,9 @@ def _row(
 
 
 def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
-    """A time, if there is only one that the text can mean; aware.
+    """Return the time in a text, with a time zone, if the text has only one meaning.
 
-    Months in figures are not read, but in the order of ISO 8601: nobody knows which is the month.
+    Dates in figures are read only in the order of ISO 8601, because in others the month is unclear.
     """
     chinese = _CHINESE.fullmatch(text)
     if chinese:
@@ -195,7 +195,7 @@ def _month(text: str, language: str) -> int | None:
 
 @functools.cache
 def _months(language: str) -> dict[int, set[str]]:
-    """What each month is called, by number: in full and short, alone and in a date."""
+    """Return the names of each month, by number: in full and short, alone and in a date."""
     found: dict[int, set[str]] = {number: set() for number in range(1, 13)}
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):

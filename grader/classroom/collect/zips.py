@@ -1,7 +1,6 @@
-"""Zips that strangers made: their names are only looked at, and what they claim is checked.
+"""Read untrusted zips: check their claims, and never use their names for files.
 
-No name in an archive becomes the name of a file here: where a file goes is decided by the roster
-and by the lessons of the course.
+Only the roster and the lessons of the course decide where a file is written.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from grader.intake.notebook import LARGEST_FILE
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
 MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
-# Notebooks full of zeros come to 150; a bomb to a thousand.
+# The ratio of a notebook full of zeros is 150, that of a bomb a thousand.
 MOST_SHRUNK = 300
 _WORTH_A_LOOK = 2**20
 _DAMAGE = (
@@ -33,14 +32,14 @@ _DAMAGE = (
     EOFError,
     OSError,
     ValueError,
-    NotImplementedError,  # a way to compress that Python does not know
+    NotImplementedError,  # a compression that Python does not support
     RuntimeError,  # a password
 )
 _JUNK = ("__MACOSX", "__pycache__")
 
 
 def clean_path(name: str) -> tuple[str, ...]:
-    """Folders and name of a file, without what leads elsewhere: drives, roots, ``..``, NUL."""
+    """Return folders and name of a file, without drives, roots, ``..`` and NUL."""
     text = unicodedata.normalize("NFC", name.replace("\\", "/").replace("\0", ""))
     parts = [part for part in text.split("/") if part.strip(". ")]
     if parts and len(parts[0]) == 2 and parts[0].endswith(":"):
@@ -49,12 +48,12 @@ def clean_path(name: str) -> tuple[str, ...]:
 
 
 def is_hidden(path: tuple[str, ...]) -> bool:
-    """Whether nobody wrote it: what systems, editors and git leave behind."""
+    """Return whether a file was left behind by a system, an editor or git."""
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
 def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
-    """The files of a zip, each with its path as it stands there.
+    """Return the files of a zip, each with its original path.
 
     Raises
     ------
@@ -64,7 +63,7 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Ar
         archive = zipfile.ZipFile(file)
     except _DAMAGE as error:
         raise Unreadable(f"cannot be opened as a zip: {_reason(error)}") from None
-    # Python's `is_dir` cannot bear a name of nothing.
+    # Python's `is_dir` fails for an empty name.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > most:
         raise Unreadable(f"holds {len(infos):,} files; more than {most:,} are not opened")
@@ -76,7 +75,7 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Ar
 
 
 def _name(info: zipfile.ZipInfo) -> str:
-    """The name of a file. Canvas and Macs write UTF-8 and do not say so."""
+    """Return the name of a file. Canvas and Macs write UTF-8 without declaring it."""
     if info.flag_bits & 0x800:
         return info.filename
     try:
@@ -105,7 +104,7 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 
 
 def _check(info: zipfile.ZipInfo) -> None:
-    """Look at what a file claims before any of it is unpacked; no more than that ever is."""
+    """Check the claimed size of a file before unpacking, which never produces more."""
     if stat.S_ISLNK(info.external_attr >> 16):
         raise Unreadable("is a link to another file: hand in the file itself")
     if info.flag_bits & 0x1:
