@@ -15,6 +15,7 @@ PLAIN = (
     "grader/authoring",
     "grader/classroom/*.py",
     "grader/classroom/collect",
+    "grader/classroom/similarity",
     "grader/course",
     "grader/intake",
     "grader/judging",

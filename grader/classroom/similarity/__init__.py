@@ -1,6 +1,6 @@
-"""Whose functions of a stage are alike, and how unusual that is in this class.
+"""Find similar functions of a stage, and measure how unusual their similarity is in the class.
 
-It accuses nobody: it says what is alike, and a person asks. `normal_form` takes from a function
-what is easily changed, `answers` gets the functions out of what was handed in, `comparing` weighs
-what two have in common, `page` shows it.
+The result is not an accusation: a person has to look and ask. `normal_form` removes from a
+function everything that is easily changed, `answers` extracts the functions from submissions,
+`comparison` weighs their common parts, and `page` shows the result.
 """

@@ -1,4 +1,4 @@
-"""The functions that students wrote, got out of what they handed in."""
+"""Extract the functions that students wrote from their submissions."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from grader.intake.reader_process import apart
 from grader.intake.submission import HandedIn
 from utils.notebooks import slicing
 
-# What somebody writes is far below both; what is above is no answer that a person compares.
+# Real answers are far below both limits; a longer answer cannot be compared by a person.
 MOST_STEPS = 1000
 MOST_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
 class ComparedAnswer:
-    """A function as somebody wrote it, with the functions of their own that it uses.
+    """A student's function, with the student's own functions that it uses.
 
     Attributes
     ----------
     text : str
-        The source; the statements that belong together, as they stand in the notebook.
+        The source of these statements, as in the notebook.
     steps : tuple of NormalStatement
-        The same in words, with lines of `text`.
+        The statements in normal form, with their lines in `text`.
     code : str
-        A digest of the same without comments and layout.
+        A digest of the source without comments and layout.
     """
 
     text: str
@@ -45,17 +45,16 @@ class ComparedAnswer:
 
 @dataclass(frozen=True)
 class Work:
-    """What is compared of a notebook.
+    """The parts of a notebook that are compared.
 
     Attributes
     ----------
     answers : dict of str to ComparedAnswer
-        By exercise; without those that nobody wrote.
+        By exercise, without exercises that the student did not write.
     cells : str
-        A digest of what stands in the cells, and of nothing else in the file; empty for a
-        notebook as it was given out.
+        A digest of the text in the cells only; empty for an unchanged notebook.
     own, all : int
-        How many cells are not as they were given out, and how many there are.
+        The number of cells that differ from the release, and of all cells.
     problems : tuple of str
         Why an exercise cannot be compared, one sentence each.
     """
@@ -68,18 +67,18 @@ class Work:
 
 
 def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
-    """Read what was handed in for a lesson, in a process of its own; no code of it is run.
+    """Read a submission in a process of its own, without running its code.
 
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
     grader.intake.reader_process.ReadingFailed
     """
-    _released_statements(lesson)  # is read here, once, and not in each of the processes
+    _released_statements(lesson)  # cached here, so that each child process inherits it
 
     def work() -> dict:
-        # The code is what is judged. The cells are as they were handed in: what is mended in the
-        # one and not in the other would make them differ.
+        # The compared code is the judged code. The digest is of the submitted cells, because a
+        # repair in one notebook but not in the other would make equal ones differ.
         code = prepare(handed_in, lesson).code
         cells = [(cell.kind, cell.source.rstrip()) for cell in handed_in.notebook().cells]
         own = Counter(cells) - Counter(released_cells(lesson))
@@ -110,7 +109,7 @@ def _digest(text: str) -> str:
 
 
 def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedAnswer], list[str]]:
-    """The answers to a lesson's exercises in code cells, and why some cannot be compared."""
+    """Return the answers in code cells, and why some of them cannot be compared."""
     given = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in given]
     released, imported = _released_statements(lesson)
@@ -133,7 +132,7 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedA
 def _answer(
     name: str, own: list, code: list[str], known: Mapping[str, str], lesson: Lesson
 ) -> ComparedAnswer:
-    # Who wrote a class of their own, in place of the one that is given, wrote the answer there.
+    # A class of the student's own in place of the given one contains the answer.
     names = [name] if any(name in one.binds for one in own) else list(lesson.header.given)
     others = _exercises() - {name}
     lines, steps, nodes = [], [], []
@@ -164,7 +163,7 @@ def _dump(node: ast.AST) -> str:
 
 
 def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
-    """What names of a notebook stand for that it imports."""
+    """Return what the imported names of a notebook stand for."""
     found = {}
     for statement in statements:
         for node in ast.walk(statement.node):
@@ -184,20 +183,20 @@ def _exercises() -> frozenset[str]:
 
 
 def _given_names(lesson: Lesson) -> dict[str, str]:
-    """Functions that nobody makes up: exercises, and what is given."""
+    """Return the names of exercises and given functions, which students do not choose."""
     return {name: name for name in (*_exercises(), *lesson.header.given)}
 
 
 @functools.cache
 def released_cells(lesson: Lesson) -> tuple[tuple[str, str], ...]:
-    """Kind and source of each cell as it was given out."""
+    """Return kind and source of each released cell."""
     cells = json.loads(lesson.released.read_text("utf-8"))["cells"]
     return tuple((cell["cell_type"], "".join(cell["source"]).rstrip()) for cell in cells)
 
 
 @functools.cache
 def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]]:
-    """The statements that were given out, and what names stand for that these import."""
+    """Return the released statements, and what their imported names stand for."""
     code = [source for kind, source in released_cells(lesson) if kind == "code"]
     statements, _ = slicing.parse_notebook(code)
     return frozenset(_dump(statement.node) for statement in statements), _imported(statements)
@@ -205,7 +204,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
 
 @functools.cache
 def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """By exercise, the right answers that are kept with the course, each of another author."""
+    """Return the right kept answers by exercise; each counts as an author of its own."""
     return {
         exercise.name: tuple(
             answer
@@ -220,7 +219,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
 
 @functools.cache
 def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """By exercise, what the lesson itself leads to: its solution, and its hints to the letter."""
+    """Return by exercise the answers that the lesson leads to: its solution, and its hints."""
     solved, _ = answers_in([lesson.text], lesson)
     found = {}
     for exercise in lesson.machine_graded:

@@ -1,4 +1,4 @@
-"""Which answers of a class to an exercise are alike."""
+"""Find the similar answers of a class to one exercise."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from dataclasses import dataclass
 from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.weights import Document, Weights
 
-# A pair is named if of all that is unusual in the two this much is in both,
+# A pair is reported if the two answers share this part of everything unusual in them,
 LEAST_SHARE = 0.6
-# and if that is so many bits more than it takes to name one pair among those of the class.
-# `tests/test_similarity.py` measures what that finds, and what it finds wrongly.
+# and if their common part has so many bits more than are needed to name one pair of the class.
+# `tests/test_similarity.py` measures hits and false alarms.
 LEAST_BITS = 7.0
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two answers to one exercise that are alike.
+    """Two similar answers to one exercise.
 
     Attributes
     ----------
     exercise : str
     students : tuple of str
-        Two.
+        The two students.
     share : float
-        How much of what is unusual in the two is in both.
+        Share of the unusual parts of both answers that they have in common.
     bits : float
-        How unusual what they share is.
+        How unusual the common part is.
     alike : tuple of frozenset of int
-        Of each of the two, places of the steps that the other has, too.
+        For each answer, the indices of statements that the other answer also has.
     steps : tuple of int
-        How many steps each has.
+        The number of statements of each answer.
     alone : int
-        How many of these steps of the first are in no other answer.
+        The number of common statements of the first answer that no third answer has.
     others : tuple of int
-        How many other answers there are: in the class, and kept with the course.
+        The number of other answers: in the class, and kept with the course.
     nearest : tuple of float
-        The largest share of either of the two with one of these, and with one of those.
+        The largest share of either answer with a third one: in the class, and kept.
     """
 
     exercise: str
@@ -55,17 +55,17 @@ class Pair:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What comparing all answers to one exercise came to.
+    """The result of comparing all answers to one exercise.
 
     Attributes
     ----------
     exercise : str
     written : int
-        How many answers there are.
+        The number of answers.
     telling : int
-        How many of them hold enough that is unusual, to be told apart from others by it.
+        The number of answers with enough unusual parts to distinguish them from others.
     pairs : tuple of Pair
-        The most unusual first.
+        Similar pairs, the most unusual first.
     """
 
     exercise: str
@@ -88,10 +88,9 @@ def compare(
     answers : dict of str to ComparedAnswer
         By student.
     kept : sequence of ComparedAnswer
-        Right answers that are kept with the course. They stand beside the class, as others who
-        wrote the same function.
+        Right answers that are kept with the course. They count as further authors.
     taught : iterable of ComparedAnswer
-        What the lesson leads to.
+        Answers that the lesson leads to.
     """
     mine = {student: Document(answer) for student, answer in answers.items()}
     beside = [Document(answer) for answer in kept]
@@ -124,7 +123,7 @@ def compare(
 
 
 def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tuple[float, str]]]:
-    """For each student the two who come nearest, and how near."""
+    """Return for each student the two most similar students, with their shares."""
     found: dict[str, list[tuple[float, str]]] = {}
     for both, share in shares.items():
         for who, whom in (both, both[::-1]):
@@ -136,7 +135,7 @@ def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tupl
 
 
 def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]]]) -> float:
-    """The largest share of either of two students with anybody else of the class."""
+    """Return the largest share of either of two students with a third one."""
     return max(
         (share for who in pair for share, whom in nearest[who] if whom not in pair), default=0.0
     )
@@ -145,6 +144,6 @@ def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]
 def _nearest_of(
     first: Document, second: Document, beside: Sequence[Document], weights: Weights
 ) -> float:
-    """The largest share of either of two answers with one that is kept with the course."""
+    """Return the largest share of either of two answers with a kept one."""
     both = itertools.product((first, second), beside)
     return max((weights.share(one, other) for one, other in both), default=0.0)

@@ -1,8 +1,8 @@
-"""A function without what is easily changed: a step for each statement, in words.
+"""The normal form of a function, without details that are easily changed.
 
-Gone are comments, layout, docstrings, annotations, the spelling of numbers, `print`, `pass`, and
-all names but those of the function's parameters, of modules and what is theirs, and of given
-functions. The same are ``x += 1`` and ``x = x + 1``, ``a > b`` and ``b < a``, ``a + b`` and
+Comments, layout, docstrings, annotations, the spelling of numbers, `print` and `pass` are removed,
+and so are all names except those of parameters, modules and their members, and given functions.
+Some code becomes equal: ``x += 1`` and ``x = x + 1``, ``a > b`` and ``b < a``, ``a + b`` and
 ``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop that counts.
 
 The text is untrusted, so this runs in a process of its own: see `grader.intake.reader_process`.
@@ -26,14 +26,14 @@ _SILENT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 
 @dataclass(frozen=True)
 class NormalStatement:
-    """One statement; of one that holds others, its head.
+    """A statement in normal form; of a compound statement only the head.
 
     Attributes
     ----------
     words : tuple of str
-        What it says.
+        The normal form.
     first, last : int
-        Its lines.
+        The first and last line.
     """
 
     words: tuple[str, ...]
@@ -44,22 +44,22 @@ class NormalStatement:
 def steps_of(
     node: ast.stmt, known: Mapping[str, str], parameters: Sequence[str] = ()
 ) -> Iterator[NormalStatement]:
-    """The steps of a function or of another statement, from top to bottom.
+    """Return the statements of a function, or of a compound statement, from top to bottom.
 
     Parameters
     ----------
     node : ast.stmt
     known : dict of str to str
-        What names stand for that are not the author's own: modules and given functions.
+        Meanings of names that the author did not choose: modules and given functions.
     parameters : sequence of str
-        Names of the function's parameters: each is known by its place.
+        Names of the function's parameters; each is replaced by its position.
     """
     places = {name: f"parameter {place}" for place, name in enumerate(parameters)}
     return _Reader({**known, **places}).steps([node])
 
 
 class _Reader:
-    """Reads statements with one meaning of names."""
+    """Converts statements, with fixed meanings of names."""
 
     def __init__(self, known: Mapping[str, str]) -> None:
         self.known = known
@@ -150,7 +150,7 @@ class _Reader:
         return [kind.__name__, *sides[0], *sides[1]]
 
     def _dotted(self, node: ast.expr) -> str:
-        """``numpy.linalg.norm`` for ``np.linalg.norm``; empty where no module begins it."""
+        """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty if it is not in a module."""
         if isinstance(node, ast.Attribute):
             before = self._dotted(node.value)
             return before and f"{before}.{node.attr}"
@@ -164,7 +164,7 @@ class _Reader:
 def _assignments(
     node: ast.Assign | ast.AnnAssign | ast.AugAssign,
 ) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """What is set to what, one by one."""
+    """Yield the single assignments of a statement."""
     if isinstance(node, ast.AugAssign):
         yield node.target, ast.BinOp(node.target, node.op, node.value)
         return
@@ -179,7 +179,7 @@ def _assignments(
 
 
 def _counted(node: ast.While) -> ast.expr | None:
-    """``range(n)``, where a loop is ``while i < n`` and ends in ``i += 1``."""
+    """Return ``range(n)`` if a loop is ``while i < n`` and ends with ``i += 1``."""
     test, last = node.test, node.body[-1]
     if (
         isinstance(test, ast.Compare)

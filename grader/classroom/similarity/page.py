@@ -1,4 +1,4 @@
-"""The page on which a person compares: what is alike, side by side."""
+"""The page with similar answers side by side, for a person to compare."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_PAIRS = 50
 
 @dataclass(frozen=True)
 class Side:
-    """One of two answers: its lines, and of each whether the other has the like."""
+    """One of two answers: its lines, each with whether the other answer has a similar one."""
 
     student: str
     lines: tuple[tuple[str, bool], ...]
@@ -27,7 +27,7 @@ class Side:
 
 @dataclass(frozen=True)
 class SharedFunction:
-    """A function of two students."""
+    """A similar function of two students."""
 
     exercise: str
     sentences: tuple[str, ...]
@@ -36,7 +36,7 @@ class SharedFunction:
 
 @dataclass(frozen=True)
 class ShownPair:
-    """Two students with all their functions that are alike."""
+    """Two students with all their similar functions."""
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
@@ -44,12 +44,12 @@ class ShownPair:
 
 
 def similarity_page(course: Course, stage: str) -> Path:
-    """Where the page on a stage lies."""
+    """Return the path of the page on a stage."""
     return course.report / f"similarity_{stage}.html"
 
 
 def write_similarity(course: Course, compared: StageComparison) -> Path:
-    """Write the page; returns where it lies."""
+    """Write the page and return its path."""
     pairs = compared.pairs
     shown = [
         ShownPair(pair.students, pair.pairs, tuple(_shown(one, compared) for one in pair.pairs))
@@ -69,7 +69,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
 
 
 def percent(share: float) -> str:
-    """A share in words; only what is whole is 100 %, only what is nothing 0 %."""
+    """Return a share in percent, rounded so that only 1 is 100 % and only 0 is 0 %."""
     if 0 < share < 1:
         share = min(max(share, 0.01), 0.99)
     return f"{100 * share:.0f} %"
@@ -93,7 +93,7 @@ def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bo
 
 
 def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterator[str]:
-    """What is alike, and how unusual that is in this class."""
+    """Yield sentences on the similarity, and on how unusual it is in this class."""
     counts = [
         f"{len(alike)} of {steps} steps of {student}"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
@@ -110,7 +110,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
 
 
 def _how(one: ComparedAnswer, other: ComparedAnswer) -> str:
-    """In what way two answers are the same; they are alike in any case."""
+    """Return how equal two similar answers are: in text, in code, or only in normal form."""
     if one.text == other.text:
         return "They are the same letter for letter, comments included."
     if one.code == other.code:

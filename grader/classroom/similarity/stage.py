@@ -1,4 +1,4 @@
-"""All students' functions of a stage, compared with each other."""
+"""Compare the functions of all students in a stage."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from utils.notebooks.reading import UnreadableNotebook
 
 @dataclass(frozen=True)
 class SameFile:
-    """Students who handed in the same notebook.
+    """Students who submitted the same notebook.
 
     Attributes
     ----------
     lesson : str
     students : tuple of str
     to_the_byte : bool
-        False where outputs or metadata differ, and only what stands in the cells is the same.
+        False if outputs or metadata differ, and only the text of the cells is the same.
     own, all : int
-        How many of its cells are not as they were given out, and how many it has.
+        The number of cells that differ from the release, and of all cells.
     """
 
     lesson: str
@@ -45,34 +45,34 @@ class SameFile:
 
 @dataclass(frozen=True)
 class PairOfStudents:
-    """Two students, and the exercises in which their answers are alike."""
+    """Two students, and the exercises with similar answers."""
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
 
     @property
     def bits(self) -> float:
-        """How unusual it is to have all that in common."""
+        """How unusual all their similarities are together."""
         return sum(pair.bits for pair in self.pairs)
 
 
 @dataclass(frozen=True)
 class StageComparison:
-    """What comparing a stage came to.
+    """The result of comparing a stage.
 
     Attributes
     ----------
     stage : str
     students : tuple of str
-        Whose work was compared.
+        The students whose work was compared.
     notebooks : int
     comparisons : tuple of Comparison
-        One for each exercise that somebody wrote.
+        One for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
         By exercise and student.
     same_files : tuple of SameFile
     problems : tuple of (str, str, str)
-        Student, lesson, and why something in it was not compared.
+        Student, lesson, and why something was not compared.
     """
 
     stage: str
@@ -85,7 +85,7 @@ class StageComparison:
 
     @property
     def pairs(self) -> tuple[PairOfStudents, ...]:
-        """Pairs of students, the most unusual first."""
+        """Pairs of students with similar answers, the most unusual first."""
         found: dict[tuple[str, str], list[Pair]] = {}
         for comparison in self.comparisons:
             for pair in comparison.pairs:
@@ -97,14 +97,14 @@ class StageComparison:
 def compare_stage(
     course: Course, stage: str, advance: Callable[[int, int, object], None] = lambda *_: None
 ) -> StageComparison:
-    """Compare what was handed in for a stage.
+    """Compare the submissions for a stage.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     stage : str
     advance : callable, optional
-        Is told how many notebooks are read, and of how many.
+        Called with the number of notebooks that are read, and the number of all.
     """
     submissions = find_submissions(course, [stage])
     read: list[tuple[Submission, str, Work]] = []
@@ -160,7 +160,7 @@ def _same_files(read: Iterable[tuple[Submission, str, Work]]) -> Iterable[SameFi
                 files.setdefault(key, []).append(printable(submission.student))
                 sizes[key] = work.own, work.all, digest is data
     told = set()
-    # Those of the same bytes come first: that their cells are the same needs no words then.
+    # Files with the same bytes come first, so that their equal cells are not reported as well.
     for key, students in sorted(
         files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
     ):

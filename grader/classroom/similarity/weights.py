@@ -1,13 +1,13 @@
-"""What two answers have in common that hardly anybody else has, and what that weighs.
+"""Weigh the common parts of two answers by how rare they are in the class.
 
-The words of a step are cut into pieces of `LENGTH` words each, as Schleimer, Wilkerson and Aiken
-do with whole programs (Winnowing: local algorithms for document fingerprinting, SIGMOD 2003).
-Functions are short, so all pieces are kept, and none reaches from one step into the next: the
-order of steps makes no difference.
+The words of a statement are cut into pieces of `LENGTH` words each, as Schleimer, Wilkerson and
+Aiken do with whole programs (Winnowing: local algorithms for document fingerprinting, SIGMOD 2003).
+Functions are short, so all pieces are kept. No piece extends into the next statement, so the order
+of statements makes no difference.
 
-Out go the pieces of what the lesson leads to, and those that many others have. A piece that is
-left weighs the more the fewer have it: as many bits as it takes to say that somebody does
-(Spärck Jones, A statistical interpretation of term specificity, 1972).
+Pieces of answers that the lesson leads to are removed, and pieces that many others have. The
+weight of a remaining piece is its information in bits: the fewer answers have it, the more it
+weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from grader.classroom.similarity.answers import ComparedAnswer
 
 LENGTH = 6
-# What more than a quarter of the others have is not told apart from what everybody has.
+# A piece that more than a quarter of the others have counts as common to all.
 COMMON = 0.25
 
 Piece = tuple[str, ...]
 
 
 class Document:
-    """An answer in pieces.
+    """The pieces of an answer.
 
     Attributes
     ----------
     steps : list of frozenset of Piece
-        Of each step.
+        The pieces of each statement.
     pieces : frozenset of Piece
-        Of all.
+        All pieces.
     """
 
     def __init__(self, answer: ComparedAnswer) -> None:
@@ -41,7 +41,7 @@ class Document:
         self.pieces = frozenset().union(*self.steps)
 
     def steps_like(self, other: Document) -> frozenset[int]:
-        """Places of the steps of which the other has at least half."""
+        """Return the indices of statements of which the other answer has at least half."""
         return frozenset(
             place
             for place, step in enumerate(self.steps)
@@ -50,28 +50,28 @@ class Document:
 
 
 def _pieces_of(words: Piece) -> frozenset[Piece]:
-    """All runs of `LENGTH` words of a step; of a shorter one, the whole."""
+    """Return all runs of `LENGTH` words of a statement; a shorter statement is one piece."""
     places = range(max(1, len(words) - LENGTH + 1))
     return frozenset(words[place : place + LENGTH] for place in places)
 
 
 class Weights:
-    """Who has what among all answers to an exercise, and how unusual that is.
+    """The weights of all pieces in the answers to an exercise.
 
     Parameters
     ----------
     documents : sequence of Document
-        All that are compared with each other.
+        All answers that are compared with each other.
     taught : iterable of Document
-        What the lesson leads to: to share that is no surprise.
+        Answers that the lesson leads to, whose pieces weigh nothing.
     """
 
     def __init__(self, documents: Sequence[Document], taught: Iterable[Document]) -> None:
         self._taught = frozenset().union(*(document.pieces for document in taught))
         self._with_step = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
-        others = max(0, len(documents) - 2)  # than the two who are compared
-        # Bits of each piece, if one of the two has it, and if both have.
+        others = max(0, len(documents) - 2)  # without the two that are compared
+        # Bits of each piece if one of the two answers has it, and if both do.
         self._of_one = {piece: self._bits(piece, n - 1, others) for piece, n in holders.items()}
         self._of_both = {piece: self._bits(piece, n - 2, others) for piece, n in holders.items()}
 
@@ -81,25 +81,25 @@ class Weights:
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 
     def share(self, one: Document, other: Document) -> float:
-        """How much of what is unusual in two answers is in both (Dice's coefficient)."""
+        """Return the common share of the unusual parts of two answers (Dice's coefficient)."""
         shared = sum(self._of_both[piece] for piece in one.pieces & other.pieces)
         alone = sum(self._of_one[piece] for piece in one.pieces ^ other.pieces)
         return 2 * shared / (2 * shared + alone) if shared else 0.0
 
     def bits(self, one: Document, other: Document) -> float:
-        """How unusual it is to have in common what these two have.
+        """Return how unusual the common part of two answers is.
 
-        A long step is one idea and not many: it counts as its average piece does.
+        A long statement is one idea and not many, so it counts as much as its average piece.
         """
         weights = {piece: self._of_both[piece] for piece in one.pieces & other.pieces}
         return min(_sum_of_steps(document, weights) for document in (one, other))
 
     def bits_of_copy(self, document: Document) -> float:
-        """The same, of an answer and a copy of it."""
+        """Return how unusual the common part of an answer and a copy of it is."""
         return self.bits(document, document)
 
     def only_theirs(self, one: Document, other: Document) -> int:
-        """How many steps of the one, of those that the other has the like of, nobody else has."""
+        """Return the number of common statements of the first answer that no third one has."""
         steps = (one.steps[place] for place in one.steps_like(other))
         return sum(
             self._with_step[step] == 1 + (step in other.steps) and not step <= self._taught
