@@ -231,7 +231,7 @@ def passing(monkeypatch):
         budget=None,
         meanwhile=lambda: None,
     ):
-        monkeypatch.setattr(repair, "Student", student)
+        monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
         monkeypatch.setattr(repair, "hidden_questions", student.hidden)
         # Half of the time goes by out here.
@@ -539,7 +539,7 @@ def explains(monkeypatch):
             return player if played else None
 
         student = Answering(function)
-        monkeypatch.setattr(mistake_diagnosis, "Student", lambda *about: student)
+        monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
         monkeypatch.setattr(mistake_diagnosis, "run_tests", run_tests)
         monkeypatch.setattr(mistake_diagnosis, "player_of", player_of)
         monkeypatch.setattr(mistake_diagnosis, "_solution", lambda *about: "the solution")

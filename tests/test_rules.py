@@ -290,7 +290,7 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
 
 def test_of_a_notebook_that_nobody_handed_in_nothing_waits_for_a_person():
     waiting = SimpleNamespace(auto_score=4.0, needs_manual_grade=True)
-    gradebook_writer._nothing_handed_in(SimpleNamespace(grades=[waiting]))
+    gradebook_writer._enter_as_missing(SimpleNamespace(grades=[waiting]))
     assert (waiting.auto_score, waiting.needs_manual_grade) == (0.0, False)
 
 

@@ -366,7 +366,7 @@ def asked_once(monkeypatch):
             return explains
 
         somebody = Somebody(problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise="")
-        monkeypatch.setattr(program_run, "Student", lambda *about: somebody)
+        monkeypatch.setattr(program_run, "StudentProxy", lambda *about: somebody)
         monkeypatch.setattr(program_run, "run_tests", run)
         monkeypatch.setattr(program_run, "diagnose", look)
         return program_run.ask(program_run.Setting(FILTER, SEED, None), None, **how)

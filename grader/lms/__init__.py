@@ -1,1 +1,1 @@
-"""Towards the systems that keep a course: nbgrader's gradebook."""
+"""Connection to systems that store the results of a course: nbgrader's gradebook and LMSs."""

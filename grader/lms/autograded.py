@@ -153,8 +153,8 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
     if verdict.problems:
         # An HTML block, so that Markdown in student-controlled text is not rendered.
         listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
-        about = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
-        notebook.cells.insert(0, about)
+        note = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
+        notebook.cells.insert(0, note)
     notebook.metadata["verdict_key"] = verdict.key
 
 

@@ -74,7 +74,7 @@ def extension(
     student, stage = submission.student.id, submission.assignment.name
     dates = deadlines.stages.get(stage, Dates())
     granted = submission.extension
-    if granted is not None and granted == _entered(course, student, stage):
+    if granted is not None and granted == _entered_extension(course, student, stage):
         granted = None  # it came from the file and was not granted by a person
     if dates.due is None:
         return granted
@@ -89,7 +89,7 @@ def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines
     wanted = extension(course, submission, deadlines)
     if wanted == submission.extension:
         return
-    path = _path(course, submission.student.id, submission.assignment.name)
+    path = _extension_path(course, submission.student.id, submission.assignment.name)
     if wanted is None:
         path.unlink(missing_ok=True)
     else:
@@ -105,7 +105,7 @@ def granted_in_gradebook(
     Returns
     -------
     dict of str to (dict of str to datetime)
-        Aware due dates by stage and student. The student `""` stands for the whole class; it is
+        Aware due dates by stage and student. The student `""` means the whole class; it is
         used if the file has no date.
     """
     granted: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
@@ -114,11 +114,13 @@ def granted_in_gradebook(
     with open_gradebook(course) as book:
         for stage, dates in granted.items():
             with contextlib.suppress(MissingEntry):
-                dates |= _granted(course, book.find_assignment(stage), deadlines)
+                dates |= _granted_dates(course, book.find_assignment(stage), deadlines)
     return granted
 
 
-def _granted(course: Course, assignment: Assignment, deadlines: Deadlines) -> dict[str, datetime]:
+def _granted_dates(
+    course: Course, assignment: Assignment, deadlines: Deadlines
+) -> dict[str, datetime]:
     date_of_file = deadlines.stages.get(assignment.name, Dates()).due
     due = date_of_file or (assignment.duedate and assignment.duedate.replace(tzinfo=UTC))
     if due is None:
@@ -132,14 +134,16 @@ def _granted(course: Course, assignment: Assignment, deadlines: Deadlines) -> di
     return dates
 
 
-def _entered(course: Course, student: str, stage: str) -> timedelta | None:
+def _entered_extension(course: Course, student: str, stage: str) -> timedelta | None:
     try:
-        return timedelta(seconds=json.loads(_path(course, student, stage).read_text("utf-8")))
+        return timedelta(
+            seconds=json.loads(_extension_path(course, student, stage).read_text("utf-8"))
+        )
     except (OSError, ValueError, TypeError):
         return None
 
 
-def _path(course: Course, student: str, stage: str) -> Path:
+def _extension_path(course: Course, student: str, stage: str) -> Path:
     return course.verdicts / student / stage / ".extension"
 
 

@@ -47,15 +47,15 @@ def differences(
         wanted = _scores(verdict)
         for grade in notebook.grades:
             score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
-            if (verdict is None or grade.name in wanted) and not _same(grade.auto_score, score):
+            if (verdict is None or grade.name in wanted) and not _is_close(grade.auto_score, score):
                 sentences.append(
                     f"{label}: {grade.name} has {grade.auto_score} points, judged were {score}"
                 )
-            if max_score is not None and not _same(grade.max_score, max_score):
+            if max_score is not None and not _is_close(grade.max_score, max_score):
                 sentences.append(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
-        if not _same(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
+        if not _is_close(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
             sentences.append(f"{label}: the penalty for lateness is another")
         if (
             verdict
@@ -76,5 +76,5 @@ def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:
     }
 
 
-def _same(first: float | None, second: float | None) -> bool:
+def _is_close(first: float | None, second: float | None) -> bool:
     return abs((first or 0.0) - (second or 0.0)) < CLOSE

@@ -1,4 +1,4 @@
-"""What nbgrader releases: notebooks that run where a student fetches them, alone in a folder."""
+"""Release of notebooks through nbgrader's exchange, each usable alone in a folder."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from grader.course.standalone import standalone
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):
-    """Release the notebooks of the course with its tools in their setup cell.
+    """Release the notebooks of the course with its tools packed into their setup cell.
 
-    Nothing else changes, and what the judge reads of a notebook is the same in both.
+    The rest of a notebook is not changed, so the judge reads the same from both versions.
     """
 
     def do_copy(self, src: str, dest: str, log: object = None) -> None:
@@ -27,9 +27,9 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
 
 
 def _is_lesson(path: Path) -> bool:
-    """Whether it is a notebook of the course; instructors may release others beside."""
+    """Return whether a notebook is part of the course; instructors may release others as well."""
     try:
-        about = json.loads(path.read_bytes())["metadata"]["lidar_obstacle_lab"]
-        return about["lesson"] in {lesson.name for lesson in all_lessons()}
+        metadata = json.loads(path.read_bytes())["metadata"]["lidar_obstacle_lab"]
+        return metadata["lesson"] in {lesson.name for lesson in all_lessons()}
     except (ValueError, KeyError, TypeError):
         return False

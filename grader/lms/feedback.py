@@ -136,7 +136,7 @@ class FeedbackWriter:
         return [
             person
             for person in self._results.people
-            if (not wanted or person.id in wanted) and self._has_handed_in(person.id)
+            if (not wanted or person.id in wanted) and self._has_submitted(person.id)
         ]
 
     def strangers(self) -> tuple[str, ...]:
@@ -156,7 +156,7 @@ class FeedbackWriter:
         result = self._results.stage(person.id, self._stage)
         return Feedback(person, result, tuple(lessons), self._zone)
 
-    def _has_handed_in(self, student: str) -> bool:
+    def _has_submitted(self, student: str) -> bool:
         results = self._notebooks(student)
         return any(result.score is not None or result.standing == WAITING for result in results)
 
@@ -199,24 +199,26 @@ class FeedbackWriter:
         verdict: Verdict | None,
         answers: dict[str, nbformat.NotebookNode],
     ) -> ExerciseFeedback:
-        where = (result.student, result.lesson)
+        key = (result.student, result.lesson)
         exercises = verdict.exercises if verdict else ()
         judged = next(
             (candidate for candidate in exercises if candidate.name == exercise.name), None
         )
         written = answers.get(exercise.cell) if exercise.by_hand else None
-        comment = self._cells.comments.get((*where, exercise.name), "")
+        comment = self._cells.comments.get((*key, exercise.name), "")
         return ExerciseFeedback(
             exercise,
-            self._cells.marks[*where, exercise.cell],
+            self._cells.marks[*key, exercise.cell],
             judged,
             fold(judged) if judged else None,
-            _written(written, exercise.cell, find_lesson(result.lesson)) if written else None,
+            _written_answer(written, exercise.cell, find_lesson(result.lesson))
+            if written
+            else None,
             Text(harmless(comment)) if comment else None,
         )
 
 
-def _written(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> Text | None:
+def _written_answer(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> Text | None:
     """Return a written answer, already sanitized in the copy, or None if it is blank."""
     if cell.source.strip() in ("", _placeholders(lesson).get(name)):
         return None
@@ -248,18 +250,18 @@ def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
             "handed in."
         )
     elif result.handed_in and result.due:
-        handed_in, due = (_moment(when, zone) for when in (result.handed_in, result.due))
-        how = f"{_span(result.late)} late" if result.late else "in time"
-        yield f"Handed in {how}, on {handed_in}; it was due on {due}."
+        handed_in, due = (_format_time(when, zone) for when in (result.handed_in, result.due))
+        punctuality = f"{_format_span(result.late)} late" if result.late else "in time"
+        yield f"Handed in {punctuality}, on {handed_in}; it was due on {due}."
     if result.penalty:
         yield f"For lateness {write_number(result.penalty)} points are taken off."
 
 
-def _moment(when: datetime, zone: tzinfo | None) -> str:
+def _format_time(when: datetime, zone: tzinfo | None) -> str:
     return f"{when.astimezone(zone):%d %B %Y at %H:%M %Z}"
 
 
-def _span(time: timedelta) -> str:
+def _format_span(time: timedelta) -> str:
     """Format a time span in its two largest units, such as "2 days and 3 hours"."""
     minutes = -(-int(time.total_seconds()) // 60)
     days, rest = divmod(minutes, 24 * 60)

@@ -51,7 +51,7 @@ def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
     each, and Moodle ignores the pages that belong to other assignments.
     """
     sources, roster = _sources(course, stage), read_roster(course)
-    shared = _shared(sources)
+    teams = _team_owners(sources)
     files, skipped = {}, []
     for feedback in all_feedback:
         person = feedback.person
@@ -62,7 +62,7 @@ def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.like(name) or name.endswith(number)
-            if owner in shared or not named:
+            if owner in teams or not named:
                 skipped.append(f"{person.id}: {_TEAM.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
@@ -78,7 +78,7 @@ def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
     page.
     """
     sources = _sources(course, stage)
-    shared = _shared(sources)
+    teams = _team_owners(sources)
     files, skipped = {}, []
     for feedback in all_feedback:
         id, lessons = (
@@ -86,7 +86,7 @@ def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
             {lesson.lesson.name: lesson for lesson in feedback.lessons},
         )
         own_files = {name: file for name, file in sources.get(id, {}).items() if file.attachment}
-        team = {file.owner for file in own_files.values()} & shared
+        team = {file.owner for file in own_files.values()} & teams
         contents = {
             f"{file.owner}_{file.attachment}_{file.file}": content
             for name, file in own_files.items()
@@ -232,7 +232,7 @@ def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]
     return sources
 
 
-def _shared(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
+def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
     """Return the owners whose files belong to more than one student, which are teams."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}

@@ -1,7 +1,7 @@
 """Feedback on a lesson as a notebook.
 
-Canvas gives what is handed back the name of the file that it answers, and that is a notebook's: a
-page of that name nobody could open. Its programs show HTML, but neither style nor MathML, so that
+Canvas gives a feedback file the name of the submitted file, which is a notebook. An HTML page with
+that name could not be opened. Notebook viewers show HTML, but neither style sheets nor MathML, so
 formulas stay as they were written.
 """
 
@@ -18,7 +18,7 @@ SENTENCE = "Your own notebook is where you left it: this one holds the feedback 
 
 
 def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
-    """The notebook about one lesson, with what is to be known about the whole stage."""
+    """Build the feedback notebook for one lesson, with the sentences about the whole stage."""
     head = rendered("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
     cells = [_html(head)]
     for exercise in lesson.exercises:
@@ -32,12 +32,12 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
 
 
 def _html(text: str) -> nbformat.NotebookNode:
-    """HTML that Markdown takes for one block, which an empty line would end."""
+    """Build a cell that Markdown reads as one HTML block, which an empty line would end."""
     block = re.sub(r"\n\s*\n", "\n", text).strip()
-    # A pair of dollars would be a formula.
+    # Two dollar signs would be read as a formula.
     return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
 
 
 def _markdown(text: Text) -> nbformat.NotebookNode:
-    more = {"attachments": text.attachments} if text.attachments else {}
-    return nbformat.v4.new_markdown_cell(text.markdown, **more)
+    fields = {"attachments": text.attachments} if text.attachments else {}
+    return nbformat.v4.new_markdown_cell(text.markdown, **fields)

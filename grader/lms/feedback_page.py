@@ -1,4 +1,4 @@
-"""A student's feedback as one HTML page that needs nothing beside it, and no network."""
+"""A student's feedback as one self-contained HTML page that works offline."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from grader.lms.results import write_number
 
 
 def feedback_page(feedback: Feedback) -> str:
-    """The page of a student for a stage."""
+    """Render the feedback page of a student for a stage."""
     return rendered("feedback.html", feedback=feedback, style_of_formulas=STYLE)
 
 
 def rendered(template: str, **content: object) -> str:
-    """One of the templates, filled in; all text in `content` is text."""
+    """Fill in a template; text in `content` is escaped."""
     return _environment().get_template(template).render(content)
 
 
 def stage_in_words(stage: str) -> str:
-    """Such as "Stage 3 · obstacles"; another name as it is."""
-    found = re.fullmatch(r"stage(\d+)_(\w+)", stage)
-    return f"Stage {found[1]} · {found[2].replace('_', ' ')}" if found else stage
+    """Format a stage name as in "Stage 3 · obstacles"; other names are returned unchanged."""
+    match = re.fullmatch(r"stage(\d+)_(\w+)", stage)
+    return f"Stage {match[1]} · {match[2].replace('_', ' ')}" if match else stage
 
 
 @functools.cache
@@ -54,20 +54,20 @@ def _as_html(text: Text) -> Markup:
     return Markup(markdown_page(text.markdown, text.attachments))
 
 
-def _name(one: ExerciseFeedback) -> str:
-    """A function by its name, a written answer by what it is about."""
-    name = one.exercise.name
-    return name.replace("_", " ") if one.exercise.by_hand else name
+def _name(feedback: ExerciseFeedback) -> str:
+    """Return a function's name unchanged, and the name of a written answer as words."""
+    name = feedback.exercise.name
+    return name.replace("_", " ") if feedback.exercise.by_hand else name
 
 
-def _mark(one: ExerciseFeedback) -> str:
-    if one.mark.waiting:
-        return f"to be graded, of {write_number(one.exercise.points)}"
-    return f"{write_number(one.mark.score)} of {write_number(one.exercise.points)}"
+def _mark(feedback: ExerciseFeedback) -> str:
+    if feedback.mark.waiting:
+        return f"to be graded, of {write_number(feedback.exercise.points)}"
+    return f"{write_number(feedback.mark.score)} of {write_number(feedback.exercise.points)}"
 
 
 def _score(lesson: LessonFeedback) -> str:
-    most = write_number(lesson.result.max_score)
+    maximum = write_number(lesson.result.max_score)
     if lesson.result.score is None:
-        return f"{lesson.result.standing}, of {most}"
-    return f"{write_number(lesson.result.score)} of {most}"
+        return f"{lesson.result.standing}, of {maximum}"
+    return f"{write_number(lesson.result.score)} of {maximum}"

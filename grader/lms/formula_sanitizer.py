@@ -122,12 +122,12 @@ WITH_ARGUMENT = {
 
 # Only longer names are checked, because one-letter commands of MathJax draw one character at most.
 _COMMAND = re.compile(r"\\([A-Za-z]{2,}+)")
-_AS_MATHJAX_READS = re.compile(r"\\(?:([A-Za-z]{2,}+)|[\s\S])")
+_MATHJAX_TOKEN = re.compile(r"\\(?:([A-Za-z]{2,}+)|[\s\S])")
 # Entities that become a backslash, or a letter of a command name, after formulas are detected.
 _ENTITY = re.compile(
     r"&(?=#0*+(?:\d{1,2}|1[01]\d|12[0-7])(?!\d)|#[xX]0*+[0-7]?[0-9A-Fa-f](?![0-9A-Fa-f])|bsol;)"
 )
-_MAY_HOLD_FORMULAS = re.compile(r"[$&]|\\[(\[]|\\begin")
+_MAY_CONTAIN_FORMULAS = re.compile(r"[$&]|\\[(\[]|\\begin")
 # Each alternative ends before the next match could begin, so no character is scanned repeatedly.
 # Atomic groups, because Python 3.11.2 of Debian fails to match a possessive `(?:(?!...)...)*+`.
 _FORMULA = re.compile(
@@ -146,7 +146,7 @@ def harmless_formulas(markdown: str) -> str:
     str
         A formula with any other command becomes inline code, which is not rendered as a formula.
     """
-    if not _MAY_HOLD_FORMULAS.search(markdown):
+    if not _MAY_CONTAIN_FORMULAS.search(markdown):
         return markdown
     text = _FORMULA.sub(_as_code_if_unknown, markdown)
     text = _COMMAND.sub(_split_if_unknown, text)
@@ -154,7 +154,7 @@ def harmless_formulas(markdown: str) -> str:
 
 
 def _as_code_if_unknown(formula: re.Match) -> str:
-    commands = (match for match in _AS_MATHJAX_READS.finditer(formula[0]) if match[1])
+    commands = (match for match in _MATHJAX_TOKEN.finditer(formula[0]) if match[1])
     if all(map(_is_known, commands)):
         return formula[0]
     fence = "`" * (1 + max((len(run) for run in re.findall("`+", formula[0])), default=0))

@@ -107,10 +107,10 @@ def note_changes(
         last = known.get(place)
         before = last.after if last else None
         after, by_hand = marks.get(place, (None, None))
-        if _same(before, after):
+        if _is_close(before, after):
             continue
         by = _cause(course, place, place in marks, by_hand != (last and last.by_hand), keys or {})
-        lines.append(_line(Change(now, *place, before, after, by, by_hand)))
+        lines.append(_as_json_line(Change(now, *place, before, after, by, by_hand)))
     _append(course, lines)
 
 
@@ -187,13 +187,13 @@ def _query(book: Gradebook, columns: tuple) -> Query:
     )
 
 
-def _same(first: float | None, second: float | None) -> bool:
+def _is_close(first: float | None, second: float | None) -> bool:
     if first is None or second is None:
         return first is second
     return abs(first - second) < CLOSE
 
 
-def _line(change: Change) -> str:
+def _as_json_line(change: Change) -> str:
     fields = {
         "when": change.when,
         "student": change.student,
@@ -212,14 +212,14 @@ def _append(course: Course, lines: list[str]) -> None:
     if not lines:
         return
     with _path(course).open("ab") as file:
-        if file.tell() and not _ends_whole(course):
+        if file.tell() and not _ends_with_newline(course):
             lines = ["\n", *lines]
         file.write("".join(lines).encode(errors="surrogateescape"))
         file.flush()
         os.fsync(file.fileno())
 
 
-def _ends_whole(course: Course) -> bool:
+def _ends_with_newline(course: Course) -> bool:
     with _path(course).open("rb") as file:
         file.seek(-1, os.SEEK_END)
         return file.read() == b"\n"

@@ -1,4 +1,4 @@
-"""What an instructor should know about the marks of a class, a sentence each."""
+"""Notes for the instructor about the marks of a class, one sentence each."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from grader.lms.results import ClassResults, StageResult
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """What a person has still to decide or to look at, once the verdicts are entered."""
+    """Yield notes on late work and enrolment that a person has to decide after grading."""
     for stage in results.stages:
-        where = f"{stage.student}, {stage.stage}"
+        label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{where}: {stage.undecided}; whether the work is late is undecided. Write the "
+                f"{label}: {stage.undecided}; whether the work is late is undecided. Write the "
                 "time into timestamp.txt beside it, such as 2026-11-22 18:30:00 UTC, and run grade "
                 "again."
             )
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
-                f"{where}: the gradebook grants more time than {deadlines_path(course).name}, "
+                f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
                 f"until {until:%Y-%m-%d %H:%M} UTC, and that counts. To have it in the file, too, "
                 f'write below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there takes it back."
@@ -33,7 +33,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 
 
 def not_on_the_roster(results: ClassResults) -> Iterator[str]:
-    """A sentence on each who has marks, and of whom the roster does not know."""
+    """Yield one sentence for each student with marks who is not on the roster."""
     for student in results.strangers:
         yield (
             f"{student!r} has marks in the gradebook and is not on the roster; no table and no "
@@ -43,6 +43,6 @@ def not_on_the_roster(results: ClassResults) -> Iterator[str]:
 
 
 def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
-    """Whether somebody has granted more time in the gradebook than the file does."""
+    """Return whether the gradebook grants more time than the file with the due dates."""
     due = deadlines.due(stage.student, stage.stage)
     return due is not None and stage.due is not None and stage.due > due

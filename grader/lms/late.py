@@ -1,4 +1,4 @@
-"""A penalty for late work, for `nbgrader_config.py`; nbgrader's own knows all or nothing.
+"""A late penalty per day, for `nbgrader_config.py`; nbgrader's own plugins offer all or nothing.
 
 ::
 
@@ -17,7 +17,7 @@ SECONDS_OF_A_DAY = 24 * 60 * 60
 
 
 class PercentPerDay(LateSubmissionPlugin):
-    """Take off a part of the score for each day that has begun since the work was due."""
+    """Deduct a percentage of the score for each day begun after the due date."""
 
     percent = Float(
         10.0, min=0.0, max=100.0, help="Part of the score, in percent, for each day begun."
@@ -32,7 +32,7 @@ class PercentPerDay(LateSubmissionPlugin):
     def late_submission_penalty(
         self, student_id: str, score: float, total_seconds_late: float
     ) -> float | None:
-        """Points to take off a notebook; None in time. See nbgrader's `LateSubmissionPlugin`."""
+        """Return the points to deduct from a notebook, or None if it is on time; see nbgrader."""
         if total_seconds_late <= 60 * self.grace_minutes:
             return None
         days = math.ceil(total_seconds_late / SECONDS_OF_A_DAY)

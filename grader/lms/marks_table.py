@@ -146,7 +146,8 @@ def _gradebook_row(
     own = [results.notebook(person.id, lesson.name) for lesson in lessons]
     judged = verdicts.get(person.id, {})
     cells = tuple(
-        _cell(result, judged.get(lesson.name)) for result, lesson in zip(own, lessons, strict=True)
+        _lesson_cell(result, judged.get(lesson.name))
+        for result, lesson in zip(own, lessons, strict=True)
     )
     existing = [result for result in own if result]
     stages = dict.fromkeys(lesson.stage for lesson in lessons)
@@ -155,7 +156,7 @@ def _gradebook_row(
     maximum = sum(result.max_score for result in counted)
     earned = [result.points for result in counted if result.points is not None]
     share = sum(earned) / maximum if earned and maximum else None
-    return StudentRow(person, True, cells, _late(standings), _sum(existing), share)
+    return StudentRow(person, True, cells, _late_cell(standings), _sum_cell(existing), share)
 
 
 def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
@@ -167,7 +168,7 @@ def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
         yield Section(name, len(shares), len(marked), statistics.mean(marked) if marked else None)
 
 
-def _cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
+def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     if verdict and verdict.status != JUDGED:
         return MarkCell("?", JUDGE_FAILED)
     if result is None or result.standing == MISSING:
@@ -188,7 +189,7 @@ def _cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     return MarkCell(text, "; ".join(notes), result.points)
 
 
-def _sum(results: Sequence[NotebookResult]) -> MarkCell:
+def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
     """Build the cell with the total of all lessons that count and its maximum."""
     counted = [result for result in results if result.standing != EXCUSED]
     if not counted:
@@ -204,7 +205,7 @@ def _sum(results: Sequence[NotebookResult]) -> MarkCell:
     )
 
 
-def _late(stages: Sequence[StageResult]) -> MarkCell:
+def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
     penalty = sum(stage.penalty for stage in stages)
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]

@@ -1,4 +1,4 @@
-"""nbgrader's feedback, in which each score says what it is of and formulas need no network."""
+"""nbgrader's feedback pages, with a name at each score and formulas that work offline."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from nbformat import NotebookNode
 
 from grader.course.mathml import STYLE, MathPage
 
-# nbgrader's template calls a cell by its kind alone.
+# nbgrader's template labels a cell only with its type.
 _KIND = re.compile(
     r'(<li><a href="#(?:test_)?(\w+)">)(?:Test cell|Coding free-response|Written response)(?=</a>)'
 )
 
-# Nor does it make room for pictures that are wider than the page.
+# nbgrader's template lets wide pictures overflow the page.
 _PICTURES = "img { max-width: 100%; height: auto; }"
 
 
 class FeedbackExporter(MathPage):
-    """The pages of ``nbgrader generate_feedback``."""
+    """Pages of ``nbgrader generate_feedback``."""
 
     def from_notebook_node(
         self, nb: NotebookNode, resources: dict | None = None, **options: object
     ) -> tuple[str, dict]:
-        """Make a page of a graded notebook; see nbconvert."""
+        """Render a graded notebook as a page; see nbconvert."""
         page, resources = super().from_notebook_node(nb, resources, **options)
         page = page.replace("</head>", f"<style>{STYLE} {_PICTURES}</style></head>", 1)
         return _KIND.sub(r"\1\2", page), resources

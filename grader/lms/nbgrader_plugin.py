@@ -1,8 +1,8 @@
-"""The judge inside nbgrader, for those who use nbgrader's own commands.
+"""Plugins that run the judge inside nbgrader, for courses that use nbgrader's own commands.
 
-`CopyExporter` reads a submission as the judge does. `Judge` stands where nbgrader would execute
-a notebook. `SaveGrades` keeps what a person graded. `python -m grader grade` does the same without
-nbgrader's converters, in `grader.lms.gradebook_writer`.
+`CopyExporter` reads a submission as the judge does. `Judge` replaces nbgrader's execution of a
+notebook. `SaveGrades` keeps marks given by a person. `python -m grader grade` does the same in
+`grader.lms.gradebook_writer`, without nbgrader's converters.
 """
 
 from pathlib import Path
@@ -31,19 +31,19 @@ from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
 class ClearEarlier(NbGraderPreprocessor):
-    """Take the functions of earlier lessons out of the cell into which students paste theirs."""
+    """Remove the functions of earlier lessons from the cell into which students paste them."""
 
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict, cell_index: int
     ) -> tuple[NotebookNode, dict]:
-        """Empty a cell that is tagged so."""
+        """Empty the cell if it has the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.emptied(cell.source)
         return cell, resources
 
 
 class Judge(NbGraderPreprocessor):
-    """Judge the submission; its copy gets the scores and messages under the graded cells."""
+    """Judge the submission, and write scores and messages below the graded cells of its copy."""
 
     seed = Integer(
         None,
@@ -57,19 +57,19 @@ class Judge(NbGraderPreprocessor):
     ).tag(config=True)
 
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
-        """Build the copy of what was judged, in place of what nbgrader has read of the file.
+        """Build the autograded copy, which replaces the notebook that nbgrader has read.
 
         Parameters
         ----------
         nb : nbformat.NotebookNode
         resources : dict
-            nbgrader's: which student, assignment and notebook this is.
+            nbgrader's resources, which name the student, the assignment and the notebook.
         """
-        about = resources["nbgrader"]
+        names = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
-        lesson = find_lesson(about["notebook"])
-        path = course.submitted / about["student"] / about["assignment"] / f"{lesson.name}.ipynb"
-        submission = Submission(about["student"], lesson, path)
+        lesson = find_lesson(names["notebook"])
+        path = course.submitted / names["student"] / names["assignment"] / f"{lesson.name}.ipynb"
+        submission = Submission(names["student"], lesson, path)
         verdict = current_verdict(
             course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)
         )
@@ -83,20 +83,20 @@ class Judge(NbGraderPreprocessor):
 
 
 class SaveGrades(SaveAutoGrades):
-    """Save scores as nbgrader does, but leave alone what a person has graded and still stands."""
+    """Save scores as nbgrader does, but keep marks given by a person while they are valid."""
 
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
         """Save the scores of a notebook; see nbgrader."""
-        about = resources["nbgrader"]
+        names = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
-        _enter_dates(course, about)
-        known = read_known(course, about["student"], about["assignment"])
+        _enter_dates(course, names)
+        answers = read_known(course, names["student"], names["assignment"])
         now = fingerprints(nb)
-        before = known.get(about["notebook"], {})
+        before = answers.get(names["notebook"], {})
         self.unchanged = {name for name in now if before.get(name) == now[name]}
         nb, resources = super().preprocess(nb, resources)
-        known[about["notebook"]] = now
-        write_known(course, about["student"], about["assignment"], known)
+        answers[names["notebook"]] = now
+        write_known(course, names["student"], names["assignment"], answers)
         return nb, resources
 
     def _add_score(self, cell: NotebookNode, resources: dict) -> None:
@@ -109,23 +109,23 @@ class SaveGrades(SaveAutoGrades):
         self.gradebook.db.commit()
 
 
-def _enter_dates(course: Course, about: dict) -> None:
-    """Let nbgrader know when a student's work came and is due, before it takes points off."""
+def _enter_dates(course: Course, names: dict) -> None:
+    """Enter a student's submission time and due date before nbgrader computes penalties."""
     deadlines = read_deadlines(course) or Deadlines({})
-    with Gradebook(about["db_url"]) as book:
+    with Gradebook(names["db_url"]) as book:
         enter_due_dates(course, book, deadlines)
-        submission = book.find_submission(about["assignment"], about["student"])
-        place = course.submitted / about["student"] / about["assignment"]
+        submission = book.find_submission(names["assignment"], names["student"])
+        place = course.submitted / names["student"] / names["assignment"]
         submission.timestamp = known_time([place])
         extend(course, submission, deadlines)
         book.db.commit()
 
 
 class CopyExporter(NotebookExporter):
-    """Reads a submission as the judge does; an unreadable one as a notebook without answers.
+    """Read a submission as the judge does; an unreadable file becomes a notebook without answers.
 
-    nbgrader drops a student's whole submission when one file in it is damaged. The judge gives
-    such a file its verdict, so nbgrader only needs something to write that verdict into.
+    nbgrader drops a student's whole submission if one of its files is damaged. The judge gives such
+    a file a verdict, so nbgrader only needs a notebook into which the verdict can be written.
     """
 
     def from_filename(

@@ -1,4 +1,4 @@
-"""What nbgrader takes off a notebook for lateness, by the plugin that the course chose."""
+"""nbgrader's penalties for lateness, computed by the plugin that the course configured."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from grader.course.paths import Course
 
 
 def late_penalties(course: Course) -> AssignLatePenalties:
-    """Nbgrader's penalties for lateness, with the plugin that the course chose."""
+    """Create nbgrader's preprocessor for late penalties with the course's plugin."""
     penalties = AssignLatePenalties(config=course_settings(course.root))
     penalties.init_plugin()
     return penalties
@@ -19,7 +19,7 @@ def late_penalties(course: Course) -> AssignLatePenalties:
 def penalty_of(
     submission: SubmittedAssignment, notebook: SubmittedNotebook, late: AssignLatePenalties
 ) -> float | None:
-    """Points to take off a notebook; None in time."""
+    """Return the points to deduct from a notebook, or None if it is on time."""
     if submission.assignment.duedate is None or not submission.total_seconds_late:
         return None
     penalty = late.plugin_inst.late_submission_penalty(

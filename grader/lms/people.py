@@ -1,4 +1,4 @@
-"""Who takes the course, for the gradebook: names, e-mails, numbers in the learning platform."""
+"""Students in the gradebook: names, e-mail addresses and LMS IDs."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from grader.course.roster import Person, Roster
 
 
 def enrol(book: Gradebook, roster: Roster) -> None:
-    """Enter everybody on the roster, and what has changed about them.
+    """Enter all students on the roster, and update details that changed.
 
-    What the roster leaves blank stays as it is in the gradebook. Nobody is taken out: with them
-    would go their marks.
+    Fields that the roster leaves blank are not changed in the gradebook. Students are never
+    removed, because their marks would be removed with them.
     """
     known = {student.id: student for student in book.students}
     for person in roster.people:
-        about = {name: text for name, text in _about(person).items() if text}
+        details = {name: text for name, text in _details(person).items() if text}
         student = known.get(person.id)
-        if student is None or any(getattr(student, name) != text for name, text in about.items()):
-            book.update_or_create_student(person.id, **about)
+        if student is None or any(getattr(student, name) != text for name, text in details.items()):
+            book.update_or_create_student(person.id, **details)
 
 
 def people_in(book: Gradebook) -> list[Person]:
-    """Who is in a gradebook, as it describes them."""
+    """Return the students in a gradebook with the details that it stores."""
     return [
         Person(
             student.id,
@@ -35,7 +35,7 @@ def people_in(book: Gradebook) -> list[Person]:
     ]
 
 
-def _about(person: Person) -> dict[str, str]:
+def _details(person: Person) -> dict[str, str]:
     return {
         "first_name": person.first_name,
         "last_name": person.last_name,

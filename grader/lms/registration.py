@@ -1,4 +1,4 @@
-"""Let the gradebook know what is released: lessons, cells and points."""
+"""Registration of the released lessons, their cells and points in the gradebook."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from grader.lms.gradebook import database_url
 
 
 def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
-    """Let the gradebook know the stages, with the cells and points of the release.
+    """Register stages in the gradebook, with the cells and points of the release.
 
-    The release is only read. What the gradebook knows already is compared, so that changed points
-    arrive.
+    The release is only read. Lessons in the gradebook are compared with it, so that changed points
+    are entered.
 
     Returns
     -------
     list of str
-        What could not be changed, one sentence each.
+        One sentence for each lesson that could not be changed.
     """
     trouble = []
     for stage in stages:
@@ -33,11 +33,11 @@ def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str
             if all(_is_registered(book, lesson) for lesson in _lessons(course, stage)):
                 continue
         book.update_or_create_assignment(stage)
-        book.db.commit()  # what follows writes through a connection of its own
+        book.db.commit()  # SaveCells opens its own connection to the database
         for lesson in _lessons(course, stage):
-            about = {"notebook": lesson.name, "assignment": stage, "db_url": database_url(course)}
+            names = {"notebook": lesson.name, "assignment": stage, "db_url": database_url(course)}
             try:
-                SaveCells().preprocess(_released(lesson), {"nbgrader": about})
+                SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": names})
             except RuntimeError as error:
                 trouble.append(
                     f"{lesson.name}: its graded cells are others than when submissions were "
@@ -48,7 +48,7 @@ def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str
 
 
 def _lessons(course: Course, stage: str) -> list[Lesson]:
-    """The lessons of a stage that the course has released."""
+    """Return the lessons of a stage that the course has released."""
     lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
     released = course.released / stage
     return [
@@ -58,15 +58,15 @@ def _lessons(course: Course, stage: str) -> list[Lesson]:
     ]
 
 
-def _released(lesson: Lesson) -> nbformat.NotebookNode:
+def _released_notebook(lesson: Lesson) -> nbformat.NotebookNode:
     return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
 
 
 def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
-    """Whether the gradebook knows a lesson's cells as they are released."""
+    """Return whether the gradebook has a lesson's cells as they are released."""
     notebook = book.find_notebook(lesson.name, lesson.stage)
-    cells = graded_cells(_released(lesson))
-    wanted = {
+    cells = graded_cells(_released_notebook(lesson))
+    checksums = {
         (cell.metadata.nbgrader.grade_id, cell.metadata.nbgrader.get("checksum")) for cell in cells
     }
     points = {
@@ -76,7 +76,7 @@ def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
     }
     solutions = {cell.metadata.nbgrader.grade_id for cell in cells if is_solution(cell)}
     return (
-        wanted == {(cell.name, cell.checksum) for cell in notebook.source_cells}
+        checksums == {(cell.name, cell.checksum) for cell in notebook.source_cells}
         and points == {(cell.name, cell.max_score) for cell in notebook.grade_cells}
         and solutions == {cell.name for cell in notebook.solution_cells}
     )

@@ -101,7 +101,7 @@ def write_report(
     table = marks_table(lessons, results, by_student)
     deadlines = read_deadlines(course)
     script = (TEMPLATES / "report.js").read_text("utf-8")
-    about = {
+    common = {
         "made": datetime.now().strftime("%d %B %Y, %H:%M"),
         "distributions": _distributions(lessons, results, counted),
         "hardest": hardest_checks(counted),
@@ -112,7 +112,7 @@ def write_report(
     }
     page = render(
         "report.html",
-        **about,
+        **common,
         coded=coded,
         points=write_number,
         duration=duration,
@@ -137,7 +137,7 @@ def write_report(
     )
     path = course.report / "index.html"
     write_atomically(page, path)
-    write_atomically(_anonymous(about, counted), course.report / "anonymous.html")
+    write_atomically(_anonymous(common, counted), course.report / "anonymous.html")
     return path
 
 
@@ -220,21 +220,21 @@ def _links(course: Course) -> list[tuple[str, str]]:
     return links
 
 
-def _anonymous(about: dict, counted: Sequence[Verdict]) -> str:
+def _anonymous(common: dict, counted: Sequence[Verdict]) -> str:
     """Render the page without names from numbers and check titles, never from student text."""
     handed_in = Counter(verdict.lesson for verdict in counted)
     few = sorted(lesson for lesson, count in handed_in.items() if count < FEWEST)
     shown = [verdict for verdict in counted if verdict.lesson not in few]
-    kept = {
-        **about,
+    content = {
+        **common,
         "distributions": [
             distribution
-            for distribution in about["distributions"]
+            for distribution in common["distributions"]
             if distribution.count >= FEWEST and distribution.name not in few
         ],
-        "hardest": [check for check in about["hardest"] if check.lesson not in few],
-        "items": [(lesson, items) for lesson, items in about["items"] if lesson not in few],
+        "hardest": [check for check in common["hardest"] if check.lesson not in few],
+        "items": [(lesson, items) for lesson, items in common["items"] if lesson not in few],
         "not_started": not_started(shown),
     }
     stopped = sum(bool(out_of_time(verdict)) for verdict in shown)
-    return render("anonymous.html", **kept, few=few, fewest=FEWEST, stopped=stopped)
+    return render("anonymous.html", **content, few=few, fewest=FEWEST, stopped=stopped)

@@ -52,7 +52,7 @@ class NotebookResult:
     @property
     def points(self) -> float | None:
         """Points after the penalty; None if `score` is None."""
-        return _after(self.score, self.penalty)
+        return _after_penalty(self.score, self.penalty)
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class StageResult:
     @property
     def points(self) -> float | None:
         """Points after the penalty; None if `score` is None."""
-        return _after(self.score, self.penalty)
+        return _after_penalty(self.score, self.penalty)
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,10 @@ class ClassResults:
 
 def standing_in_stage(lessons: Iterable[NotebookResult]) -> str:
     """Combine the standings in the lessons of a stage into one."""
-    found = {result.standing for result in lessons}
-    return next((standing for standing in (EXCUSED, WAITING, MARKED) if standing in found), MISSING)
+    present = {result.standing for result in lessons}
+    return next(
+        (standing for standing in (EXCUSED, WAITING, MARKED) if standing in present), MISSING
+    )
 
 
 def write_number(points: float, decimal_mark: str = ".") -> str:
@@ -152,5 +154,5 @@ def _lesson(result: NotebookResult) -> str:
     return result.lesson
 
 
-def _after(score: float | None, penalty: float) -> float | None:
+def _after_penalty(score: float | None, penalty: float) -> float | None:
     return None if score is None else max(0.0, score - penalty)

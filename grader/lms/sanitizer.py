@@ -1,9 +1,9 @@
-"""Text of a stranger that browsers show and never obey.
+"""Sanitizer for untrusted text, so that browsers show it without interpreting it.
 
-Formgrader, feedback and report turn Markdown into HTML, and leave in it what is HTML already. Here
-everything that could become a tag, a script's address or a command of MathJax loses its meaning by
-a space of no width: it looks as it was typed, in text, code and formulas alike. That needs no
-parser of Markdown, of which each of those programs has another one.
+Formgrader, feedback pages and the report convert Markdown to HTML, and keep any HTML in it. A
+zero-width space disarms everything that could become a tag, the address of a script or a command of
+MathJax. Text, code and formulas still look as they were typed. This works without a Markdown
+parser, and each of those programs uses a different one.
 """
 
 from __future__ import annotations
@@ -16,27 +16,29 @@ from grader.lms.formula_sanitizer import NO_WIDTH, harmless_formulas
 
 PICTURES = ("image/png", "image/jpeg", "image/gif")
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
-# What may follow a bracket: one of these schemes, or an address in which a page ends, or a folder,
-# before anything that could become the colon of another. What is longer is none.
+# Allowed after a bracket are these schemes and relative addresses: up to 200 characters without a
+# colon, followed by a slash, `?`, `#`, `)`, a space or the end.
 _ADDRESS = re.compile(
     r"\](?=[(:])"
     r"(?![(:]\s*+<?(?i:https?|mailto|attachment):)"
     r"(?![(:]\s*+[^:&\\<>()/?#\s\x00-\x1f\u200b-\u200f]{0,200}+(?:[/?#)\s]|\Z))"
 )
-# A picture from anywhere else is fetched, with the cookies of whoever looks.
+# A picture from another address would be fetched with the cookies of the person viewing the page.
 _FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
 _FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")
 
 
 def harmless(markdown: str) -> str:
-    """Markdown in which nothing is HTML, script or style, and no picture comes from elsewhere.
+    """Sanitize Markdown, so that no HTML, script or style in it has an effect.
+
+    Pictures are shown only if they are attachments.
 
     Returns
     -------
     str
-        Looks the same. What is harmless already stays as it is. The time that this takes grows
-        with the length: no pattern looks twice at a letter.
+        Text that looks the same; harmless text is returned unchanged. The running time is linear in
+        the length, because no pattern examines a character twice.
     """
     text = harmless_formulas(markdown)
     text = _TAG.sub("<" + NO_WIDTH, text)
@@ -46,26 +48,28 @@ def harmless(markdown: str) -> str:
 
 
 def as_code(text: str) -> str:
-    """Markdown that shows a text letter by letter."""
+    """Return Markdown that shows a text verbatim."""
     longest = max((len(run) for run in re.findall(r"`+", text)), default=0)
     fence = "`" * max(3, longest + 1)
     return f"{fence}text\n{text}\n{fence}"
 
 
 def harmless_pictures(attachments: dict) -> dict:
-    """The attachments of a cell that are pictures, and nothing besides."""
-    found = {}
-    for name, forms in attachments.items():
-        if not isinstance(forms, dict) or not _FILE_NAME.fullmatch(name):
+    """Return only the valid pictures among the attachments of a cell."""
+    pictures = {}
+    for name, content in attachments.items():
+        if not isinstance(content, dict) or not _FILE_NAME.fullmatch(name):
             continue
-        pictures = {form: data for form, data in forms.items() if _is_picture(form, data)}
-        if pictures:
-            found[name] = pictures
-    return found
+        versions = {
+            mime_type: data for mime_type, data in content.items() if _is_picture(mime_type, data)
+        }
+        if versions:
+            pictures[name] = versions
+    return pictures
 
 
-def _is_picture(form: str, data: object) -> bool:
-    if form not in PICTURES or not isinstance(data, str):
+def _is_picture(mime_type: str, data: object) -> bool:
+    if mime_type not in PICTURES or not isinstance(data, str):
         return False
     try:
         base64.b64decode("".join(data.split()), validate=True)

@@ -1,4 +1,4 @@
-"""How each person stands: the gradebook's rows beside roster, dates and what was handed in."""
+"""Results of each student, combined from gradebook, roster, due dates and submitted files."""
 
 from __future__ import annotations
 
@@ -27,56 +27,64 @@ from grader.lms.submission_times import Undecided, handed_in_at
 
 
 def class_results(course: Course) -> ClassResults:
-    """How everybody stands, by the gradebook, the roster and the dates of a course.
+    """Return the results of all students in a course.
 
     Raises
     ------
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
     with open_gradebook(course) as book:
-        rows, known = read_rows(book), people_in(book)
+        rows, in_gradebook = read_rows(book), people_in(book)
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
-    given = {
+    submitted = {
         (submission.student, submission.lesson.name): submission
         for submission in find_submissions(course)
     }
     entered = {(row.student, row.lesson): row for row in rows}
-    used = {pair for pair, row in entered.items() if _is_handed_in(course, row)}
-    lessons = [find_lesson(name) for name in sorted({name for _, name in {*used, *given}})]
+    existing = {pair for pair, row in entered.items() if _has_work(course, row)}
+    lessons = [find_lesson(name) for name in sorted({name for _, name in {*existing, *submitted}})]
     worth = _worth(lessons, rows)
-    people = roster.people if roster else _without_roster(known, {*entered, *given})
+    people = roster.people if roster else _without_roster(in_gradebook, {*entered, *submitted})
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
             excused = deadlines.excused(person.id, stage)
-            mine = []
-            for lesson in (one for one in lessons if one.stage == stage):
+            results = []
+            for lesson in (candidate for candidate in lessons if candidate.stage == stage):
                 pair = (person.id, lesson.name)
-                row = entered[pair] if pair in used else None
-                standing = EXCUSED if excused else _standing(row, pair in given)
-                mine.append(_notebook(person, lesson, standing, row, worth[lesson.name]))
-            files = [given[pair] for one in mine if (pair := (one.student, one.lesson)) in given]
+                row = entered[pair] if pair in existing else None
+                standing = EXCUSED if excused else _standing(row, pair in submitted)
+                results.append(_notebook(person, lesson, standing, row, worth[lesson.name]))
+            files = [
+                submitted[pair]
+                for result in results
+                if (pair := (result.student, result.lesson)) in submitted
+            ]
             row = next(
-                (entered[pair] for one in mine if (pair := (one.student, one.lesson)) in entered),
+                (
+                    entered[pair]
+                    for result in results
+                    if (pair := (result.student, result.lesson)) in entered
+                ),
                 None,
             )
-            notebooks += mine
-            stages.append(_stage(course, mine, row, files, deadlines))
+            notebooks += results
+            stages.append(_stage(course, results, row, files, deadlines))
     strangers = {row.student for row in rows} - {person.id for person in people}
     return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(strangers)))
 
 
-def _is_handed_in(course: Course, row: GradebookRow) -> bool:
-    """Whether there is work behind a row: nbgrader has one with 0 points, too, where there is none.
+def _has_work(course: Course, row: GradebookRow) -> bool:
+    """Return whether a row belongs to submitted work; nbgrader also has rows for missing work.
 
-    Who has points, or a mark by hand, has them whatever became of the files.
+    A row with points or with a mark given by hand counts even if the files are gone.
     """
     copy = course.autograded / row.student / row.stage / f"{row.lesson}.ipynb"
     return row.score > 0 or row.has_mark_by_hand or copy.is_file()
 
 
 def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
-    """What each lesson is worth: in the gradebook, or for who has no mark yet in the release."""
+    """Return the maximum score of each lesson, from the gradebook or else from the release."""
     released = {
         lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
     }
@@ -84,17 +92,17 @@ def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str,
 
 
 def _without_roster(
-    known: Sequence[Person], handed_in: Iterable[tuple[str, str]]
+    in_gradebook: Sequence[Person], handed_in: Iterable[tuple[str, str]]
 ) -> tuple[Person, ...]:
-    """Those who have handed in something, as far as the gradebook knows their names."""
-    named = {person.id: person for person in known}
-    return tuple(named.get(id, Person(id)) for id in sorted({student for student, _ in handed_in}))
+    """Return the students who submitted, with their names from the gradebook if known."""
+    by_id = {person.id: person for person in in_gradebook}
+    return tuple(by_id.get(id, Person(id)) for id in sorted({student for student, _ in handed_in}))
 
 
-def _standing(row: GradebookRow | None, is_given: bool) -> str:
-    """How somebody who is not excused stands in a lesson."""
+def _standing(row: GradebookRow | None, is_submitted: bool) -> str:
+    """Return the standing in a lesson of a student who is not excused."""
     if row is None:
-        return WAITING if is_given else MISSING
+        return WAITING if is_submitted else MISSING
     return WAITING if row.needs_person else MARKED
 
 
@@ -119,9 +127,9 @@ def _stage(
     files: Sequence[Submission],
     deadlines: Deadlines,
 ) -> StageResult:
-    """What the lessons of a stage come to, and when they were handed in.
+    """Combine the results in the lessons of a stage, and determine when it was submitted.
 
-    Of what is entered the gradebook says it, by which nbgrader takes points off.
+    The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
     student, stage = lessons[0].student, lessons[0].stage
     scores = [result.score for result in lessons if result.score is not None]
@@ -131,7 +139,7 @@ def _stage(
     handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
     if not handed_in:
         try:
-            handed_in = handed_in_at({file.place(course) for file in files})
+            handed_in = handed_in_at({submission.place(course) for submission in files})
         except Undecided as error:
             undecided = str(error) if due else ""
     return StageResult(

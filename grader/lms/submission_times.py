@@ -1,4 +1,4 @@
-"""When work was handed in, as nbgrader's ``timestamp.txt`` beside it says."""
+"""Submission times, read from nbgrader's ``timestamp.txt`` next to the submitted files."""
 
 from __future__ import annotations
 
@@ -15,35 +15,34 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 class Undecided(Exception):
-    """Nobody knows when something was handed in; `str()` is the reason."""
+    """The time of submission is unknown; `str()` is the reason."""
 
 
 def handed_in_at(places: Iterable[Path]) -> datetime | None:
-    """When a student's work for a stage was handed in.
+    """Return the time at which a student's work for a stage was submitted.
 
     Parameters
     ----------
     places : iterable of Path
-        The folders in which it lies. Of several the latest time counts.
+        Folders that contain the work. The latest of their times counts.
 
     Returns
     -------
     datetime or None
-        Aware; None where no file says anything.
+        Aware; None if no folder has a time.
 
     Raises
     ------
     Undecided
-        Work whose time cannot be read is neither late nor in time; nor is work that was collected
-        late, or from a table that has no time for it. So it is with the work in one of several
-        folders, whatever the others say.
+        If the time of a folder cannot be read, or if its work was collected as late or from a table
+        without a time for it. Times of other folders do not change this.
     """
     times = [_time(place) for place in sorted(places)]
     return max((time for time in times if time), default=None)
 
 
 def known_time(places: Iterable[Path]) -> datetime | None:
-    """The same as nbgrader keeps it, in UTC without saying so; None also where it is undecided."""
+    """Return the submission time as nbgrader stores it, naive in UTC; None if it is undecided."""
     try:
         time = handed_in_at(places)
     except Undecided:
@@ -59,7 +58,7 @@ def _time(place: Path) -> datetime | None:
         return None
     try:
         text = read_file(path).decode().strip()
-        if not text:  # such as nbgrader leaves one on a disk that is full
+        if not text:  # nbgrader leaves an empty file on a full disk
             raise Undecided("timestamp.txt is empty")
         return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
@@ -67,15 +66,15 @@ def _time(place: Path) -> datetime | None:
 
 
 def _with_known_zone(text: str) -> str:
-    """A time whose zone nbgrader reads as it is meant.
+    """Rewrite a time so that nbgrader reads its zone correctly.
 
-    It takes one that the machine does not know, such as the CEST that `Exchange.timezone` makes it
-    write, for UTC; and +0200 for as many seconds.
+    nbgrader reads a zone that the machine does not know as UTC, such as the CEST that
+    `Exchange.timezone` makes it write. It reads +0200 as 200 seconds.
     """
-    found = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
-    if not found:
+    match = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
+    if not match:
         return text
-    date, clock, zone = found.groups()
+    date, clock, zone = match.groups()
     if re.fullmatch(r"[+-]\d\d:?\d\d", zone):
         return f"{date} {clock}{zone}"
     if gettz(zone) is None:

@@ -1,4 +1,4 @@
-"""Take out of the gradebook what is no longer handed in, but for what a person did."""
+"""Removal of withdrawn submissions from the gradebook, unless a person has graded them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from sqlalchemy import exists, func, or_
 from grader.course.paths import Course
 from grader.lms.gradebook_rows import MARKED_BY_HAND
 
-# Of a notebook: a person has written about it.
+# Condition on a notebook: a person has commented on it.
 _COMMENTED = exists().where(
     Comment.notebook_id == SubmittedNotebook.id, func.coalesce(Comment.manual_comment, "") != ""
 )
@@ -25,9 +25,10 @@ def withdraw(
     known: set[tuple[str, str]],
     only: str | None,
 ) -> list[str]:
-    """Take out what is no longer handed in; what a person has graded is named and stays.
+    """Remove withdrawn submissions; those with manual marks or comments stay and are reported.
 
-    `known` has the (student, stage) of what is; `only` is who alone was graded, or None.
+    `known` contains the (student, stage) of each existing submission. `only` limits the removal to
+    one student; None means all.
     """
     trouble = []
     for stage in stages:
@@ -36,11 +37,11 @@ def withdraw(
                 student = submission.student.id
                 if (student, stage) in known or only not in (None, student):
                     continue
-                of_a_person = book.db.query(SubmittedNotebook.id).filter(
+                graded_by_hand = book.db.query(SubmittedNotebook.id).filter(
                     SubmittedNotebook.assignment_id == submission.id,
                     or_(MARKED_BY_HAND, _COMMENTED),
                 )
-                if of_a_person.first():
+                if graded_by_hand.first():
                     trouble.append(
                         f"{student}, {stage}: nothing is handed in any more, but the gradebook "
                         "holds marks or comments of a person. Put the submission back, or take it "

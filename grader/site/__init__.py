@@ -1,1 +1,1 @@
-"""The course as pages: text, stubs, and the pictures that one should get, without a kernel."""
+"""The course as a website: text, stubs and the expected pictures, readable without a kernel."""

@@ -1,4 +1,4 @@
-"""The whole site: sources for Sphinx, Sphinx itself, what is taken out again, and the proof."""
+"""Build of the website: write the Sphinx sources, run Sphinx, clean up and check the result."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from grader.site.settings import conf
 
 OWN = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
-MARK = "searchindex.js"  # by which a folder is known as a site
-EARLIEST = "315532800"  # 1 January 1980: no clock is to be seen in a site
+MARK = "searchindex.js"  # a folder with this file is recognised as a site
+EARLIEST = "315532800"  # 1 January 1980, so that a site does not depend on the clock
 MENDED = {
     # The icons come from a font; this script of 1.5 MB would draw them a second time.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
-    # What is read aloud is what is seen.
+    # Screen readers read the visible text instead of a label that differs from it.
     re.compile(r'(<summary) aria-label="Toggle hidden content"'): r"\1",
     re.compile(r'(<button class="btn search-button-field [^>]*?) aria-label="Search"'): r"\1",
     re.compile(r'(<div id="pst-primary-sidebar")'): r'\1 role="region" aria-label="Course"',
 }
-"""What a page has by then, and what it gets instead."""
+"""Patterns in the finished pages, and their replacements."""
 NEEDED = (
     *("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline"),
     *("jupyterlite_core", "jupyterlite_pyodide_kernel"),
@@ -53,23 +53,23 @@ LEFT_OUT = (
 def write_site(
     folder: Path, ran: Mapping[Lesson, bytes], origin: Origin, live: bool = False
 ) -> None:
-    """Write the site; the same bytes for the same runs.
+    """Write the site; the same runs give the same bytes.
 
     Parameters
     ----------
     folder : pathlib.Path
-        Replaced, where it holds a site; made, where there is none.
+        Replaced if it contains a site, and created if it does not exist.
     ran : mapping of Lesson to bytes
-        By `grader.site.runs.solved_runs`; the page of one that is missing shows no outputs.
+        Result of `grader.site.runs.solved_runs`. The page of a missing lesson shows no outputs.
     origin : grader.course.build.Origin
     live : bool
-        Whether there is a page for each lesson on which it runs in the browser, too.
+        Whether to add a page for each lesson on which it runs in the browser.
 
     Raises
     ------
     SiteTrouble
-        `folder` holds something else, Sphinx has something to say, or a page would give a
-        solution away, ask another host, or link to what is not there.
+        If `folder` contains something else, if Sphinx reports a warning, or if a page reveals a
+        solution, fetches from another host or has a dead link.
     """
     ready(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -91,7 +91,13 @@ def write_site(
 
 
 def ready(folder: Path) -> None:
-    """Look before long work whether a site can be written; raise `SiteTrouble` where not."""
+    """Check before a long build that a site can be written.
+
+    Raises
+    ------
+    SiteTrouble
+        If a package is missing, or if `folder` contains something other than a site.
+    """
     if missing := [name for name in NEEDED if not importlib.util.find_spec(name)]:
         raise SiteTrouble(
             f"For a site {', '.join(missing)} must be installed: "
@@ -102,46 +108,46 @@ def ready(folder: Path) -> None:
 
 
 def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
-    """All that Sphinx reads, by name; the parameters are those of `write_site`."""
+    """Return all files that Sphinx reads, by name; see `write_site` for the parameters."""
     pictures = Pictures()
     files = {"conf.py": conf(), "index.md": front_page.page(origin, pictures)}
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = glossary.page()
-    found = {name: text.encode() for name, text in files.items()}
+    sources = {name: text.encode() for name, text in files.items()}
     for lesson in every_lesson():
         links, name = links_of(lesson, origin, live), f"{lesson.stage}/{lesson.name}.ipynb"
         solved = ran.get(lesson) or lesson.solved.read_bytes()
-        found[name] = page_of(lesson, solved, links, pictures)
+        sources[name] = page_of(lesson, solved, links, pictures)
         notebook = standalone(lesson.released.read_bytes())
         refuse_to_give_away(lesson, notebook)
-        found[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
-    found |= {f"_static/{path.name}": path.read_bytes() for path in sorted(OWN.iterdir())}
-    found |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
-    found["beside/.nojekyll"] = b""  # GitHub Pages would leave out what begins with `_`
-    return found | pictures.files | mathjax.files()
+        sources[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
+    sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(OWN.iterdir())}
+    sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
+    sources["beside/.nojekyll"] = b""  # else GitHub Pages leaves out names beginning with `_`
+    return sources | pictures.files | mathjax.files()
 
 
 def _run_sphinx(source: Path, pages: Path) -> None:
-    """Make the pages; what Sphinx warns of is a fault."""
+    """Build the pages with Sphinx, treating each warning as an error."""
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
-    done = subprocess.run(
+    process = subprocess.run(
         [*command, "-d", str(source.parent / "read"), str(source), str(pages)],
         env=os.environ | {"SOURCE_DATE_EPOCH": EARLIEST, "PYTHONHASHSEED": "0"},
         capture_output=True,
         text=True,
     )
-    if done.returncode:
-        raise SiteTrouble(f"Sphinx ended with {done.returncode}:\n{done.stderr[-3000:]}")
+    if process.returncode:
+        raise SiteTrouble(f"Sphinx ended with {process.returncode}:\n{process.stderr[-3000:]}")
 
 
 def _finish(pages: Path) -> None:
-    """Take out what no reader needs, and mend what the theme leaves."""
+    """Delete files that no reader needs, and fix details of the theme."""
     for pattern in LEFT_OUT:
         for path in pages.rglob(pattern):
             shutil.rmtree(path) if path.is_dir() else path.unlink()
     for path in pages.rglob("*.html"):
         text = path.read_text("utf-8")
-        for found, instead in MENDED.items():
-            text = found.sub(instead, text)
+        for regex, replacement in MENDED.items():
+            text = regex.sub(replacement, text)
         path.write_text(text, "utf-8")
     sections.write(pages)

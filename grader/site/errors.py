@@ -1,5 +1,5 @@
-"""What keeps a site from being written."""
+"""Errors of the website builder."""
 
 
 class SiteTrouble(Exception):
-    """Nothing was written; `str()` is the sentence to show."""
+    """The site was not written; `str()` is the message to show."""

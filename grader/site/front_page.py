@@ -1,4 +1,4 @@
-"""The front page: the film, what one builds, and a card for each lesson."""
+"""The front page: the film, the goal of the course, and a card for each lesson."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 STAGE = re.compile(r"^\| (\d+) · ([^|]+?) \|", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
-CARD = 480  # pixels of its longer side
-QUALITY = 80  # of the film
-STILL = 0.45  # of the film, whose picture stands for it where nothing may move
+CARD = 480  # pixels of the longer side of a card's picture
+QUALITY = 80  # WebP quality of the film
+STILL = 0.45  # position in the film of the picture that replaces it for readers who turn off motion
 
 
 @dataclass(frozen=True)
@@ -41,42 +41,45 @@ class LessonCard:
 
 
 def page(origin: Origin, pictures: Pictures) -> str:
-    """The front page as Markdown for MyST."""
+    """Render the front page as Markdown for MyST."""
     alt, place = FILM.search(README.read_text("utf-8")).groups()
     film = (PROJECT / place).read_bytes()
     return TEMPLATES.get_template("index.md").render(
-        film=pictures.keep(_light(film), ".webp"),
+        film=pictures.keep(_as_webp(film), ".webp"),
         still=pictures.keep(_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
-        stages={name: [card(one, pictures) for one in _of(stage)] for stage, name in titles()},
-        lessons={name: _of(stage) for stage, name in titles()},
+        stages={
+            name: [card(lesson, pictures) for lesson in _lessons_of(stage)]
+            for stage, name in titles()
+        },
+        lessons={name: _lessons_of(stage) for stage, name in titles()},
         origin=origin,
     )
 
 
 def titles() -> list[tuple[str, str]]:
-    """Each stage with what the README calls it, and last what is beside the course."""
+    """Return each stage with its title from the README, followed by the optional lessons."""
     known = dict(STAGE.findall(README.read_text("utf-8")))
-    found = []
+    titled = []
     for stage in stages():
         number, _, name = stage.removeprefix("stage").partition("_")
-        found.append((stage, f"Stage {number}: {known.get(number, name.replace('_', ' '))}"))
-    return [*found, (OPTIONAL, "Optional: beside the course")] if optional_lessons() else found
+        titled.append((stage, f"Stage {number}: {known.get(number, name.replace('_', ' '))}"))
+    return [*titled, (OPTIONAL, "Optional: beside the course")] if optional_lessons() else titled
 
 
-def _of(stage: str) -> list[Lesson]:
+def _lessons_of(stage: str) -> list[Lesson]:
     return [lesson for lesson in every_lesson() if lesson.stage == stage]
 
 
 def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
-    """What the front page says of a lesson, and its preview."""
+    """Build the card of a lesson, with its preview picture."""
     first = json.loads(lesson.released.read_text("utf-8"))["cells"][0]
-    found = PREVIEW.search("".join(first["source"]))
+    preview = PREVIEW.search("".join(first["source"]))
     picture = ""
-    if found:
-        content = base64.b64decode(first["attachments"][found[2]]["image/png"])
-        # The title beside it says where the link goes.
+    if preview:
+        content = base64.b64decode(first["attachments"][preview[2]]["image/png"])
+        # The description is empty because the title next to the picture already names the link.
         picture = pictures.tag(_small(content), "", "")
     return LessonCard(
         lesson.number,
@@ -89,17 +92,17 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
 
 
 def _small(content: bytes) -> bytes:
-    """A picture no larger than a card needs it, as PNG."""
+    """Scale a picture down to the size of a card, as PNG."""
     with Image.open(io.BytesIO(content)) as picture:
         small = picture.convert("RGB")
     small.thumbnail((CARD, CARD))
     return _png(small)
 
 
-def _light(film: bytes) -> bytes:
-    """The same film as WebP, in little more than half the bytes."""
+def _as_webp(film: bytes) -> bytes:
+    """Convert a film to WebP, which needs little more than half the bytes."""
     with Image.open(io.BytesIO(film)) as picture:
-        pace = picture.info["duration"]
+        duration = picture.info["duration"]
         first, *others = [frame.convert("RGB") for frame in ImageSequence.Iterator(picture)]
     buffer = io.BytesIO()
     first.save(
@@ -107,7 +110,7 @@ def _light(film: bytes) -> bytes:
         "WEBP",
         save_all=True,
         append_images=others,
-        duration=pace,
+        duration=duration,
         loop=0,
         quality=QUALITY,
         method=2,
@@ -116,7 +119,7 @@ def _light(film: bytes) -> bytes:
 
 
 def _still(film: bytes) -> bytes:
-    """One picture of a film, as PNG."""
+    """Extract one picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
         picture.seek(int(picture.n_frames * STILL))
         return _png(picture.convert("RGB"))

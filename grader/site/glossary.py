@@ -1,4 +1,4 @@
-"""The words of the course: a page of their own, to which lessons link."""
+"""The glossary of the course: a separate page, to which lessons link."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ LINK = re.compile(r"\[([^\[\]]+)\]\(#Words-of-the-course\)")
 
 
 def definitions() -> dict[tuple[str, ...], str]:
-    """What the words mean, by the words that stand for it."""
+    """Return the meaning of each entry in the glossary, by all names of the entry."""
     rows = ROW.findall(SOURCE.read_text("utf-8"))
     return {tuple(names.split(", ")): meaning for names, meaning in rows}
 
 
 def page() -> str:
-    """The page, as Markdown for MyST."""
+    """Return the glossary page as Markdown for MyST."""
     entries = ["\n".join(names) + f"\n  {meaning}" for names, meaning in definitions().items()]
     return "# Words of the course\n\n```{glossary}\n" + "\n\n".join(entries) + "\n```\n"
 
 
 def linked(markdown: str) -> str:
-    """The text of a cell with links to its words on that page."""
+    """Redirect links in the text of a cell from the notebook's glossary to the page."""
     return LINK.sub(_link, markdown)
 
 
-def _link(found: re.Match) -> str:
+def _link(match: re.Match) -> str:
     known = {word.lower(): word for names in definitions() for word in names}
-    text = found[1].strip("*").lower().removeprefix("our ")
+    text = match[1].strip("*").lower().removeprefix("our ")
     word = known.get(text) or known.get(text.removesuffix("s"))
-    shown = found[1].strip("*")
-    return f"{{term}}`{shown} <{word}>`" if word else f"[{found[1]}](../words.md)"
+    shown = match[1].strip("*")
+    return f"{{term}}`{shown} <{word}>`" if word else f"[{match[1]}](../words.md)"

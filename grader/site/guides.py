@@ -1,4 +1,4 @@
-"""The project's own READMEs as pages: for students, instructors and authors, and on the data."""
+"""The project's READMEs as pages: for students, instructors and authors, and about the data."""
 
 from __future__ import annotations
 
@@ -16,35 +16,36 @@ PAGES = {
     "authors": "solutions/README.md",
     "data": "data/README.md",
 }
-"""The README behind each page; in the order of the contents."""
+"""README behind each page, in the order of the table of contents."""
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 CODE = re.compile(r"(^ *```.*?^ *```|`[^`\n]+`)", re.M | re.S)
 
 
 def page(name: str, origin: Origin, pictures: Pictures) -> str:
-    """A guide as Markdown for MyST.
+    """Return a guide as Markdown for MyST.
 
     Parameters
     ----------
     name : str
         One of `PAGES`.
     origin : grader.course.build.Origin
-        Where the files are that no page shows; without an address they are named, not linked.
+        Repository with the files that have no page. Without an address, they are named but not
+        linked.
     pictures : Pictures
-        Gets what the guide shows.
+        Collects the pictures of the guide.
     """
     path = PROJECT / PAGES[name]
     folder = posixpath.dirname(PAGES[name])
 
-    def link(found: re.Match) -> str:
-        mark, text, target = found.groups()
+    def link(match: re.Match) -> str:
+        mark, text, target = match.groups()
         place, _, fragment = target.partition("#")
         if ":" in target or not place:
-            return found[0]
+            return match[0]
         place = posixpath.normpath(posixpath.join(folder, place))
         if mark:
-            kept = pictures.keep((PROJECT / place).read_bytes(), posixpath.splitext(place)[1])
-            return f"![{' '.join(text.split())}](/{kept})"
+            picture = pictures.keep((PROJECT / place).read_bytes(), posixpath.splitext(place)[1])
+            return f"![{' '.join(text.split())}](/{picture})"
         if place in _pages():
             return f"[{text}]({_pages()[place]}{'#' + fragment if fragment else ''})"
         if origin.repository:
@@ -52,13 +53,13 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
         return text
 
     parts = CODE.split(path.read_text("utf-8"))
-    # In code nothing is a link; a link may have code for its text.
-    whole = "".join(part if n % 2 == 0 else f"\0{n}\0" for n, part in enumerate(parts))
-    return re.sub("\0(\\d+)\0", lambda found: parts[int(found[1])], LINK.sub(link, whole))
+    # Code is masked, because links are not valid in it. A link may have code as its text, however.
+    masked = "".join(part if n % 2 == 0 else f"\0{n}\0" for n, part in enumerate(parts))
+    return re.sub("\0(\\d+)\0", lambda match: parts[int(match[1])], LINK.sub(link, masked))
 
 
 def _pages() -> dict[str, str]:
-    """The page, as seen from another guide, of each file that has one."""
+    """Return the page of each file that has one, as a path from another guide."""
     lessons = {
         f"notebooks/{lesson.stage}/{lesson.name}.ipynb": f"{lesson.stage}/{lesson.name}.ipynb"
         for lesson in every_lesson()

@@ -1,4 +1,4 @@
-"""What a cell showed as HTML that needs no kernel, with its pictures in files of their own."""
+"""Outputs of a cell as HTML that needs no kernel, with pictures in separate files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nbformat.v4 import new_output
 from grader.site.pictures import Pictures
 from grader.site.widget_states import ANSWER, POSITION, QUESTION
 
-UP = "../"  # lessons lie in the folder of their stage
+UP = "../"  # from the folder of a lesson's stage to the root of the site
 FILM = (
     "A film of what the cell above has drawn, frame by frame. The text around it says what moves."
 )
@@ -35,20 +35,20 @@ TEMPLATES = jinja2.Environment(
 
 
 def shown(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[NotebookNode]:
-    """Outputs for the page.
+    """Convert the outputs of a cell for the page.
 
     Parameters
     ----------
     outputs : sequence of nbformat.NotebookNode
-        As `grader.site.widget_states` left them.
+        Outputs as recorded by `grader.site.widget_states`.
     pictures : Pictures
-        Gets what they show.
+        Collects the pictures in the outputs.
     """
-    first = next((n for n, one in enumerate(outputs) if POSITION in _data(one)), len(outputs))
-    found = [_plain(output, pictures) for output in outputs[:first]]
+    first = next((n for n, output in enumerate(outputs) if POSITION in _data(output)), len(outputs))
+    converted = [_plain(output, pictures) for output in outputs[:first]]
     if first < len(outputs):
-        found.append(_as_html(_positions(outputs[first:], pictures)))
-    return found
+        converted.append(_as_html(_positions(outputs[first:], pictures)))
+    return converted
 
 
 def _data(output: NotebookNode) -> dict:
@@ -67,7 +67,7 @@ def _as_html(html: str) -> NotebookNode:
 
 
 def html_of(output: NotebookNode, pictures: Pictures) -> str:
-    """An output as HTML; empty where it is only text."""
+    """Convert an output to HTML; empty if it is plain text."""
     data = _data(output)
     if QUESTION in data:
         return TEMPLATES.get_template("question.html").render(
@@ -88,52 +88,58 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
 
 
 def key_of(question: str) -> str:
-    """By which the page knows a question again, where its answer stands."""
+    """Return the key by which the page finds the question that belongs to an answer."""
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
 def _with_files(html: str, pictures: Pictures) -> str:
-    """The same HTML with scenes and pictures in files beside the page."""
+    """Move the scenes and pictures in HTML to files next to the page."""
 
-    def scene(found: re.Match) -> str:
-        page, title, width, height, instead = found.groups()
+    def scene(match: re.Match) -> str:
+        page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
-        # What stands instead is for who runs no scripts; it would hide itself where one runs.
+        # The fallback is for readers without JavaScript; where scripts run, it would hide itself
+        # anyway.
         return (
             f'<iframe class="scene" src="{UP}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
-            f"<noscript>{DATA.sub(picture, instead)}</noscript>"
+            f"<noscript>{DATA.sub(picture, fallback)}</noscript>"
         )
 
-    def picture(found: re.Match) -> str:
-        alt = unescape((found[2] or ' alt="A picture."')[6:-1])
-        return pictures.tag(base64.b64decode(found[1]), alt, UP)
+    def picture(match: re.Match) -> str:
+        alt = unescape((match[2] or ' alt="A picture."')[6:-1])
+        return pictures.tag(base64.b64decode(match[1]), alt, UP)
 
     return DATA.sub(picture, SCENE.sub(scene, html))
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
-    """The positions of sliders, one of which is shown, to choose among without a script."""
-    found: list[dict] = []
+    """Format the recorded positions of sliders so that a reader can switch without a script."""
+    parts: list[dict] = []
     for output in outputs:
         if POSITION in _data(output):
-            found.append({"about": _data(output)[POSITION], "html": ""})
+            parts.append({"about": _data(output)[POSITION], "html": ""})
         else:
-            found[-1]["html"] += html_of(output, pictures) or _as_text(output)
-    own = found[0]["about"]["all"]
-    name = hashlib.sha256("".join(one["html"] for one in found).encode()).hexdigest()[:12]
+            parts[-1]["html"] += html_of(output, pictures) or _as_text(output)
+    own_values = parts[0]["about"]["all"]
+    name = hashlib.sha256("".join(part["html"] for part in parts).encode()).hexdigest()[:12]
     return TEMPLATES.get_template("positions.html").render(
-        rows=list(_rows(own, found)), positions=[one["html"] for one in found], name=name, own=own
+        rows=list(_rows(own_values, parts)),
+        positions=[part["html"] for part in parts],
+        name=name,
+        own=own_values,
     )
 
 
-def _rows(own: list[list[str]], found: list[dict]) -> Iterator[tuple[str, list[tuple[int, str]]]]:
-    """For each slider its title and, in order, (number of the position, value)."""
-    for title, value in own:
+def _rows(
+    own_values: list[list[str]], positions: list[dict]
+) -> Iterator[tuple[str, list[tuple[int, str]]]]:
+    """Yield each slider's title with its sorted values as (number of the position, value)."""
+    for title, value in own_values:
         moved = [
-            (number, one["about"]["value"])
-            for number, one in enumerate(found)
-            if one["about"].get("slider") == title
+            (number, recorded["about"]["value"])
+            for number, recorded in enumerate(positions)
+            if recorded["about"].get("slider") == title
         ]
         yield title, sorted([*moved, (0, value)], key=lambda position: float(position[1]))
 

@@ -25,22 +25,22 @@ ASKING = "Asks for your guess"
 
 
 def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes:
-    """The notebook that Sphinx makes the page of.
+    """Build the notebook that Sphinx converts to the lesson's page.
 
     Parameters
     ----------
     lesson : Lesson
     ran : bytes
-        Its solved notebook, with outputs: of `grader.site.runs.solved_runs`.
+        Solved notebook with outputs, from `grader.site.runs.solved_runs`.
     links : str
-        The line below the title: of `links_of`.
+        Line below the title, from `links_of`.
     pictures : Pictures
-        Gets all that the page shows.
+        Collects all pictures of the page.
 
     Raises
     ------
     SiteTrouble
-        A cell of the student's notebook has no partner in the solved one.
+        If a cell of the student's notebook is not in the solved one.
     """
     notebook = nbformat.read(lesson.released, as_version=4)
     solved = {cell["id"]: cell for cell in nbformat.reads(ran.decode(), as_version=4).cells}
@@ -53,7 +53,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
                 "Run: python -m grader build"
             )
         if "footer" in tags:
-            continue  # the words of the course have a page of their own
+            continue  # the glossary has a page of its own
         if cell.cell_type == "code":
             cell.outputs = [] if "setup" in tags else shown(solved[cell.id].outputs, pictures)
             if FOLD & tags:
@@ -64,7 +64,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
             cell.source = links
         else:
             cell.source = glossary.linked(cell.source)
-            _lay_down(cell, pictures)
+            _extract_pictures(cell, pictures)
         cells.append(cell)
     notebook.cells = cells
     notebook.metadata.pop("kernelspec", None)
@@ -72,13 +72,13 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
 
 
 def _title(cell: NotebookNode) -> str:
-    found = TITLE.match(cell.source)
-    return found[1] if found else SETUP
+    match = TITLE.match(cell.source)
+    return match[1] if match else SETUP
 
 
 def _only_asks(cell: NotebookNode) -> bool:
-    """Whether a cell shows nothing but questions, which the page asks itself."""
-    return bool(cell.outputs) and all(QUESTION in one.get("data", {}) for one in cell.outputs)
+    """Return whether a cell shows only questions, which the page asks itself."""
+    return bool(cell.outputs) and all(QUESTION in output.get("data", {}) for output in cell.outputs)
 
 
 def _fold(cell: NotebookNode, title: str) -> None:
@@ -87,31 +87,31 @@ def _fold(cell: NotebookNode, title: str) -> None:
     cell.metadata["mystnb"] = {"code_prompt_show": prompt, "code_prompt_hide": prompt}
 
 
-def _lay_down(cell: NotebookNode, pictures: Pictures) -> None:
-    """Put the pictures that a cell carries beside the page."""
+def _extract_pictures(cell: NotebookNode, pictures: Pictures) -> None:
+    """Move the pictures attached to a cell to files next to the page."""
     for name, kinds in cell.pop("attachments", {}).items():
         place = pictures.keep(base64.b64decode(kinds["image/png"]), ".png")
         cell.source = cell.source.replace(f"(attachment:{name})", f"(/{place})")
 
 
 def links_of(lesson: Lesson, origin: Origin, live: bool) -> str:
-    """Where a lesson can be run, and where a mistake is reported, as HTML.
+    """Return links to run the lesson and to report a mistake, as HTML.
 
     Parameters
     ----------
     lesson : Lesson
     origin : grader.course.build.Origin
     live : bool
-        Whether it runs on a page of the site.
+        Whether the lesson also runs on a page of the site.
     """
-    found = [f'<a href="../notebooks/{lesson.name}.ipynb" download>Download the notebook</a>']
+    links = [f'<a href="../notebooks/{lesson.name}.ipynb" download>Download the notebook</a>']
     if live:
-        found.insert(0, f'<a href="../{address_of(lesson)}">Run it in the browser</a>')
+        links.insert(0, f'<a href="../{address_of(lesson)}">Run it in the browser</a>')
     if origin.repository:
         notebook = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
         colab = "https://colab.research.google.com/github"
         binder = "https://mybinder.org/v2/gh"
-        found += [
+        links += [
             f'<a href="{colab}/{origin.owner_and_name}/blob/{origin.revision}/{notebook}">'
             "Open in Colab</a>",
             f'<a href="{binder}/{origin.owner_and_name}/{origin.revision}'
@@ -119,10 +119,10 @@ def links_of(lesson: Lesson, origin: Origin, live: bool) -> str:
             f'<a class="report" href="{origin.repository}/issues/new?title=Lesson+{lesson.number}">'
             "Report a mistake</a>",
         ]
-    return f'<nav class="run" aria-label="This lesson">{"".join(found)}</nav>'
+    return f'<nav class="run" aria-label="This lesson">{"".join(links)}</nav>'
 
 
 def title_of(lesson: Lesson) -> str:
-    """Title of a lesson, without its number."""
+    """Return the title of a lesson without its number."""
     cells = json.loads(lesson.released.read_text("utf-8"))["cells"]
     return re.match(r"# (?:\d\d · )?(.*)", "".join(cells[0]["source"]))[1].strip()

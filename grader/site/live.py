@@ -1,7 +1,7 @@
-"""A page for each lesson on which it runs in the browser: JupyterLite, with a kernel of Pyodide.
+"""Pages on which lessons run in the browser, with JupyterLite and a Pyodide kernel.
 
-The pages are beside the site. The kernel and its packages are not: the browser fetches them from
-jsDelivr, and ipywidgets from PyPI, as no package registry has NumPy for this kernel.
+The pages are part of the site. The kernel and its packages are not: the browser fetches them from
+jsDelivr, and ipywidgets from PyPI, because no package registry has NumPy for this kernel.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from grader.site.errors import SiteTrouble
 
 FOLDER = "live"
 EXTENSIONS = ("@jupyterlite/pyodide-kernel-extension", "@jupyter-widgets/jupyterlab-manager")
-"""Of what is installed, the parts of JupyterLab that work without a server."""
+"""Installed extensions of JupyterLab that work without a server."""
 WIDGETS = {
     "cell_type": "code",
     "id": "browser",
@@ -30,12 +30,12 @@ WIDGETS = {
 
 
 def address_of(lesson: Lesson) -> str:
-    """Of the page on which a lesson runs, as seen from the site's root."""
+    """Return the address of the page on which a lesson runs, relative to the site's root."""
     return f"{FOLDER}/notebooks/index.html?path={lesson.name}.ipynb"
 
 
 def notebook_of(lesson: Lesson) -> bytes:
-    """The standalone notebook of a lesson for a kernel in a browser."""
+    """Build the standalone notebook of a lesson for a kernel in the browser."""
     content = json.loads(standalone(lesson.released.read_bytes()))
     setup = next(
         number
@@ -57,14 +57,14 @@ def write_live(pages: Path, place: Path) -> None:
     Parameters
     ----------
     pages : pathlib.Path
-        The site, which gets a folder `live`.
+        Folder of the site, which gets a folder `live`.
     place : pathlib.Path
-        An empty folder to work in.
+        Empty working folder.
 
     Raises
     ------
     SiteTrouble
-        JupyterLite does not do it.
+        If JupyterLite fails.
     """
     (place / "contents").mkdir(parents=True)
     for lesson in every_lesson():
@@ -80,11 +80,11 @@ def write_live(pages: Path, place: Path) -> None:
         "no_unused_shared_packages": True,
     }
     (place / "jupyter_lite_config.json").write_text(json.dumps({"LiteBuildConfig": settings}))
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "jupyterlite_core", "build"],
         cwd=place,
         capture_output=True,
         text=True,
     )
-    if done.returncode:
-        raise SiteTrouble(f"JupyterLite ended with {done.returncode}:\n{done.stderr[-3000:]}")
+    if process.returncode:
+        raise SiteTrouble(f"JupyterLite ended with {process.returncode}:\n{process.stderr[-3000:]}")

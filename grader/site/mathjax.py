@@ -1,4 +1,4 @@
-"""MathJax and its fonts, from the package that brings them."""
+"""MathJax and its fonts, from an installed package."""
 
 from importlib import metadata
 
@@ -7,10 +7,10 @@ WANTED = ("tex-chtml.js", ".woff")
 
 
 def files() -> dict[str, bytes]:
-    """What a page with formulas loads, by its place in the site."""
-    found = {}
+    """Return the files that a page with formulas loads, by path in the site."""
+    contents = {}
     for path in metadata.files(PACKAGE):
         place = path.as_posix().partition("static/mathjax/")[2]
         if place and (place == WANTED[0] or place.endswith(WANTED[1])):
-            found[f"_static/mathjax/{place}"] = path.locate().read_bytes()
-    return found
+            contents[f"_static/mathjax/{place}"] = path.locate().read_bytes()
+    return contents

@@ -1,4 +1,4 @@
-"""Files beside the pages: pictures and scenes, each once, by what is in it."""
+"""Pictures and scenes in files next to the pages; equal content is stored once."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ PLACE = "_static/shown"
 
 
 class Pictures:
-    """Collects what pages show; `files` has the content by its place in the site."""
+    """Collects the files that pages show; `files` contains their content by path in the site."""
 
     def __init__(self) -> None:
         self.files: dict[str, bytes] = {}
 
     def keep(self, content: bytes, suffix: str) -> str:
-        """The place of some content in the site, the same for the same bytes."""
+        """Store some content and return its path in the site, which depends only on the bytes."""
         place = f"{PLACE}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
         self.files[place] = content
         return place
 
     def tag(self, content: bytes, alt: str, up: str, width: int | None = None) -> str:
-        """A picture as HTML, which a page fetches when it comes near and keeps room for.
+        """Store a picture and return its HTML tag, with lazy loading and a fixed size.
 
         Parameters
         ----------
         content : bytes
-            Of a PNG or GIF file.
+            Content of a PNG or GIF file.
         alt : str
         up : str
-            Way from the page to the site's root, such as ``../``.
+            Relative path from the page to the site's root, such as ``../``.
         width : int, optional
-            In which it is shown, in pixels; by default its own.
+            Width on the page in pixels; by default the width of the picture.
         """
         from PIL import Image
 
         with Image.open(io.BytesIO(content)) as picture:
-            (across, down), suffix = picture.size, f".{picture.format.lower()}"
-        shown = width or across
+            (full_width, full_height), suffix = picture.size, f".{picture.format.lower()}"
+        shown = width or full_width
         return (
             f'<img src="{up}{self.keep(content, suffix)}" alt="{escape(alt)}" loading="lazy" '
-            f'width="{shown}" height="{round(down * shown / across)}">'
+            f'width="{shown}" height="{round(full_height * shown / full_width)}">'
         )

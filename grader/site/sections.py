@@ -1,4 +1,4 @@
-"""The sections of all pages as a script, in which the search page looks for lines to show."""
+"""The sections of all pages as a script, from which the search page shows matching lines."""
 
 from __future__ import annotations
 
@@ -14,56 +14,59 @@ EMPTY = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
 
 def write(pages: Path) -> None:
     """Write the script for all pages below a folder."""
-    found = []
+    sections = []
     for path in sorted(pages.rglob("*.html")):
         reader = _Reader()
         reader.feed(path.read_text("utf-8"))
         name = path.relative_to(pages).as_posix()
-        found += [[name, *section] for section in reader.sections()]
-    text = json.dumps(found, ensure_ascii=False, separators=(",", ":")).replace("],[", "],\n[")
+        sections += [[name, *section] for section in reader.sections()]
+    text = json.dumps(sections, ensure_ascii=False, separators=(",", ":")).replace("],[", "],\n[")
     (pages / PLACE).write_text(f"const SECTIONS = {text};\n", "utf-8")
 
 
 class _Reader(HTMLParser):
-    """Collects the text of an article by section: (anchor, title, text)."""
+    """Collects the text of an article by section, as (anchor, title, text)."""
 
     def __init__(self) -> None:
         super().__init__()
         self._open: list[str] = []
-        self._within: list[dict] = []
-        self._all: list[dict] = []
+        self._open_sections: list[dict] = []
+        self._sections: list[dict] = []
 
     def sections(self) -> list[tuple[str, str, str]]:
-        """Those that say something."""
-        said = [
-            (one["anchor"], *(" ".join("".join(one[part]).split()) for part in ("title", "text")))
-            for one in self._all
+        """Return the sections that contain text."""
+        parts = [
+            (
+                section["anchor"],
+                *(" ".join("".join(section[part]).split()) for part in ("title", "text")),
+            )
+            for section in self._sections
         ]
-        return [(anchor, title.rstrip("#¶ "), text) for anchor, title, text in said if text]
+        return [(anchor, title.rstrip("#¶ "), text) for anchor, title, text in parts if text]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Open a section, or step into what is inside one."""
+        """Enter an element, and begin a section if it is one."""
         if tag in EMPTY:
             return
         self._open.append(tag)
         if tag == "section":
-            one = {"anchor": dict(attrs).get("id", ""), "title": [], "text": []}
-            self._within.append(one)
-            self._all.append(one)
+            section = {"anchor": dict(attrs).get("id", ""), "title": [], "text": []}
+            self._open_sections.append(section)
+            self._sections.append(section)
 
     def handle_endtag(self, tag: str) -> None:
-        """Step out again."""
+        """Leave an element, and end a section if it is one."""
         while tag in self._open:
             closed = self._open.pop()
             if closed == "section":
-                self._within.pop()
+                self._open_sections.pop()
             if closed == tag:
                 break
-        if self._within and tag in {"p", "div", "td", "li", "pre", "summary"}:
-            self._within[-1]["text"].append(" ")
+        if self._open_sections and tag in {"p", "div", "td", "li", "pre", "summary"}:
+            self._open_sections[-1]["text"].append(" ")
 
     def handle_data(self, data: str) -> None:
-        """Keep text of the innermost section, and its title apart."""
-        if self._within and not SILENT.intersection(self._open):
+        """Add text to the title or the text of the innermost section."""
+        if self._open_sections and not SILENT.intersection(self._open):
             heading = HEADINGS.intersection(self._open)
-            self._within[-1]["title" if heading else "text"].append(data)
+            self._open_sections[-1]["title" if heading else "text"].append(data)

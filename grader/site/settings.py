@@ -1,15 +1,15 @@
-"""What Sphinx, MyST-NB and the theme are told."""
+"""Settings of Sphinx, MyST-NB and the theme."""
 
 TITLE = "LiDAR Obstacle Lab"
 
 
 def conf() -> str:
-    """The text of Sphinx's ``conf.py``."""
+    """Return the text of Sphinx's ``conf.py``."""
     return "".join(f"{name} = {value!r}\n" for name, value in settings().items())
 
 
 def settings() -> dict[str, object]:
-    """Sphinx's settings by name."""
+    """Return Sphinx's settings by name."""
     theme = {
         "use_download_button": False,  # it would need the sources in the site
         "use_fullscreen_button": False,
@@ -36,7 +36,7 @@ def settings() -> dict[str, object]:
         "myst_enable_extensions": ["dollarmath", "amsmath"],
         "myst_heading_anchors": 4,
         "templates_path": ["_templates"],
-        "html_show_search_summary": False,  # search.js shows lines, from a disk, too
+        "html_show_search_summary": False,  # search.js does this without a server
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},
@@ -50,6 +50,6 @@ def settings() -> dict[str, object]:
         "html_use_index": False,
         "html_domain_indices": False,
         "mathjax_path": "mathjax/tex-chtml.js",
-        # The menu would make a stop of the Tab key of each formula.
+        # The menu would add a Tab stop for each formula.
         "mathjax3_config": {"options": {"enableMenu": False}},
     }

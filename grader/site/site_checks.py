@@ -1,4 +1,4 @@
-"""What is proven of a site before it is there: no solution, no other host, no link into nothing."""
+"""Checks of a finished site: no solutions, no requests to other hosts, no dead links."""
 
 from __future__ import annotations
 
@@ -23,22 +23,26 @@ IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)
 
 
 def faults(folder: Path) -> list[str]:
-    """What is wrong with a site, a sentence each; empty where nothing is."""
-    # What JupyterLite brings is not ours, but for the notebooks in it.
+    """Return the faults of a site, one sentence each."""
+    # JupyterLite's files are not ours, except for the notebooks among them.
     live = folder / FOLDER
-    ours = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
-    pages = {path: ParsedPage.read(path) for path in ours}
-    found = [*_given_away(folder, pages), *_from_elsewhere(folder, pages)]
+    own_pages = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
+    pages = {path: ParsedPage.read(path) for path in own_pages}
+    sentences = [*_revealed_lines(folder, pages), *_external_requests(folder, pages)]
     for path, page in pages.items():
         name = path.relative_to(folder)
-        found += [f"{name} links to {link}, which is not there." for link in _lost(path, pages)]
-        found += [f"{name} has a picture without a description." for _ in range(page.undescribed)]
-    return found
+        sentences += [
+            f"{name} links to {link}, which is not there." for link in _dead_links(path, pages)
+        ]
+        sentences += [
+            f"{name} has a picture without a description." for _ in range(page.undescribed)
+        ]
+    return sentences
 
 
 @dataclass
 class ParsedPage(HTMLParser):
-    """A page as its reader gets it: text, links, and what the browser fetches for it."""
+    """A parsed page: its text, its links, and the files that the browser fetches for it."""
 
     text: list[str] = field(default_factory=list)
     links: list[str] = field(default_factory=list)
@@ -51,33 +55,33 @@ class ParsedPage(HTMLParser):
 
     @classmethod
     def read(cls, path: Path) -> ParsedPage:
-        """Read a file."""
+        """Read a page from a file."""
         page = cls()
         page.feed(path.read_text("utf-8"))
         page.close()
         return page
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Note what the tag names, fetches or links to."""
-        has = {name: value or "" for name, value in attrs}
-        self.names |= {has[name] for name in ("id", "name") if name in has}
-        self.fetched += [has[name] for name in FETCHED & has.keys()]
-        if "href" in has:
-            (self.links if tag == "a" else self.fetched).append(has["href"])
-        if tag == "img" and "alt" not in has:
+        """Record the names, fetched files and links of a tag."""
+        attributes = {name: value or "" for name, value in attrs}
+        self.names |= {attributes[name] for name in ("id", "name") if name in attributes}
+        self.fetched += [attributes[name] for name in FETCHED & attributes.keys()]
+        if "href" in attributes:
+            (self.links if tag == "a" else self.fetched).append(attributes["href"])
+        if tag == "img" and "alt" not in attributes:
             self.undescribed += 1
 
     def handle_data(self, data: str) -> None:
-        """Keep the text."""
+        """Record text."""
         self.text.append(data)
 
 
-def _given_away(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Lines of solutions that no student's notebook has, in whatever a reader can open."""
+def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
+    """Yield a sentence for each secret line of a solution that a file of the site contains."""
     lessons = every_lesson()
     notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
     readmes = [(PROJECT / path).read_text("utf-8") for path in PAGES.values()]
-    # A hint may say "return `a`", and its page has no such marks.
+    # A hint may contain "return `a`", which its page shows without the marks.
     published = re.sub("[`*]", "", "\n".join([*notebooks, *readmes]))
     secret = {
         line: lesson.name
@@ -86,8 +90,8 @@ def _given_away(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
         if re.sub("[`*]", "", line) not in published
     }
     for path in sorted(folder.rglob("*")):
-        read = IN_LIVE if path.is_relative_to(folder / FOLDER) else READ
-        if path.suffix not in read or not path.is_file():
+        suffixes = IN_LIVE if path.is_relative_to(folder / FOLDER) else READ
+        if path.suffix not in suffixes or not path.is_file():
             continue
         raw = path.read_text("utf-8")
         text = "".join(pages[path].text) if path in pages else raw.replace('\\"', '"')
@@ -97,8 +101,8 @@ def _given_away(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
                 yield f"{name} gives away a line of the solution of {lesson}: {line!r}"
 
 
-def _from_elsewhere(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """What a page or a style would fetch from another host."""
+def _external_requests(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
+    """Yield sentences about files that a page or a style sheet would fetch from another host."""
     for path, page in pages.items():
         for address in page.fetched:
             if ELSEWHERE.match(address):
@@ -108,8 +112,8 @@ def _from_elsewhere(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
             yield f"{path.relative_to(folder)} asks another host for {address}"
 
 
-def _lost(path: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Links and fetched files within the site that lead to nothing."""
+def _dead_links(path: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
+    """Yield links and fetched files within the site whose target does not exist."""
     page = pages[path]
     for link in dict.fromkeys([*page.links, *page.fetched]):
         parts = urlsplit(link)

@@ -1,4 +1,4 @@
-"""What the site ran, as a notebook to hand out: sliders as they stand, answers without guesses."""
+"""Executed solutions as notebooks to publish, with sliders in one position and without guesses."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from utils.predictions import told
 
 
 def as_notebook(ran: bytes) -> bytes:
-    """A solved notebook with what a reader of notebooks can show.
+    """Return a solved notebook whose outputs can be shown by any notebook viewer.
 
     Parameters
     ----------
     ran : bytes
-        As `grader.site.runs.solved_runs` returns it.
+        Executed notebook, from `grader.site.runs.solved_runs`.
     """
     notebook = nbformat.reads(ran.decode(), as_version=4)
     for cell in notebook.cells:
@@ -28,7 +28,7 @@ def as_notebook(ran: bytes) -> bytes:
 
 
 def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
-    positions = 0  # the first is the lesson's own
+    positions = 0  # the lesson's own position comes first
     for output in outputs:
         data = output.get("data", {})
         positions += POSITION in data

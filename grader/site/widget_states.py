@@ -1,7 +1,7 @@
-"""Runs in the kernel of a solved notebook: what needs a kernel to be seen is written down as data.
+"""Recorder that runs in the kernel of a solved notebook and stores interactive outputs as data.
 
-A slider becomes its picture at a few of its positions, a prediction its question and its answer,
-and a figure says in words what it shows. `grader.site.html_outputs` makes pages of that.
+A slider is recorded as its picture at a few positions, and a prediction as its question and answer.
+Figures get a description in words. `grader.site.html_outputs` makes pages of this data.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 POSITION = "application/vnd.lidar-obstacle-lab.position+json"
 QUESTION = "application/vnd.lidar-obstacle-lab.question+json"
 ANSWER = "application/vnd.lidar-obstacle-lab.answer+json"
-POSITIONS = {1: 4, 2: 3}  # beside the one that the lesson sets, of each of so many sliders
-FEW_POSITIONS = 2  # of each of more
-TITLES = ("left", "center", "right")  # where an axes may have one
+POSITIONS = {1: 4, 2: 3}  # further positions per slider, by number of sliders
+FEW_POSITIONS = 2  # further positions per slider if there are more sliders
+TITLES = ("left", "center", "right")  # places where axes may have a title
 
 
 def record() -> None:
-    """From now on, write down instead of asking."""
+    """Replace interactive functions by versions that record data."""
     import ipywidgets
     from IPython import get_ipython
 
@@ -41,12 +41,12 @@ def record() -> None:
 
 
 def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
-    """As `ipywidgets.interact`, and shows what is drawn at each of `positions`."""
+    """Replace `ipywidgets.interact` and show the output at each of `positions`."""
 
     def run(function: Callable) -> Callable:
         for about, values in positions(sliders):
-            said = ", ".join(f"{name} {value:g}" for name, value in values.items())
-            _display(POSITION, about, said)
+            text = ", ".join(f"{name} {value:g}" for name, value in values.items())
+            _display(POSITION, about, text)
             function(**values)
         return function
 
@@ -54,29 +54,30 @@ def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
 
 
 def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
-    """What each position is called, and its values: first the lesson's own, then others.
+    """Yield the description and the values of each position, beginning with the lesson's own.
 
     Parameters
     ----------
     sliders : dict of str to ipywidgets.Widget
-        By the name of the parameter.
+        Sliders by the name of the parameter.
 
     Yields
     ------
     (dict, dict)
-        The first has, for a position at which one slider was moved, its title and value.
+        Description and values of a position. The description contains the title and value of the
+        slider that was moved. For the lesson's own position it contains those of all sliders.
     """
-    own = {name: slider.value for name, slider in sliders.items()}
+    current = {name: slider.value for name, slider in sliders.items()}
     titles = {name: slider.description or name for name, slider in sliders.items()}
-    yield {"all": [[titles[name], f"{own[name]:g}"] for name in sliders]}, own
+    yield {"all": [[titles[name], f"{current[name]:g}"] for name in sliders]}, current
     count = POSITIONS.get(len(sliders), FEW_POSITIONS)
     for name, slider in sliders.items():
         for value in _spread(slider, count):
-            yield {"slider": titles[name], "value": f"{value:g}"}, own | {name: value}
+            yield {"slider": titles[name], "value": f"{value:g}"}, current | {name: value}
 
 
 def _spread(slider: Widget, count: int) -> list[float]:
-    """Some values of a slider, from its first to its last, without the one it stands at."""
+    """Choose values of a slider between its first and last, without its current value."""
     if hasattr(slider, "options"):
         values = [value for value in slider.options if value != slider.value]
     else:
@@ -97,7 +98,7 @@ def predict(
     unit: str = "",
     digits: int = 0,
 ) -> object:
-    """As `utils.predict`, and shows the question as data."""
+    """Replace `utils.predict` and show the question as data."""
     from utils.predictions import Prediction
 
     prediction = Prediction(question, tuple(choices), unit, digits)
@@ -109,12 +110,12 @@ def predict(
 
 
 def compare(prediction: object, answer: float | str, why: str) -> None:
-    """As `utils.predictions.Prediction.compare`, and shows the answer as data."""
+    """Replace `utils.predictions.Prediction.compare` and show the answer as data."""
     if prediction._choices and answer not in prediction._choices:
         raise ValueError(f"{answer!r} is none of the choices: {', '.join(prediction._choices)}.")
-    said = prediction._said(answer)
-    about = {"question": prediction._question, "answer": said, "why": why}
-    _display(ANSWER, about, f"{prediction._question} Answer: {said}. {why}")
+    text = prediction._said(answer)
+    about = {"question": prediction._question, "answer": text, "why": why}
+    _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
 
 
 def _display(kind: str, about: dict, text: str) -> None:
@@ -129,18 +130,18 @@ def _describe_figures(shell: object) -> None:
     png = shell.display_formatter.formatters["image/png"]
     draw = png.lookup_by_type(Figure)
 
-    def drawn(figure: Figure) -> tuple | None:
+    def draw_with_description(figure: Figure) -> tuple | None:
         content = draw(figure)
-        if content is None:  # there is nothing in it
+        if content is None:  # the figure is empty
             return None
         data, about = content if isinstance(content, tuple) else (content, {})
         return data, {**about, "alt": described(figure)}
 
-    png.for_type(Figure, drawn)
+    png.for_type(Figure, draw_with_description)
 
 
 def described(figure: Figure) -> str:
-    """What stands in a figure in words: titles, what is drawn along which axis, the legend."""
+    """Describe a figure in words: its titles, axis labels and legends."""
     parts = [_text(figure.get_suptitle()), *map(_described_axes, figure.axes)]
     parts += [_legend(legend) for legend in figure.legends]
     parts = [part[:1].upper() + part[1:] for part in parts if part]
@@ -149,11 +150,13 @@ def described(figure: Figure) -> str:
 
 def _described_axes(axes: Axes) -> str:
     title = " ".join(filter(None, (_text(axes.get_title(loc)) for loc in TITLES)))
-    along, up = _text(axes.get_xlabel()), _text(axes.get_ylabel())
+    x_label, y_label = _text(axes.get_xlabel()), _text(axes.get_ylabel())
     if axes.get_label() == "<colorbar>":
-        return f"colours: {up or along}" if up or along else ""
-    plotted = f"{up or 'drawn'} over {along}" if along else up
-    legends = [one for one in (axes.get_legend(), *axes.artists) if hasattr(one, "get_texts")]
+        return f"colours: {y_label or x_label}" if y_label or x_label else ""
+    plotted = f"{y_label or 'drawn'} over {x_label}" if x_label else y_label
+    legends = [
+        artist for artist in (axes.get_legend(), *axes.artists) if hasattr(artist, "get_texts")
+    ]
     return "; ".join(filter(None, (title, plotted, *map(_legend, legends))))
 
 
@@ -163,6 +166,6 @@ def _legend(legend: Legend) -> str:
 
 
 def _text(words: str) -> str:
-    """Words of a figure without the signs that matplotlib reads as orders."""
+    """Remove the characters that matplotlib reads as markup from a label."""
     plain = words.replace("$", "").replace("\\", "").replace("\n", " ")
     return plain.strip().rstrip(".:")

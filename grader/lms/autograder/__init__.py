@@ -1,6 +1,6 @@
-"""An autograder for Gradescope that judges there.
+"""An autograder that judges submissions on Gradescope.
 
-`packing` makes the zip, on the instructor's machine. What runs in Gradescope's container begins in
-`__main__`: `closing` shuts others out of tests and seed, `judging` judges what was handed in, and
-`results` says it in Gradescope's format.
+`package` builds the zip on the instructor's machine. In Gradescope's container, `__main__` is the
+entry point. `isolation` restricts access to tests and seed, `jails` prepares the sandbox, `judging`
+judges the submission, and `results` writes Gradescope's format.
 """

@@ -1,7 +1,7 @@
-"""Gradescope's `run_autograder`: judge one submission, or say why nobody may.
+"""Gradescope's `run_autograder`: judge one submission, or report why that is not possible.
 
-Whatever goes wrong with us leaves no results, and Gradescope says that the autograder failed: that
-is nobody's 0. What is printed only instructors see.
+After an error on our side there are no results. Gradescope then reports that the autograder failed,
+and no student gets a 0. Only instructors can see the printed output.
 """
 
 import json
@@ -18,7 +18,7 @@ from grader.sandbox import SandboxUnavailable
 
 
 def main(root: Path) -> int:
-    """Judge what lies in ``submission``, and write ``results/results.json``."""
+    """Judge the files in ``submission``, and write ``results/results.json``."""
     results = root / "results" / "results.json"
     results.unlink(missing_ok=True)
     try:

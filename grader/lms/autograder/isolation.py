@@ -1,4 +1,4 @@
-"""Before a line of a student's runs: tests, seed and results are out of reach, or nothing runs."""
+"""Access restrictions that must be in place before student code runs in Gradescope's container."""
 
 from __future__ import annotations
 
@@ -9,62 +9,64 @@ from pathlib import Path
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 KINDS = ("bubblewrap", "chroot")
-"""Of walls, the thickest first. One container judges one student's work, and ends."""
+"""Sandboxes in order of preference, strongest first; a container judges one submission only."""
 OURS_ALONE = ("source", "submission", "submission_metadata.json", "run_autograder")
 NEVER_THEIRS = (".", "results")
 
 
 class NotClosed(Exception):
-    """Somebody else than root could come at tests, seed or results; `str()` says what to do."""
+    """Users other than root could access tests, seed or results; `str()` is the remedy."""
 
 
 def close(root: Path) -> None:
-    """Shut everybody but root out of what lies in Gradescope's folder, and look whether that holds.
+    """Restrict Gradescope's folders to root, and verify the permissions.
 
     Parameters
     ----------
     root : pathlib.Path
-        With ``source``, ``submission`` and ``results``.
+        Folder that contains ``source``, ``submission`` and ``results``.
 
     Raises
     ------
     NotClosed
+        If the process is not run by root, or if the permissions cannot be changed.
     """
     if os.geteuid() != 0:
         raise NotClosed(
             "This autograder must be run by root, as Gradescope does: else student code would be "
             "the same user as what judges it. Leave setup.sh and run_autograder as they are."
         )
-    for names, shut_off in ((OURS_ALONE, 0o077), (NEVER_THEIRS, 0o022)):
+    for names, forbidden_bits in ((OURS_ALONE, 0o077), (NEVER_THEIRS, 0o022)):
         for path in filter(os.path.lexists, (root / name for name in names)):
-            _shut(path, shut_off)
+            _restrict(path, forbidden_bits)
 
 
-def _shut(path: Path, shut_off: int) -> None:
+def _restrict(path: Path, forbidden_bits: int) -> None:
     try:
         os.chown(path, 0, 0, follow_symlinks=False)
-        path.chmod(stat.S_IMODE(path.lstat().st_mode) & ~shut_off)
+        path.chmod(stat.S_IMODE(path.lstat().st_mode) & ~forbidden_bits)
     except OSError as error:
         raise NotClosed(f"{path} cannot be closed to others: {error.strerror}.") from None
-    now = path.lstat()
-    if now.st_uid or now.st_mode & shut_off or stat.S_ISLNK(now.st_mode):
+    status = path.lstat()
+    if status.st_uid or status.st_mode & forbidden_bits or stat.S_ISLNK(status.st_mode):
         raise NotClosed(f"{path} stays open to others than root.")
 
 
 def walls_here() -> Sandbox:
-    """The thickest walls that can be built here.
+    """Return the strongest sandbox that works on this machine.
 
     Raises
     ------
     grader.sandbox.SandboxUnavailable
-        If there are none.
+        If none works.
     """
     complaints = []
     for name in KINDS:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:
-            # Trust is no way out here.
+            # The rest of the message suggests running trusted code without a sandbox, which is not
+            # allowed here.
             complaints.append(f"{name}: {str(error).split(' Student code')[0]}")
         else:
             return SANDBOXES[name]

@@ -1,6 +1,6 @@
-"""What the walls need of files in a container, made once, with the image: it is the slow part.
+"""Folders for the chroot sandbox, built once with the container image because this is slow.
 
-``setup.sh`` runs this module. Where it may not, each submission makes its own.
+``setup.sh`` runs this module. If that is not permitted, each submission builds its own folders.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from grader.lms.autograder.judging import assigned
 from grader.sandbox import chroot, jail
 
 SMALLEST: chroot.Kind = ((), ())
-"""With which it is tried whether there can be such walls."""
+"""Kind of folder with which the availability of the sandbox is tested."""
 
 
 def prepare(source: Path) -> None:
-    """Make a folder for each kind of worker of the assignment, and a list of them."""
+    """Build a folder for each kind of worker that the assignment needs, and list them in a file."""
     folder = source / "jails"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700)
     kinds = dict.fromkeys([SMALLEST, *map(_kind, assigned(source))])
-    made = [(kind, jail.build(*kind, within=folder).name) for kind in kinds]
-    (folder / "list.json").write_text(json.dumps(made), "utf-8")
+    built = [(kind, jail.build(*kind, within=folder).name) for kind in kinds]
+    (folder / "list.json").write_text(json.dumps(built), "utf-8")
 
 
 def offer(source: Path) -> None:
-    """Have those used that are there."""
+    """Make the prepared folders available to the sandbox, if there are any."""
     folder = source / "jails"
     if (folder / "list.json").exists():
         for (packages, forbidden), name in json.loads((folder / "list.json").read_text("utf-8")):

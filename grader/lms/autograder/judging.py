@@ -1,4 +1,4 @@
-"""Judge one submission in Gradescope's container, where its files lie in no order."""
+"""Judge one submission in Gradescope's container, whose files may be in any folder."""
 
 from __future__ import annotations
 
@@ -23,24 +23,25 @@ from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook
 
-WHOSE = "submission"  # Gradescope knows whose it is; the judge need not
+WHOSE = "submission"  # placeholder for the student ID, which the judge does not need
 
 
 class JudgeFailed(Exception):
-    """The fault is ours; `str()` is for whoever grades."""
+    """The judge failed through no fault of the student; `str()` is the message for instructors."""
 
 
 @dataclass(frozen=True)
 class JudgedLesson:
-    """What came of one lesson of the assignment.
+    """Result of one lesson of the assignment.
 
     Attributes
     ----------
     lesson : grader.course.lessons.Lesson
     verdict : grader.judging.verdict.Verdict or None
-        None where nothing was handed in.
+        None if the lesson was not submitted.
     notes : tuple of str
-        What was seen in the file before anything was asked: nothing of hidden tests is in it.
+        Messages about the file itself. They are created before any check runs, so they reveal
+        nothing about hidden tests.
     """
 
     lesson: Lesson
@@ -50,19 +51,19 @@ class JudgedLesson:
 
 @dataclass(frozen=True)
 class Judged:
-    """A submission, judged: its lessons in order, and a sentence on each file that is none."""
+    """A judged submission: lessons in order, and one sentence for each file not judged."""
 
     lessons: tuple[JudgedLesson, ...]
     left: tuple[str, ...]
 
 
 def lessons_of(assignment: str) -> tuple[Lesson, ...]:
-    """The lessons of a stage, or the one that is named; none where there is no such name."""
+    """Return the lessons of a stage, or the lesson of that name; empty for unknown names."""
     return tuple(lesson for lesson in all_lessons() if assignment in (lesson.stage, lesson.name))
 
 
 def assigned(source: Path) -> tuple[Lesson, ...]:
-    """The lessons of the assignment that this autograder was made for."""
+    """Return the lessons of the assignment for which this autograder was built."""
     return lessons_of((source / "assignment").read_text("utf-8").strip())
 
 
@@ -72,33 +73,34 @@ def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
     Parameters
     ----------
     handed_in : pathlib.Path
-        The folder with a student's files.
+        Folder with a student's files.
     source : pathlib.Path
-        Our own, with the assignment's name and the course.
+        Folder of the autograder, with the assignment's name and the course.
     sandbox : grader.sandbox.Sandbox
 
     Raises
     ------
     JudgeFailed
+        If the judge failed on a lesson.
     """
     lessons = assigned(source)
     seed = course_seed(Course(source / "course"))
     with tempfile.TemporaryDirectory() as folder:
         course = Course(Path(folder))
         place = course.submitted / WHOSE / lessons[0].stage
-        shutil.copytree(handed_in, place, symlinks=True, ignore=_no_files)
-        found = {
+        shutil.copytree(handed_in, place, symlinks=True, ignore=_special_files)
+        submissions = {
             submission.lesson: submission
             for submission in find_submissions(course, [lessons[0].stage])
         }
         judged = tuple(
-            _judge(course, lesson, found.get(lesson), seed, sandbox) for lesson in lessons
+            _judge(course, lesson, submissions.get(lesson), seed, sandbox) for lesson in lessons
         )
-        return Judged(judged, tuple(_left(place, lessons)))
+        return Judged(judged, tuple(_explain_unjudged(place, lessons)))
 
 
-def _no_files(folder: str, names: list[str]) -> list[str]:
-    """Pipes and devices, which are not copied. Links are, as what they are, and never followed."""
+def _special_files(folder: str, names: list[str]) -> list[str]:
+    """Return the pipes and devices, which are not copied. Links are copied but never followed."""
     kinds = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
     modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
     return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in kinds)]
@@ -110,10 +112,10 @@ def _judge(
     if submission is None:
         return JudgedLesson(lesson)
     handed_in = submission.read(course)
-    about = handed_in, lesson.name, "", seed, sandbox.name
-    verdict = judge_one(*about)
-    if verdict.starved:  # it had the machine to itself: then time was short for its own sake
-        verdict = judge_one(*about, alone=True)
+    arguments = handed_in, lesson.name, "", seed, sandbox.name
+    verdict = judge_one(*arguments)
+    if verdict.starved:  # nothing else runs here, so a second timeout is the submission's own
+        verdict = judge_one(*arguments, alone=True)
     if verdict.status != JUDGED:
         raise JudgeFailed("\n".join((f"{lesson.name}:", *verdict.faults)))
     return JudgedLesson(lesson, verdict, _notes(handed_in, lesson))
@@ -126,8 +128,8 @@ def _notes(handed_in: HandedIn, lesson: Lesson) -> tuple[str, ...]:
         return (str(error),)
 
 
-def _left(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
-    """What a student should know about files that were not judged."""
+def _explain_unjudged(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
+    """Yield sentences for the student about files that were not judged."""
     for folder, folders, names in os.walk(place):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         for name in sorted(name for name in names if not name.startswith(".")):

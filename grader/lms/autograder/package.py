@@ -1,4 +1,4 @@
-"""The zip that is uploaded: the course as it judges, its seed, and how a container is set up."""
+"""The zip to upload: the judging part of the course, its seed, and the setup of a container."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ PROGRAMS = ("setup.sh", "run_autograder")
 
 
 def packed_autograder(assignment: str, seed: int) -> bytes:
-    """The bytes of the zip; the same course, assignment and seed give the same.
+    """Build the zip; the same course, assignment and seed give the same bytes.
 
     Parameters
     ----------
     assignment : str
-        A stage or a lesson.
+        Name of a stage or lesson.
     seed : int
-        The course's secret.
+        Secret seed of the course.
     """
     needed = required_for("What a notebook needs") + required_for("Grading")
     return zipped(
@@ -39,7 +39,7 @@ def packed_autograder(assignment: str, seed: int) -> bytes:
 
 
 def write_secret(content: bytes, path: Path) -> None:
-    """Write a file that nobody else on this machine may read: the seed is in it."""
+    """Write a file that other users of this machine cannot read, because it contains the seed."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     with open(descriptor, "wb") as file:

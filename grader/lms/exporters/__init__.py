@@ -1,6 +1,6 @@
-"""What a class's marks can be written as: ``python -m grader export --format NAME``.
+"""Export formats for the marks of a class: ``python -m grader export --format NAME``.
 
-Another format is a module with a function from `Order` to `Exported`, and a line in the table.
+To add a format, write a module with a function from `Order` to `Exported`, and add it to the table.
 """
 
 from collections.abc import Callable
@@ -17,18 +17,18 @@ __all__ = ["EXPORTERS", "ExportTrouble", "Exported", "Exporter", "Order"]
 
 @dataclass(frozen=True)
 class Exporter:
-    """One format.
+    """An export format.
 
     Attributes
     ----------
     write : callable
-        From `Order` to `Exported`; raises `ExportTrouble`.
+        Takes an `Order` and returns an `Exported`; raises `ExportTrouble`.
     ending : str
-        Of the file's name.
+        End of the file's name.
     fills : str
-        What of the platform's it fills in; empty where it makes the file itself.
+        Description of the LMS file that is filled in; empty if the exporter creates a new file.
     next_step : str
-        What to do with the file.
+        Instructions for uploading the file.
     """
 
     write: Callable[[Order], Exported]

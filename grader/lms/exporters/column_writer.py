@@ -90,8 +90,8 @@ def fill(
             lost.append(f"{mark.person.called}, {write_number(points)} points: {reason}.")
         else:
             row, cell = places[place].row, write_number(points, column.decimal_mark)
-            rows[place] = _written(row, column, cell)
-            if not _same(row[column.place], points):
+            rows[place] = _with_cell(row, column, cell)
+            if not _is_unchanged(row[column.place], points):
                 replaced.append(f"{mark.person.called} {row[column.place].strip()} by {cell}")
     placed = len(rows)
     unexcused = []
@@ -103,7 +103,7 @@ def fill(
         if reason := refusal(row, 0.0):
             unexcused.append(f"{person.called}: {reason}")
             continue
-        rows[place] = _written(row, column, column.excused)
+        rows[place] = _with_cell(row, column, column.excused)
         old = row[column.place].strip()
         if old not in ("", column.excused):
             replaced.append(f"{person.called} {old} by {column.excused}")
@@ -183,11 +183,11 @@ def guess(
     )
 
 
-def _same(before: str, points: float) -> bool:
+def _is_unchanged(before: str, points: float) -> bool:
     """Return whether a cell is blank or already contains these points."""
     number = read_number(before)
     return not before.strip() or (number is not None and abs(number - points) < CLOSE)
 
 
-def _written(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
+def _with_cell(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
     return (*row[: column.place], cell, *row[column.place + 1 :])

@@ -1,4 +1,4 @@
-"""Where an exported file goes: never over a file that is another."""
+"""Writing of exported files without overwriting a different file."""
 
 from __future__ import annotations
 
@@ -12,26 +12,27 @@ from grader.lms.exporters.protocol import ExportTrouble
 def place(
     content: bytes, wish: Path | None, usual: Path, given: Path | None
 ) -> tuple[Path, Path | None]:
-    """Write a file, whole or not at all.
+    """Write a file, completely or not at all.
 
     Parameters
     ----------
     content : bytes
     wish : Path or None
-        Where it was said to go: a file, or a folder for the usual name.
+        Destination that the user named: a file, or a folder for a file of the usual name.
     usual : Path
-        Where it goes otherwise. What lies there already is put aside.
+        Default destination. A different file that exists there is renamed.
     given : Path or None
-        The file that was filled in. It stays as it is.
+        File that was filled in, which is never overwritten.
 
     Returns
     -------
     (Path, Path or None)
-        Where it is now, and where what lay there before.
+        Path of the new file, and new path of the renamed older file.
 
     Raises
     ------
     ExportTrouble
+        If the destination exists and must be kept, or if it cannot be written.
     """
     path = wish / usual.name if wish and wish.is_dir() else wish or usual
     if given and path.exists() and path.samefile(given):
@@ -43,7 +44,7 @@ def place(
         if path.exists() and path.read_bytes() != content:
             if path != usual:
                 raise ExportTrouble(f"{path} is there already. Name another file, or remove it.")
-            before = _aside(path)
+            before = _unused_path(path)
             path.rename(before)
         try:
             write_atomically(content, path)
@@ -56,8 +57,8 @@ def place(
     return path, before
 
 
-def _aside(path: Path) -> Path:
-    """A name that is free, with the time of the file in it."""
+def _unused_path(path: Path) -> Path:
+    """Return an unused name that contains the file's modification time."""
     time = datetime.fromtimestamp(path.stat().st_mtime)
     aside = path.with_name(f"{path.stem}.until-{time:%Y%m%d-%H%M%S}{path.suffix}")
     number = 2

@@ -90,7 +90,7 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
         judged.append(digest(submission.path))
         reports[submission.lesson.name] = verdict
     folders = {submission.place(course) for submission in submissions}
-    known = [digest(path) for folder in folders for path in files_of(folder)]
+    all_files = [digest(path) for folder in folders for path in files_of(folder)]
     results = [
         result
         for result in order.results.notebooks
@@ -98,7 +98,7 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
     ]
     return {
         "judged": sorted(judged),
-        "known": sorted(known),
+        "known": sorted(all_files),
         "results": {
             "score": round(mark.points, 2),
             "output": _summary(results),

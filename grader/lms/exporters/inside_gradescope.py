@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Gradescope's `run_autograder`: hand out marks that were made elsewhere.
+"""Gradescope's `run_autograder`: deliver marks that were computed elsewhere.
 
-Alone in its container, beside `marks.json`: it imports nothing of this project and runs nothing of
-a student's. It looks up whose submission this is, and whether it is the one that was judged.
+The program runs alone in its container, next to `marks.json`. It imports nothing from this project
+and runs no student code. It finds the owners of the submission, and checks that the submission is
+the one that was judged.
 """
 
 import hashlib
@@ -14,15 +15,15 @@ JUDGED_KINDS = (".ipynb", ".py")
 
 
 def main(root: Path) -> str:
-    """Write the results of one submission; returns why that cannot be, or nothing."""
+    """Write the results of one submission; return an error message, or an empty string."""
     marks = json.loads((root / "source" / "marks.json").read_text("utf-8"))
-    about = json.loads((root / "submission_metadata.json").read_text("utf-8"))
-    emails = [user["email"].strip().casefold() for user in about["users"]]
-    found = [marks[email] for email in emails if email in marks]
-    if not found:
+    metadata = json.loads((root / "submission_metadata.json").read_text("utf-8"))
+    emails = [user["email"].strip().casefold() for user in metadata["users"]]
+    matching = [marks[email] for email in emails if email in marks]
+    if not matching:
         return f"There is no mark for {', '.join(emails)} here. Grade, export and upload again."
-    here = {digest(path) for path in files_of(root / "submission")}
-    judged = [mark for mark in found if set(mark["judged"]) <= here <= set(mark["known"])]
+    digests = {digest(path) for path in files_of(root / "submission")}
+    judged = [mark for mark in matching if set(mark["judged"]) <= digests <= set(mark["known"])]
     if not judged:
         return "This submission is not the one that was judged. Grade, export and upload again."
     if any(mark["results"] != judged[0]["results"] for mark in judged):
@@ -34,7 +35,7 @@ def main(root: Path) -> str:
 
 
 def files_of(folder: Path) -> list[Path]:
-    """What could be judged in a folder: not what systems and editors leave in it."""
+    """Return the files in a folder that could be judged, without hidden and temporary files."""
     return [
         path
         for path in folder.rglob("*")
@@ -45,7 +46,7 @@ def files_of(folder: Path) -> list[Path]:
 
 
 def digest(path: Path) -> str:
-    """What a file is known by."""
+    """Return the digest by which a file is identified."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""What every format is given, and what it gives back."""
+"""Input and output of all export formats."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from grader.lms.results import ClassResults
 
 
 class ExportTrouble(Exception):
-    """Nothing can be exported so; `str()` is the sentence to show, with what to do."""
+    """The export is not possible; `str()` is the message to show, with a remedy."""
 
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be exported.
+    """An order for an export.
 
     Attributes
     ----------
     course : grader.course.paths.Course
     results : grader.lms.results.ClassResults
     assignment : str or None
-        One assignment of a learning platform: a stage or a lesson.
+        A stage or lesson that is one assignment in the LMS.
     provisional : bool
-        Whether work that waits for a person is exported with the points that it has so far.
+        Whether to export the current points of work that a person still has to grade.
     into : pathlib.Path or None
-        The file of the platform's own that is to be filled in.
+        File from the LMS that is filled in.
     column : str or None
-        Title of its column for the marks, where it cannot be guessed.
+        Title of the column for the marks, if it cannot be guessed.
     scale : bool
-        Whether points are converted where the platform gives others.
+        Whether to convert points if the LMS has a different maximum.
     """
 
     course: Course
@@ -44,17 +44,17 @@ class Order:
 
 @dataclass(frozen=True)
 class Exported:
-    """A file, and what there is to say about it.
+    """An exported file and the messages about it.
 
     Attributes
     ----------
     content : bytes
     placed : int
-        Marks that are in it.
+        Number of marks in the file.
     lost : tuple of str
-        A sentence on each mark that exists and is not in it.
+        One sentence for each existing mark that is not in the file.
     notes : tuple of str
-        What else to know, a sentence each.
+        Other messages, one sentence each.
     """
 
     content: bytes

@@ -99,7 +99,7 @@ def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
     renamed = tuple(
         f"{rows[matched[person.id]].label} for {person.called}"
         for person in people
-        if person.id in matched and not _agrees(rows[matched[person.id]].name, person)
+        if person.id in matched and not _name_may_match(rows[matched[person.id]].name, person)
     )
     by_name = [rows[place].label for place in by_name]
     return Joined(matched, strangers, doubts, tuple(by_name), renamed)
@@ -122,7 +122,7 @@ def _passes(
             id
             for attribute, text in rows[place].claims[rank]
             for id in owners.get((attribute, folded(text)), ())
-            if rank == 0 or _agrees(rows[place].name, roster.person(id))
+            if rank == 0 or _name_may_match(rows[place].name, roster.person(id))
         }
     yield lambda place: {
         person.id
@@ -138,7 +138,7 @@ def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
             yield person
 
 
-def _agrees(name: str, person: Person) -> bool:
+def _name_may_match(name: str, person: Person) -> bool:
     """Return whether a name may belong to a person; a person without a stored name matches any."""
     return not name or person.name == person.id or bool(Roster((person,)).like(name))
 

@@ -1,4 +1,4 @@
-"""A file of the learning platform: read as it is, given back in the same manner of writing."""
+"""Files downloaded from an LMS: read as they are, and written back in the same format."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
 
 @dataclass(frozen=True)
 class MarksTableFile:
-    """A table, and how its file writes it.
+    """A table and the format of its file.
 
     Attributes
     ----------
     name : str
-        Of the file.
+        Name of the file.
     head : tuple of str
     rows : tuple of tuple of str
-        Each as long as the head.
+        Each row is as long as the head.
     separator, line_end : str
     marked : bool
         Whether the file begins with a byte order mark.
@@ -40,19 +40,19 @@ class MarksTableFile:
     marked: bool
 
     def decimal_mark(self, columns: Iterable[int]) -> str:
-        """What stands before the digits of a fraction, as numbers in some columns have it.
+        """Return the decimal mark used by the numbers in some columns.
 
-        Where no number has such digits it is a point, which every site understands.
+        It is a point if no number has a fraction, because every site understands a point.
         """
         for column in columns:
             for row in self.rows:
-                found = FRACTION.fullmatch(row[column].strip())
-                if found:
-                    return found[1]
+                match = FRACTION.fullmatch(row[column].strip())
+                if match:
+                    return match[1]
         return "."
 
     def text(self, columns: Sequence[int], rows: Iterable[Sequence[str]]) -> str:
-        """The file with some of the columns, and with these rows."""
+        """Format the file with the given columns and rows only."""
         file = io.StringIO()
         table = csv.writer(file, delimiter=self.separator, lineterminator=self.line_end)
         for row in (self.head, *rows):
@@ -61,11 +61,12 @@ class MarksTableFile:
 
 
 def read_worksheet(path: Path) -> MarksTableFile:
-    """Read a file that was downloaded from a learning platform.
+    """Read a file that was downloaded from an LMS.
 
     Raises
     ------
     ExportTrouble
+        If the file cannot be read as a table of students.
     """
     try:
         content = path.read_bytes()
@@ -101,7 +102,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
 
 
 def read_number(text: str) -> float | None:
-    """A number of a platform, by the last mark in it, as Canvas reads it; None if it is none."""
+    """Parse a number, reading its last mark as the decimal mark like Canvas; None for text."""
     text = text.strip()
     if not NUMBER.fullmatch(text):
         return None
