@@ -239,7 +239,7 @@ def run_judge(options: argparse.Namespace) -> int:
 def run_grade(options: argparse.Namespace) -> int:
     """Run ``grade [STAGE ...]``."""
     from grader.classroom.executors import processors
-    from grader.classroom.folders import UnknownStudent, who_is_meant
+    from grader.classroom.folders import UnknownStudent, find_student
     from grader.course.deadlines import read_deadlines
     from grader.course.seed import course_seed
 
@@ -250,7 +250,7 @@ def run_grade(options: argparse.Namespace) -> int:
     course = Course()
     read_deadlines(course)  # reports a faulty file before hours of judging
     try:
-        student = who_is_meant(course, options.student) if options.student else None
+        student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
@@ -387,14 +387,14 @@ def run_autograder(options: argparse.Namespace) -> int:
 
 def run_feedback(options: argparse.Namespace) -> int:
     """Run ``feedback [STAGE ...]``."""
-    from grader.classroom.folders import UnknownStudent, who_is_meant
+    from grader.classroom.folders import UnknownStudent, find_student
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
 
     if not are_stages(options.stages):
         return WRONG_CALL
     course = Course()
     try:
-        students = [who_is_meant(course, text) for text in options.student]
+        students = [find_student(course, text) for text in options.student]
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
@@ -643,7 +643,7 @@ def _print_all(
     course: Course, judged: Judged, results: ClassResults, left: Sequence[tuple[Path, str]]
 ) -> None:
     """Print the results of the class, with everything that needs attention."""
-    from grader.classroom.folders import spelt_otherwise
+    from grader.classroom.folders import respelt_folders
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
     from grader.lms.instructor_notes import notes
@@ -651,7 +651,7 @@ def _print_all(
     roster = read_roster(course)
     console.print_class(judged, results)
     console.print_unaccounted(left)
-    taken = spelt_otherwise(course, roster) if roster else ()
+    taken = respelt_folders(course, roster) if roster else ()
     console.print_notes([*taken, *notes(course, results, read_deadlines(course))])
 
 

@@ -24,8 +24,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from grader.classroom.pool import Pool  # noqa: E402
 from grader.course.kept_answers import answers_to, fill_in  # noqa: E402
 from grader.course.lessons import all_lessons  # noqa: E402
-from grader.intake.submission import HandedIn  # noqa: E402
-from grader.judging.judge import judge_handed_in  # noqa: E402
+from grader.intake.submission import SubmittedFiles  # noqa: E402
+from grader.judging.judge import judge_files  # noqa: E402
 from grader.sandbox import Limits, choose_sandbox  # noqa: E402
 
 SEED = 20_170_405
@@ -53,8 +53,8 @@ def tell(lesson_name: str, exercise: str, number: int) -> dict:
         for other in lesson.machine_graded
     } | {exercise: answers_to(exercise)[number].source}
     notebook = fill_in(lesson, chosen)
-    handed_in = HandedIn(f"{lesson.name}.ipynb", notebook.encode())
-    verdict = judge_handed_in(handed_in, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
+    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
+    verdict = judge_files(handed_in, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
     del verdict["seconds"]
     return {"verdict": verdict, "check": told_in_notebook(lesson, exercise, notebook)}
 

@@ -29,12 +29,12 @@ import numpy as np
 
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, lesson_of, load_reference
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
 from grader.judging.program_run import Setting, ask
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of
-from grader.judging.runner import hidden_questions, run_tests, shown_questions
+from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from grader.sandbox import choose_sandbox
 from tests.answer_equality import alike, anything
 from tests.course_lessons import COURSE
@@ -144,7 +144,7 @@ def answer_in(lesson, exercise, name, content, own=()):
 
     A function for planes may need those through three points as arrays, which it defines so.
     """
-    cells = HandedIn(f"{lesson.name}.ipynb", content).notebook().code
+    cells = SubmittedFiles(f"{lesson.name}.ipynb", content).notebook().code
     statements, _ = slicing.parse_notebook(cells)
     others = frozenset(lesson.names) - {exercise}
     needed = slicing.slice_for((exercise,), statements)
@@ -256,18 +256,18 @@ class Asker:
         outcomes = self.run(self.right[exercise], SEED)
         assert not any(outcome.failure for outcome in outcomes)
         checks = [outcome.check for outcome in outcomes]
-        self.hidden = hidden_questions(self.lesson, self.student, SEED, checks)
+        self.hidden = hidden_calls(self.lesson, self.student, SEED, checks)
         self.cost, self.lost = Counter(), Counter()
 
     def run(self, function, seed):
         """How the checks of the exercise end."""
         student = student_with(self.lesson, {**self.right, self.exercise: function})
         mine = self.exercise
-        return run_tests(self.lesson, student, seed, lambda check: check.exercise == mine)
+        return run_checks(self.lesson, student, seed, lambda check: check.exercise == mine)
 
     def questions(self):
         """Those that students see, and those that they do not see."""
-        return [*shown_questions(self.student, checks_of(self.exercise)), *self.hidden]
+        return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
     def questions_to(self, function):
         """The same, asked of a function."""

@@ -13,7 +13,7 @@ import pytest
 
 from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import find_lesson, load_reference
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from tests.course_lessons import COURSE
 from tests.students import student_with
 from utils.checks.lesson_12.match_boxes import cubes
@@ -410,7 +410,7 @@ PARTLY = {
 def earned(lesson, answers, seed):
     """Share of its points that each of some answers earns, one answer for each exercise."""
     shares = {}
-    outcomes = run_tests(lesson, student_with(lesson, answers), seed)
+    outcomes = run_checks(lesson, student_with(lesson, answers), seed)
     for exercise in answers:
         mine = [outcome for outcome in outcomes if outcome.check.exercise == exercise]
         whole = sum(outcome.check.weight for outcome in mine)
@@ -485,7 +485,7 @@ def lost(variant_of, name, lesson_name):
     student = SimpleNamespace(**answers, exercise="", close=lambda: None)
     return [
         outcome.check.name
-        for outcome in run_tests(lesson, student, SEED)
+        for outcome in run_checks(lesson, student, SEED)
         if outcome.failure and outcome.check.exercise == variant_of
     ]
 

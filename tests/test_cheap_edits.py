@@ -12,9 +12,9 @@ import pytest
 
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import lesson_of
-from grader.intake.submission import HandedIn
-from grader.judging.judge import judge_handed_in
-from grader.judging.runner import hidden_questions, run_tests, shown_questions
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
+from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from tests import test_cheap_answers
 from tests.students import student_with, walled
 from utils.checks import checks_of
@@ -91,17 +91,17 @@ def mended_by_one_edit(exercise, function):
         lesson, {one.name: test_cheap_answers.nothing for one in lesson.machine_graded}
     )
     setattr(student, exercise, walled(function))
-    outcomes = run_tests(
+    outcomes = run_checks(
         lesson, student, test_cheap_answers.SEED, lambda check: check.exercise == exercise
     )
     failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
     for text, changed in edited(function):
         setattr(student, exercise, walled(changed))
-        shown = shown_questions(student, failed)
+        shown = visible_calls(student, failed)
         if not all(map(holds, shown)):
             continue
-        hidden = hidden or hidden_questions(lesson, student, test_cheap_answers.SEED, failed)
+        hidden = hidden or hidden_calls(lesson, student, test_cheap_answers.SEED, failed)
         if all(map(holds, hidden)):
             found.append(text)
     return found
@@ -161,9 +161,9 @@ def test_what_an_exercise_is_about_is_no_slip(sandbox):
     """In horizontal distances the height has no place: to forget that is to do another task."""
     lesson = lesson_of("horizontal_distance")
     answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"
-    handed_in = HandedIn(
+    handed_in = SubmittedFiles(
         f"{lesson.name}.ipynb", fill_in(lesson, {"horizontal_distance": answer}).encode()
     )
-    result = judge_handed_in(handed_in, 5, sandbox, lesson).exercises[0]
+    result = judge_files(handed_in, 5, sandbox, lesson).exercises[0]
     assert result.slip is None
     assert result.score <= result.max_score / 10

@@ -14,8 +14,8 @@ from scipy.sparse import coo_array
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
-from grader.judging.messages import message_of, told
-from grader.judging.runner import run_tests
+from grader.judging.messages import message_of, shareable
+from grader.judging.runner import run_checks
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.assertions import (
     as_array,
@@ -432,7 +432,7 @@ def test_no_two_checks_of_an_exercise_have_one_title(lesson):
         titles.append((one_check.exercise, one_check.title.casefold().rstrip(".")))
         return False
 
-    run_tests(lesson, SimpleNamespace(), 3, noted_and_not_asked)
+    run_checks(lesson, SimpleNamespace(), 3, noted_and_not_asked)
     assert len(titles) > 10 * len(lesson.machine_graded)
     assert [title for title in {*titles} if titles.count(title) > 1] == []
 
@@ -511,7 +511,7 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     faults = {
         test.check.name: f"{type(test.failure).__name__}: {test.failure}"
-        for test in run_tests(lesson, student, 3)
+        for test in run_checks(lesson, student, 3)
         if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
@@ -582,7 +582,7 @@ def test_of_answers_far_too_large_a_few_are_looked_at():
         close=lambda: None,
     )
     lesson = next(one for one in all_lessons() if one.number == "09")
-    outcomes = run_tests(lesson, student, 1)
+    outcomes = run_checks(lesson, student, 1)
     not_tried = [outcome for outcome in outcomes if "Not tried: 5 answers" in str(outcome.failure)]
     assert len(calls) == 5 and len(not_tried) == len(outcomes) - 5 > 5
 
@@ -661,11 +661,11 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         functions["KdTree"] = huge_answers("search", WEIRD[name])
         functions["KdTree"].plant = lambda self, *table: None
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
-    for outcome in run_tests(lesson, student, 3):
+    for outcome in run_checks(lesson, student, 3):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome
             assert SECRET not in outcome.failure.message
-            assert SECRET not in message_of(told(outcome, open_to_all=True)).text
+            assert SECRET not in message_of(shareable(outcome, open_to_all=True)).text
 
 
 # ---- exercises of one class ----------------------------------------------------------------------

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from grader.classroom.folders import spelt_otherwise, strangers
+from grader.classroom.folders import respelt_folders, unmatched_folders
 from grader.classroom.submissions import find_submissions
 from grader.course.roster import read_roster
 from grader.lms import gradebook
@@ -111,8 +111,8 @@ def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
     assert marks(course)["yan", "test_voxel_grid"][0] == 12.5
     assert folder not in students(course)
     roster = read_roster(course)
-    assert strangers(course, roster) == {}
-    assert list(spelt_otherwise(course, roster)) == [
+    assert unmatched_folders(course, roster) == {}
+    assert list(respelt_folders(course, roster)) == [
         f"{folder!r} in submitted/ is taken for yan (Yan Yip)."
     ]
 
@@ -140,7 +140,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     }
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the last that was handed in
-    (sentence,) = spelt_otherwise(course, read_roster(course))
+    (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")
     before = inode(course, "yan")
     enter(course, verdicts(course, earned), [STAGE], quiet)
@@ -163,19 +163,19 @@ def test_of_one_lesson_in_two_folders_the_newest_counts_and_the_other_is_named(c
 
 def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course):
     hand_in(course, "Yip, Yan", GROUND)
-    (sentence,) = strangers(course, read_roster(course)).values()
+    (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
     assert f"If it is of yan (Yan Yip): {command}; else add a line for 'Yip, Yan' to" in sentence
     hand_in(course, "yan", GROUND, " ")
     hand_in(course, "yan", DISTANCE)
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
-    (sentence,) = strangers(course, read_roster(course)).values()
+    (sentence,) = unmatched_folders(course, read_roster(course)).values()
     commands = sentence.partition("Yip): ")[2].partition("; else")[0]
     assert all(shlex.split(part)[:2] == ["mv", "-n"] for part in commands.split(" && "))
     before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
     subprocess.run(commands, shell=True, check=True, cwd=course.root)
     assert {path.read_bytes() for path in course.submitted.rglob("*.ipynb")} == before
-    assert strangers(course, read_roster(course)) == {}
+    assert unmatched_folders(course, read_roster(course)) == {}
     found = {
         submission.lesson: submission
         for submission in find_submissions(course)
@@ -187,7 +187,7 @@ def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course
 def test_where_it_may_be_of_two_both_are_named(course):
     (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
     hand_in(course, "yanyip", GROUND)
-    (sentence,) = strangers(course, read_roster(course)).values()
+    (sentence,) = unmatched_folders(course, read_roster(course)).values()
     assert (
         "It may be of yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right" in sentence
     )

@@ -25,7 +25,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.judging import judge as judging
 from grader.judging import program_run
-from grader.judging.runner import JudgeFault, run_tests
+from grader.judging.runner import JudgeFault, run_checks
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, usage
 from grader.sandbox.failures import StudentStopped
@@ -136,8 +136,8 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    right = program_run.run_tests
-    monkeypatch.setattr(program_run, "run_tests", broken)
+    right = program_run.run_checks
+    monkeypatch.setattr(program_run, "run_checks", broken)
     rehearsed(course, LESSON, SEED)
     verdicts = graded(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
@@ -145,7 +145,7 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
     assert "faults" not in verdicts["ada"].as_dict()  # for whoever grades, not for students
     # The next run tries again.
-    monkeypatch.setattr(program_run, "run_tests", right)
+    monkeypatch.setattr(program_run, "run_checks", right)
     assert {one.score for one in graded(course, sandbox).values()} == {30}
 
 
@@ -153,7 +153,7 @@ def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
     def broken(lesson):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    monkeypatch.setattr(program_run, "tests_of_nothing", broken)
+    monkeypatch.setattr(program_run, "outcomes_of_untouched", broken)
     verdict = judging.judge(LESSON.released, SEED, None)
     assert verdict.status == FAILED and verdict.faults == ("pytest ran 3 of 9 tests",)
     assert judging.UNFAIR in verdict.problems
@@ -162,7 +162,7 @@ def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
 @pytest.mark.slow
 def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
-    right = program_run.run_tests
+    right = program_run.run_checks
 
     def spoiled(*question):
         outcomes = right(*question)
@@ -171,7 +171,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
-    monkeypatch.setattr(program_run, "run_tests", spoiled)
+    monkeypatch.setattr(program_run, "run_checks", spoiled)
     verdict = graded(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
@@ -181,7 +181,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
 def shake_once(monkeypatch):
     """Let some tests end, the first time, as no answer makes them end; what was asked each time."""
-    right, asked = program_run.run_tests, []
+    right, asked = program_run.run_checks, []
 
     def shaken(*question):
         outcomes = right(*question)
@@ -193,7 +193,7 @@ def shake_once(monkeypatch):
             for one in outcomes
         ]
 
-    monkeypatch.setattr(program_run, "run_tests", shaken)
+    monkeypatch.setattr(program_run, "run_checks", shaken)
     return asked
 
 
@@ -421,7 +421,7 @@ def test_a_time_limit_is_believed_of_who_had_the_machine_to_itself(course, monke
         asked.append(about)
         return Verdict(LESSON.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "", starved=True)
 
-    monkeypatch.setattr(grade, "judge_handed_in", starving)
+    monkeypatch.setattr(grade, "judge_files", starving)
     (submission, *_) = find_submissions(course)
     verdict = grade.judge_one("a file", LESSON.name, "ada", SEED, "process", alone)
     assert verdict.starved != alone
@@ -526,7 +526,7 @@ def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandb
 @pytest.mark.slow
 def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
     asked = []
-    right = grade.judge_handed_in
+    right = grade.judge_files
 
     def starving(handed_in, seed, sandbox, lesson, student):
         asked.append(student)
@@ -534,7 +534,7 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
         starved = student == "poison" and asked.count("poison") == 1
         return type(verdict)(**{**verdict.__dict__, "starved": starved})
 
-    monkeypatch.setattr(grade, "judge_handed_in", starving)
+    monkeypatch.setattr(grade, "judge_files", starving)
     verdicts = graded(course, sandbox)
     assert asked == ["ada", "poison", "zoe", "poison"]
     assert not verdicts["poison"].starved and verdicts["poison"].score == 30
@@ -929,5 +929,5 @@ def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
         raise NotImplementedError
 
     student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
-    visible = [outcome.check.is_shown for outcome in run_tests(lesson, student, SEED)]
+    visible = [outcome.check.is_shown for outcome in run_checks(lesson, student, SEED)]
     assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

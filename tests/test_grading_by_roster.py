@@ -8,7 +8,7 @@ import pytest
 from grader import cli, commands
 from grader.classroom import doctor
 from grader.classroom import grade as grading
-from grader.classroom.folders import UnknownStudent, who_is_meant
+from grader.classroom.folders import UnknownStudent, find_student
 from grader.classroom.submissions import Submission, find_submissions
 from grader.console import print_class, progress_bar
 from grader.course import paths
@@ -165,7 +165,7 @@ def test_one_student_is_graded_alone_and_told_how_the_marks_came_to_be(course, c
     ("text", "student"), [("ada", "ada"), ("Bell, Bob", "bob"), ("ADA ", "ada"), ("ghost", "ghost")]
 )
 def test_whoever_is_named_is_found(course, text, student):
-    assert who_is_meant(course, text) == student
+    assert find_student(course, text) == student
 
 
 def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
@@ -175,10 +175,10 @@ def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
     with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.: name the id"):
-        who_is_meant(course, "Ada Ash")
+        find_student(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
     with pytest.raises(UnknownStudent, match="^'nobody' has no folder in submitted/"):
-        who_is_meant(course, "nobody")
+        find_student(course, "nobody")
 
 
 @pytest.mark.end_to_end

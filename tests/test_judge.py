@@ -18,12 +18,12 @@ from grader.course.paths import PROJECT
 from grader.course.standalone import standalone
 from grader.intake import preflight
 from grader.intake.notebook import read_notebook
-from grader.intake.submission import read_handed_in
+from grader.intake.submission import read_submitted_files
 from grader.judging import judge as judging
 from grader.judging import repair
 from grader.judging.judge import UnknownLesson, judge, program_for
 from grader.judging.key import verdict_key
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import StudentProxy
@@ -121,7 +121,7 @@ def faults_of(lesson, student):
     return [
         (seed, outcome.check.name, str(outcome.failure))
         for seed in (22, 333, 4444, 55555)
-        for outcome in run_tests(lesson, student, seed, is_hidden)
+        for outcome in run_checks(lesson, student, seed, is_hidden)
         if outcome.failure
     ]
 
@@ -408,11 +408,11 @@ def test_key_depends_on_seed_and_content(tmp_path):
     lesson = find_lesson("06_filter_ground")
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(lesson.released.read_bytes())
-    key = verdict_key(read_handed_in(path), lesson, 1)
-    assert verdict_key(read_handed_in(path), lesson, 1) == key
-    assert verdict_key(read_handed_in(path), lesson, 2) != key
+    key = verdict_key(read_submitted_files(path), lesson, 1)
+    assert verdict_key(read_submitted_files(path), lesson, 1) == key
+    assert verdict_key(read_submitted_files(path), lesson, 2) != key
     path.write_bytes(path.read_bytes() + b" ")
-    assert verdict_key(read_handed_in(path), lesson, 1) != key
+    assert verdict_key(read_submitted_files(path), lesson, 1) != key
 
 
 def command(*arguments):

@@ -203,7 +203,7 @@ def test_what_never_answers_costs_its_own_drive_only(line, words, sandbox):
 
 
 def test_a_notebook_that_nobody_can_read_says_no_word_of_its_own():
-    handed_in = drives.HandedIn("<b>mine</b>.ipynb", b"{", "")
+    handed_in = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
     driven = drives.drive_one(handed_in, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
 

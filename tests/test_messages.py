@@ -7,11 +7,11 @@ import pytest
 from grader.course.paths import PROJECT
 from grader.judging.messages import (
     Message,
-    failure_of,
     in_common,
     message_of,
     messages_of,
-    told,
+    shareable,
+    shareable_failure,
     without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
@@ -40,12 +40,15 @@ UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.
 
 def words(check, failure, open_to_all=True):
     """What is told about a failure, line by line."""
-    return message_of(told(Outcome(check, failure), open_to_all)).text.split("\n")
+    return message_of(shareable(Outcome(check, failure), open_to_all)).text.split("\n")
 
 
 def test_of_what_holds_nothing_is_told():
     outcome = Outcome(SHOWN, None)
-    assert told(outcome, True) is outcome and told(Outcome(HIDDEN, None), False).failure is None
+    assert (
+        shareable(outcome, True) is outcome
+        and shareable(Outcome(HIDDEN, None), False).failure is None
+    )
     assert messages_of(resolve([outcome])) == {}
 
 
@@ -102,15 +105,15 @@ def test_where_there_is_more_to_see_is_said_once(failure, says):
 
 
 def test_the_kind_of_a_failure_is_told_and_its_own_hint():
-    form = failure_of(Outcome(HIDDEN, WrongForm("shape (3, 4)", hint="Return rows.")), False)
+    form = shareable_failure(Outcome(HIDDEN, WrongForm("shape (3, 4)", hint="Return rows.")), False)
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
-    plain = failure_of(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
+    plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
     # How much it was is told to nobody but the judge.
-    assert type(failure_of(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
+    assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
-    assert failure_of(Outcome(HIDDEN, waits), False) is waits
-    assert failure_of(Outcome(SHOWN, WRONG), True).yours is None
+    assert shareable_failure(Outcome(HIDDEN, waits), False) is waits
+    assert shareable_failure(Outcome(SHOWN, WRONG), True).yours is None
 
 
 def raised(kind="ValueError", message="a secret 17", **more):
@@ -119,14 +122,14 @@ def raised(kind="ValueError", message="a secret 17", **more):
 
 
 def test_of_an_exception_is_told_what_stands_in_the_notebook_anyway():
-    shown = failure_of(Outcome(SHOWN, raised()), True)
+    shown = shareable_failure(Outcome(SHOWN, raised()), True)
     assert isinstance(shown, Raised)
     assert shown.message == "f raised ValueError (code cell 3, line 2: `x = y[0]`)."
     assert (shown.kind, shown.place) == ("ValueError", "code cell 3, line 2")
-    hidden = failure_of(Outcome(HIDDEN, raised()), False)
+    hidden = shareable_failure(Outcome(HIDDEN, raised()), False)
     assert hidden.message == "f raised ValueError (code cell 3, line 2)."
     assert (hidden.kind, hidden.place) == ("ValueError", "code cell 3, line 2")
-    own = failure_of(Outcome(HIDDEN, raised("Secret17", is_one_of_few=False)), False)
+    own = shareable_failure(Outcome(HIDDEN, raised("Secret17", is_one_of_few=False)), False)
     assert own.message == "f raised another exception."
     assert (own.kind, own.place) == ("another exception", None)
 
@@ -222,7 +225,7 @@ def test_where_no_place_is_known_none_is_told():
 @pytest.mark.parametrize("visible", [True, False])
 def test_a_known_exception_is_explained(visible):
     error = raised("IndexError", "boolean index did not match indexed array along axis 0")
-    failure = failure_of(Outcome(SHOWN, error), visible)
+    failure = shareable_failure(Outcome(SHOWN, error), visible)
     assert failure.tip and "17" not in failure.tip
 
 
@@ -233,7 +236,7 @@ def test_a_known_exception_is_explained(visible):
 def test_a_stub_is_no_mistake(inside, says, visible):
     # As it comes through a pipe: another object than the text in our program.
     error = raised("".join(("NotImplemented", "Error")), inside=inside)
-    failure = failure_of(Outcome(HIDDEN, error), visible)
+    failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert isinstance(failure, NotStarted) and failure.message.startswith(says)
 
 
@@ -247,7 +250,7 @@ def test_a_stub_is_no_mistake(inside, says, visible):
     ],
 )
 def test_how_else_a_check_may_end(error, kind, says, visible):
-    failure = failure_of(Outcome(HIDDEN, error), visible)
+    failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert type(failure) is kind and says in failure.message and "17" not in failure.message
 
 
@@ -290,7 +293,7 @@ def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
 def test_a_call_that_takes_too_long_is_known_as_such():
     for out_of_time in (False, True):
         error = StudentStopped("f did not come back.", "slow", out_of_time)
-        assert failure_of(Outcome(HIDDEN, error), False).out_of_time is out_of_time
+        assert shareable_failure(Outcome(HIDDEN, error), False).out_of_time is out_of_time
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from utils.notebooks.my_functions import load_my_functions
 
 STORY = """\
@@ -312,7 +312,7 @@ def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
 
 @pytest.mark.slow
 def test_exercises_of_solved_lessons_work(lesson):
-    outcomes = run_tests(lesson, load_my_functions(lesson.solved), 1)
+    outcomes = run_checks(lesson, load_my_functions(lesson.solved), 1)
     assert [
         (outcome.check.name, str(outcome.failure)) for outcome in outcomes if outcome.failure
     ] == []

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    recorded_answers.listen(notebook, lesson, tmp_path / "answers.json")
+    recorded_answers.add_recorder(notebook, lesson, tmp_path / "answers.json")
     run(notebook, lesson.released.parent)
     assert errors_of(notebook) == []
     assert written(notebook, "stderr") == ""

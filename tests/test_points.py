@@ -9,8 +9,8 @@ from hypothesis import strategies as some
 
 from grader.classroom.item_analysis import hardest_checks
 from grader.course.kept_answers import answers_to, fill_in
-from grader.intake.submission import HandedIn
-from grader.judging.judge import judge_handed_in
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
 from grader.judging.points import points_of, shares, total
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from utils.checks import Check
@@ -72,8 +72,8 @@ def test_a_verdict_adds_up(lesson, sandbox):
         kept = answers_to(exercise.name)
         if number % 3 != 2:
             answers[exercise.name] = next(one.source for one in kept if one.right == bool(number))
-    handed_in = HandedIn(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())
-    verdict = judge_handed_in(handed_in, 11, sandbox, lesson)
+    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())
+    verdict = judge_files(handed_in, 11, sandbox, lesson)
     published = json.loads(json.dumps(verdict.as_dict()))
     for exercise in published["exercises"]:
         names = [test["name"] for test in exercise["tests"]]

@@ -13,9 +13,15 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.intake import preflight
-from grader.intake.preflight import Prepared, ToJudge, WrittenAnswer, prepare, prepare_to_show
-from grader.intake.submission import HandedIn
-from grader.judging.judge import judge_handed_in
+from grader.intake.preflight import (
+    JudgeInput,
+    PreparedNotebook,
+    WrittenAnswer,
+    prepare,
+    prepare_to_show,
+)
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
 from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
 from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
@@ -235,7 +241,7 @@ EARNS_EVERYTHING = {
 @pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
 def test_what_a_file_goes_through_costs_nothing(change, says):
     """The code is all there, the copy is whole and valid, and what was mended is said."""
-    prepared = prepare(HandedIn("06_filter_ground.ipynb", changed(change)), LESSON)
+    prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed(change)), LESSON)
     answers = answers_in(LESSON, prepared.code)
     cloud = np.array([[0.0, 0, -2, 1], [1, 1, 1, 1], [1.01, 1, 1, 0]])
     assert len(answers["filter_ground"](cloud)) == 2
@@ -263,8 +269,8 @@ SOME = ("cut off after the answers", "answers in text cells", "a format of old",
 @pytest.mark.parametrize("name", SOME)
 def test_and_the_judge_agrees(name, sandbox):
     change, says = EARNS_EVERYTHING[name]
-    verdict = judge_handed_in(
-        HandedIn("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
+    verdict = judge_files(
+        SubmittedFiles("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
     )
     assert verdict.score == 30
     assert says in " ".join(verdict.problems)
@@ -283,7 +289,7 @@ def test_and_the_judge_agrees(name, sandbox):
     ],
 )
 def test_what_cannot_be_read_is_shown_as_released(change, says):
-    handed_in = HandedIn("06_filter_ground.ipynb", changed(change))
+    handed_in = SubmittedFiles("06_filter_ground.ipynb", changed(change))
     with pytest.raises(UnreadableNotebook, match=says):
         prepare(handed_in, LESSON)
     made = build_copy(prepare_to_show(handed_in, LESSON))
@@ -304,7 +310,7 @@ def test_what_cannot_be_read_is_shown_as_released(change, says):
 )
 def test_nothing_of_this_lesson_is_never_silently_nothing(notebook, says, sandbox):
     data = json.dumps(notebook()).encode()
-    verdict = judge_handed_in(HandedIn("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
+    verdict = judge_files(SubmittedFiles("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
     assert verdict.score == 0
     assert says in " ".join(verdict.problems)
 
@@ -312,12 +318,12 @@ def test_nothing_of_this_lesson_is_never_silently_nothing(notebook, says, sandbo
 def test_two_versions_are_told_to_who_loses_points(sandbox):
     notebook = whole()
     notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3"))
-    handed_in = HandedIn("06_filter_ground.ipynb", json.dumps(notebook).encode())
-    verdict = judge_handed_in(handed_in, 1, sandbox, LESSON)
+    handed_in = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(handed_in, 1, sandbox, LESSON)
     assert verdict.score == 30 and verdict.problems == ()
     notebook["cells"].append(code("def voxel_grid(cloud, size): return 3"))
-    handed_in = HandedIn("06_filter_ground.ipynb", json.dumps(notebook).encode())
-    verdict = judge_handed_in(handed_in, 1, sandbox, LESSON)
+    handed_in = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(handed_in, 1, sandbox, LESSON)
     assert verdict.score == 10
     said = r"voxel_grid is written 3 times, in code cells 1, \d+ and \d+\. The last one counts"
     assert re.search(said, " ".join(verdict.problems))
@@ -328,7 +334,7 @@ def test_a_module_beside_is_said_to_be_used():
     notebook = whole()
     notebook["cells"].insert(0, code("from helpers import mask"))
     modules = {"helpers": "mask = 1", "other": ""}
-    handed_in = HandedIn("x.ipynb", json.dumps(notebook).encode(), modules=modules)
+    handed_in = SubmittedFiles("x.ipynb", json.dumps(notebook).encode(), modules=modules)
     assert (
         "helpers.py, handed in beside the notebook, was used." in prepare(handed_in, LESSON).notes
     )
@@ -337,7 +343,7 @@ def test_a_module_beside_is_said_to_be_used():
 def test_two_answers_one_of_them_cut_off():
     data = json.dumps(whole())
     begin = data.index("def voxel_grid") + 20
-    prepared = prepare(HandedIn("06_filter_ground.ipynb", data[:begin].encode()), LESSON)
+    prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", data[:begin].encode()), LESSON)
     assert "filter_ground" in prepared.graded and "voxel_grid" not in prepared.graded
     assert "cut off" in prepared.notes[0]
 
@@ -350,7 +356,9 @@ def prepared_of(*cells, lesson=LESSON, modules=None, name="", lesson_name=""):
     notebook = {"cells": list(cells), "nbformat": 4, "nbformat_minor": 5}
     notebook["metadata"] = {"lidar_obstacle_lab": {"lesson": lesson_name}} if lesson_name else {}
     data = json.dumps(notebook).encode()
-    return prepare(HandedIn(name or f"{lesson.name}.ipynb", data, modules=modules or {}), lesson)
+    return prepare(
+        SubmittedFiles(name or f"{lesson.name}.ipynb", data, modules=modules or {}), lesson
+    )
 
 
 def marked(made, grade_id):
@@ -364,7 +372,7 @@ VOXELS = "def voxel_grid(cloud):\n    return {}"
 
 
 def test_what_is_prepared_stays_as_it_is():
-    for kind in (WrittenAnswer, Prepared, ToJudge):
+    for kind in (WrittenAnswer, PreparedNotebook, JudgeInput):
         assert kind.__dataclass_params__.frozen
     assert WrittenAnswer("a").certain
     assert preflight.given_cells(LESSON) is preflight.given_cells(LESSON)  # read once
@@ -662,7 +670,7 @@ def test_a_written_answer_is_carried_over(change):
     notebook = with_report()
     change(notebook)
     data = json.dumps(notebook).encode()
-    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    made = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
     nbformat.validate(made)
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
     assert cell.cell_type == "markdown"
@@ -676,7 +684,7 @@ def test_text_that_may_be_the_answer_is_left_to_a_person():
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     notebook["cells"] = [*cells, text(REPORT)]
     data = json.dumps(notebook).encode()
-    prepared = prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN)
+    prepared = prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN)
     assert "Somebody will look for it" in " ".join(prepared.notes)
     made = build_copy(prepared)
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
@@ -812,7 +820,7 @@ def test_pictures_stay_and_nothing_else_does():
         },
     )
     data = json.dumps(notebook).encode()
-    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    made = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
     assert cell.attachments == {"a.png": {"image/png": picture}}
 
@@ -824,7 +832,7 @@ def test_a_picture_that_is_not_there_stops_no_page():
     picture = {"b c.png": {"image/png": base64.b64encode(b"png").decode()}}
     notebook["cells"].append({**text(text_with), "attachments": picture})
     data = json.dumps(notebook).encode()
-    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    made = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
     page, _ = HTMLExporter().from_notebook_node(made)
     assert "gone.png" in page
 
@@ -833,7 +841,7 @@ def test_what_a_student_changed_in_our_cells_is_shown_beside_them():
     notebook = whole()
     cell_of(notebook, "test_voxel_grid")["source"] = "voxel_grid = print"
     data = json.dumps(notebook).encode()
-    made = build_copy(prepare(HandedIn("06_filter_ground.ipynb", data), LESSON))
+    made = build_copy(prepare(SubmittedFiles("06_filter_ground.ipynb", data), LESSON))
     sources = [cell.source for cell in made.cells if "nbgrader" not in cell.metadata]
     assert "voxel_grid = print" in sources
 
@@ -843,7 +851,7 @@ def test_a_copy_of_a_copy_is_the_same():
     notebook["cells"].append(text("<b>x</b> [a](javascript:b) $\\href{x}{y}$"))
     notebook["cells"].append({"cell_type": "raw", "metadata": {}, "source": "```\n<script>"})
     data = json.dumps(notebook).encode()
-    once = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
-    again = HandedIn("12_streaming_obstacles.ipynb", nbformat.writes(once).encode())
+    once = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
+    again = SubmittedFiles("12_streaming_obstacles.ipynb", nbformat.writes(once).encode())
     for one, other in zip(build_copy(prepare(again, WRITTEN)).cells, once.cells, strict=True):
         assert one == other

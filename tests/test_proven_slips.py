@@ -13,9 +13,9 @@ from grader.course import rules
 from grader.course.lessons import find_lesson, lesson_of, load_reference
 from grader.intake.preflight import given_cells
 from grader.judging import mistake_diagnosis, repair, results
-from grader.judging.error_carried_forward import Followed
-from grader.judging.program_run import Asked, Setting
-from grader.judging.runner import run_tests
+from grader.judging.error_carried_forward import CarriedForward
+from grader.judging.program_run import RunResults, Setting
+from grader.judging.runner import run_checks
 from grader.judging.verdict import Slip
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -66,17 +66,21 @@ def tried(monkeypatch):
 
 
 def test_what_lost_something_is_tried_with_what_it_lost(tried):
-    asked = Asked((*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None)))
+    asked = RunResults(
+        (*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None))
+    )
     assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {}
     assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
 
 
 def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
-    asked = Asked(outcomes_of("ransac_line", NO, NO, NO))
-    better = {"ransac_line": Followed(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
+    asked = RunResults(outcomes_of("ransac_line", NO, NO, NO))
+    better = {"ransac_line": CarriedForward(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
     repair.slips_in(SETTING, HANDED_IN, asked, better)
     assert tried == [(MENDED, "ransac_line", ["ransac_line 1"])]
-    right = {"ransac_line": Followed(outcomes_of("ransac_line", None, None, None), "", MENDED)}
+    right = {
+        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", MENDED)
+    }
     repair.slips_in(SETTING, HANDED_IN, asked, right)
     assert len(tried) == 1
 
@@ -84,10 +88,10 @@ def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
 @pytest.mark.parametrize("name", ["NotImplementedError", "ImportError", "ModuleNotFoundError"])
 def test_neither_a_stub_is_tried_nor_what_is_not_allowed(tried, name):
     stub = StudentError("line_through", name)
-    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", None, stub, NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", None, stub, NO)), {})
     assert tried == []
     wrong = StudentError("line_through", "KeyError")
-    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", wrong, NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, NO)), {})
     assert len(tried) == 1
 
 
@@ -96,7 +100,7 @@ def slip(*about, **more):
 
 
 def test_the_task_itself_is_not_tried(tried):
-    asked = Asked(
+    asked = RunResults(
         (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO)),
         mistakes={"line_through": slip(is_the_task=True), "ransac_line": slip()},
     )
@@ -108,14 +112,14 @@ def test_a_cheap_mistake_is_a_slip_by_an_edit_and_not_by_its_name(tried, monkeyp
     monkeypatch.setattr(repair, "explains", lambda *about: True)
     named, cheap = slip(), slip(is_cheap=True)
     outcomes = (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO))
-    asked = Asked(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
+    asked = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
     assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"ransac_line": named}
     assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
 
 
 def test_a_course_may_do_without(tried, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
-    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", NO)), {})
     assert tried == []
 
 
@@ -129,21 +133,21 @@ def test_what_no_edit_mends_a_named_mistake_may_explain(tried, monkeypatch):
     monkeypatch.setattr(repair, "explains", explains)
     named, other = slip(), slip()
     outcomes = (*outcomes_of("line_through", NO, None, NO), *outcomes_of("ransac_line", NO))
-    asked = Asked(outcomes, mistakes={"line_through": named, "ransac_line": other})
+    asked = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
     assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": named}
     assert asked_for == [
         (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
         (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
     ]
     # What was answered with a wrong helper explains nothing about answers with a right one.
-    better = {"line_through": Followed(outcomes_of("line_through", NO), "", MENDED)}
+    better = {"line_through": CarriedForward(outcomes_of("line_through", NO), "", MENDED)}
     assert repair.slips_in(SETTING, HANDED_IN, asked, better) == {}
 
 
 def test_an_edit_goes_before_a_named_mistake(monkeypatch):
     found = repair.Repair(1, 2, "a", "b")
     monkeypatch.setattr(repair, "repair_of", lambda *about: found)
-    asked = Asked(outcomes_of("line_through", NO), mistakes={"line_through": slip()})
+    asked = RunResults(outcomes_of("line_through", NO), mistakes={"line_through": slip()})
     assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": found}
     assert repair.Repair.__dataclass_params__.frozen
 
@@ -232,8 +236,8 @@ def passing(monkeypatch):
         meanwhile=lambda: None,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
-        monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
-        monkeypatch.setattr(repair, "hidden_questions", student.hidden)
+        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.questions(shown))
+        monkeypatch.setattr(repair, "hidden_calls", student.hidden)
         # Half of the time goes by out here.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
@@ -405,7 +409,7 @@ def test_what_one_edit_lost_is_not_the_next_ones(passing):
 
 
 def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
-    asked = Asked(outcomes_of("line_through", NO))
+    asked = RunResults(outcomes_of("line_through", NO))
     budget = Budget(Limits())
     setting = Setting(LINE, 1, None, None, budget)
     repair.slips_in(setting, HANDED_IN, asked, {})
@@ -474,7 +478,7 @@ def judged_as(monkeypatch):
     return judged_as
 
 
-RIGHT, WRONG = (Asked(outcomes_of("line_through", None, failure)) for failure in (None, NO))
+RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failure in (None, NO))
 
 
 def test_the_edit_that_loses_nothing_is_the_one(judged_as):
@@ -490,7 +494,7 @@ def test_the_edit_that_loses_nothing_is_the_one(judged_as):
 
 
 def test_what_could_not_be_asked_proves_nothing(judged_as):
-    found, _ = judged_as(Asked((), fault="pytest ran 0 of 9 tests"), *[WRONG] * 3)
+    found, _ = judged_as(RunResults((), fault="pytest ran 0 of 9 tests"), *[WRONG] * 3)
     assert found is None
 
 
@@ -520,7 +524,7 @@ def explains(monkeypatch):
     """Whether a mistake explains what a function answers; the right answer is the number."""
 
     def explains(function, mistaken, lost, played=True, same=operator.eq):
-        def run_tests(lesson, student, seed, wanted):
+        def run_checks(lesson, student, seed, wanted):
             assert (lesson, seed, student.helper, student.plane) == (LINE, 1, print, len)
             assert [check for check in OTHERS if wanted(check)] == []
             assert [check for check in CHECKS if wanted(check)] == CHECKS
@@ -540,7 +544,7 @@ def explains(monkeypatch):
 
         student = Answering(function)
         monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
-        monkeypatch.setattr(mistake_diagnosis, "run_tests", run_tests)
+        monkeypatch.setattr(mistake_diagnosis, "run_checks", run_checks)
         monkeypatch.setattr(mistake_diagnosis, "player_of", player_of)
         monkeypatch.setattr(mistake_diagnosis, "_solution", lambda *about: "the solution")
         checks = frozenset(CHECKS[number] for number in lost)
@@ -618,7 +622,7 @@ def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
         player = player_of(exercise, mistake, right[exercise])
         begin = time.process_time()
         student = student_with(lesson, {**right, exercise: player.plays})
-        run_tests(lesson, student, 1, lambda check: check.exercise == exercise)
+        run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
         assert time.process_time() - begin < 20, mistake.says  # of which all had taken 45 and more
 
 
@@ -648,7 +652,7 @@ def test_a_slip_never_takes(earned):
 def test_a_verdict_says_that_one_thing_alone_is_wrong(proven, kept):
     """It keeps three of five points, and every check was lost for the same reason."""
     exercise = next(one for one in LINE.machine_graded if one.name == "line_through")
-    asked = Asked(outcomes_of("line_through", None, None, NO, CheckFailed("nor here")))
+    asked = RunResults(outcomes_of("line_through", None, None, NO, CheckFailed("nor here")))
     result = results.result_of(exercise, asked, None, proven)
     assert (result.score, result.slip) == (3.0, kept)
     same = "For the same reason as “a title”."

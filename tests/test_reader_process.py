@@ -75,7 +75,7 @@ def soon(monkeypatch):
 )
 def test_too_much_is_said_in_a_sentence(work, says, soon):
     with pytest.raises(reader_process.TooCostly) as caught:
-        reader_process.apart("file.ipynb", work)
+        reader_process.run_in_child("file.ipynb", work)
     assert f"Reading file.ipynb takes {says}" in str(caught.value)
     assert "hand it in again" in str(caught.value)
 
@@ -84,29 +84,29 @@ def test_too_much_is_said_in_a_sentence(work, says, soon):
 def test_who_gives_no_answer_is_waited_for_so_long(work, soon):
     soon()
     with pytest.raises(reader_process.ReadingFailed, match="no answer within 0.5 seconds"):
-        reader_process.apart("file.ipynb", work)
+        reader_process.run_in_child("file.ipynb", work)
 
 
 def test_a_fault_of_ours_is_no_fault_of_the_file():
     with pytest.raises(reader_process.ReadingFailed, match="RuntimeError: a fault of ours"):
-        reader_process.apart("file.ipynb", fail)
+        reader_process.run_in_child("file.ipynb", fail)
 
 
 def test_what_cannot_be_read_is_said_as_the_reader_said_it():
     with pytest.raises(UnreadableNotebook) as caught:
-        reader_process.apart("file.ipynb", refuse)
+        reader_process.run_in_child("file.ipynb", refuse)
     assert type(caught.value) is UnreadableNotebook
     assert str(caught.value) == "file.ipynb is empty."
 
 
 def test_words_arrive_as_they_are():
     for text in ("\udcff", "\U0001f697", "\0", "\u2028", "a" * 10**6):
-        assert reader_process.apart("file.ipynb", lambda text=text: text) == text
+        assert reader_process.run_in_child("file.ipynb", lambda text=text: text) == text
 
 
 def test_where_no_process_can_be_forked_the_same_comes_back(monkeypatch):
     monkeypatch.delattr(os, "fork")
-    assert reader_process.apart("file.ipynb", lambda: (1, "a")) == [1, "a"]
+    assert reader_process.run_in_child("file.ipynb", lambda: (1, "a")) == [1, "a"]
 
 
 def test_nothing_is_left_behind(soon):
@@ -117,7 +117,7 @@ def test_nothing_is_left_behind(soon):
     before, others = open_files(), children()
     for work in (wait, end_its_process, answer_at_length):
         with pytest.raises((reader_process.TooCostly, reader_process.ReadingFailed)):
-            reader_process.apart("file.ipynb", work)
+            reader_process.run_in_child("file.ipynb", work)
     assert open_files() == before
     assert children() <= others
 
@@ -126,12 +126,16 @@ def test_nobodys_files_are_held_open():
     """Whoever waits for the end of what judges does not wait for what it began."""
     pipes = [os.pipe() for _ in range(2)]
     os.close(pipes[0][0])  # so that its own have a lower number than another
-    held = reader_process.apart("file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")])
+    held = reader_process.run_in_child(
+        "file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")]
+    )
     for number in (pipes[0][1], *pipes[1]):
         os.close(number)
         assert number not in held
     assert len(held) <= 5
-    reader_process.apart("file.ipynb", lambda: [os.fstat(number).st_ino for number in (0, 1, 2)])
+    reader_process.run_in_child(
+        "file.ipynb", lambda: [os.fstat(number).st_ino for number in (0, 1, 2)]
+    )
 
 
 def test_what_works_apart_ends_as_it_is_told_to(monkeypatch):
@@ -139,7 +143,7 @@ def test_what_works_apart_ends_as_it_is_told_to(monkeypatch):
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:
         names = (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU)
-        asked = reader_process.apart(
+        asked = reader_process.run_in_child(
             "file.ipynb", lambda: [int(signal.getsignal(name)) for name in names]
         )
     finally:
@@ -251,7 +255,7 @@ def test_an_answer_has_until_then(monkeypatch):
     monkeypatch.setattr(reader_process, "_read", read)
     monkeypatch.setattr(reader_process, "PATIENCE", 60)
     monkeypatch.setattr(reader_process.time, "monotonic", lambda: 1000.5)
-    assert reader_process.apart("file.ipynb", wait) == 7
+    assert reader_process.run_in_child("file.ipynb", wait) == 7
     assert asked == [1060.5]
 
 
@@ -259,4 +263,4 @@ def test_an_answer_has_until_then(monkeypatch):
 def test_what_is_no_answer_is_none(reply, monkeypatch):
     monkeypatch.setattr(reader_process, "_read", lambda pipe, until: reply)
     with pytest.raises(reader_process.ReadingFailed, match="gave no answer"):
-        reader_process.apart("file.ipynb", wait)
+        reader_process.run_in_child("file.ipynb", wait)

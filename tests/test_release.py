@@ -232,7 +232,9 @@ def test_where_nothing_says_when_a_stage_is_due_it_may_be_open():
 @pytest.fixture
 def ran(tmp_path, monkeypatch):
     """No solution is run, and no page made. The course lies in a folder of its own."""
-    monkeypatch.setattr(runs, "shown", lambda lesson, kept, before: lesson.solved.read_bytes())
+    monkeypatch.setattr(
+        runs, "executed_notebook", lambda lesson, kept, before: lesson.solved.read_bytes()
+    )
     monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: b"page")
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     return tmp_path
@@ -321,20 +323,20 @@ def tiny(tmp_path, monkeypatch, source):
 def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
     lesson = tiny(tmp_path, monkeypatch, marked)
-    first = solutions.shown(lesson, tmp_path / "kept", "")
+    first = solutions.executed_notebook(lesson, tmp_path / "kept", "")
     _, cell = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
     monkeypatch.setattr(solutions, "_run", lambda lesson, before: b"run again")
-    assert solutions.shown(lesson, tmp_path / "kept", "") == first
+    assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == first
     monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"2"})
-    assert solutions.shown(lesson, tmp_path / "kept", "") == b"run again"
+    assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == b"run again"
     assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
 
 
 def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
     lesson = tiny(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
-        solutions.shown(lesson, tmp_path / "kept", "")
+        solutions.executed_notebook(lesson, tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 
@@ -351,7 +353,7 @@ def test_a_solution_that_hangs_or_dies_is_named(tmp_path, monkeypatch, error, sa
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
     with pytest.raises(standalone.NotReleased, match=says):
-        solutions.shown(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
+        solutions.executed_notebook(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 

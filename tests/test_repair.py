@@ -6,9 +6,9 @@ import pytest
 
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging import repair, results
-from grader.judging.judge import judge_handed_in
+from grader.judging.judge import judge_files
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.lms.autograded import score_output
 from grader.sandbox import Limits
@@ -65,8 +65,8 @@ def judged(sandbox, lesson=LINE, limits=None, **answers):
     """The results of a notebook of right answers but for some."""
     right = {exercise.name: solution_of(exercise.name) for exercise in lesson.machine_graded}
     text = fill_in(lesson, right | {name: text.strip() for name, text in answers.items()})
-    handed_in = HandedIn(f"{lesson.name}.ipynb", text.encode())
-    verdict = judge_handed_in(handed_in, SEED, sandbox, lesson, limits=limits)
+    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", text.encode())
+    verdict = judge_files(handed_in, SEED, sandbox, lesson, limits=limits)
     return verdict, {exercise.name: exercise for exercise in verdict.exercises}
 
 
@@ -173,7 +173,7 @@ def test_nothing_is_looked_for_in_a_stub(sandbox, monkeypatch):
     asked = []
     monkeypatch.setattr(repair, "repair_of", lambda *about: asked.append(about[2]))
     text = LINE.released.read_bytes()
-    judge_handed_in(HandedIn(f"{LINE.name}.ipynb", text), SEED, sandbox, LINE)
+    judge_files(SubmittedFiles(f"{LINE.name}.ipynb", text), SEED, sandbox, LINE)
     assert asked == []
 
 

@@ -15,7 +15,7 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Kind, Slip, Verdict
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
@@ -296,7 +296,7 @@ def test_damage_and_time_outs_are_seen(tmp_path):
 
 
 def test_the_same_file_is_named_and_what_was_given_out_is_not(tmp_path):
-    given = HandedIn(SEVEN.released.name, SEVEN.released.read_bytes()).fingerprint()
+    given = SubmittedFiles(SEVEN.released.name, SEVEN.released.read_bytes()).fingerprint()
     verdicts = [
         *(verdict(name, [check(True)], fingerprint="one and the same") for name in ("ada", "bo")),
         *(verdict(name, [check(True)], lesson=SEVEN, fingerprint=given) for name in ("ada", "bo")),

@@ -15,9 +15,9 @@ from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.intake.preflight import prepare
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging import error_carried_forward
-from grader.judging.program_run import Asked, Setting
+from grader.judging.program_run import RunResults, Setting
 from grader.judging.verdict import (
     JUDGED,
     Verdict,
@@ -52,7 +52,7 @@ def outcomes_of(exercise, *held):
 
 
 def follow(monkeypatch, uses, outcomes, again):
-    """What comes of `follow_through`; and the programs that were asked a second time."""
+    """What comes of `carry_forward`; and the programs that were asked a second time."""
     programs = []
 
     program = Program(("pass",), LINE.names)
@@ -60,11 +60,11 @@ def follow(monkeypatch, uses, outcomes, again):
     def ask(setting, code, wanted):
         programs.extend([code] * (code != program))
         ended = outcomes if code == program else again
-        return Asked(tuple(outcome for outcome in ended if wanted(outcome.check)))
+        return RunResults(tuple(outcome for outcome in ended if wanted(outcome.check)))
 
     monkeypatch.setattr(error_carried_forward, "ask", ask)
-    asked = Asked(tuple(outcomes), uses=uses)
-    better, _ = error_carried_forward.follow_through(Setting(LINE, 1, None), program, asked)
+    asked = RunResults(tuple(outcomes), uses=uses)
+    better, _ = error_carried_forward.carry_forward(Setting(LINE, 1, None), program, asked)
     return better, programs
 
 
@@ -97,7 +97,7 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
 
 
 def test_who_was_followed_stays_so():
-    assert error_carried_forward.Followed.__dataclass_params__.frozen
+    assert error_carried_forward.CarriedForward.__dataclass_params__.frozen
 
 
 STOP = StudentStopped("it did not answer")
@@ -150,12 +150,12 @@ def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
 
         def ask(setting, code, wanted, again=again, asked=asked):
             asked.append(code)
-            return Asked(tuple(outcomes_of("ransac_line", *again)))
+            return RunResults(tuple(outcomes_of("ransac_line", *again)))
 
         monkeypatch.setattr(error_carried_forward, "ask", ask)
         program = Program(("pass",), LINE.names)
-        better, _ = error_carried_forward.follow_through(
-            Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
+        better, _ = error_carried_forward.carry_forward(
+            Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
         )
         assert asked == [program], "with nothing put right"
         found = better.get("ransac_line")
@@ -166,9 +166,9 @@ def test_what_held_by_chance_is_taken_back(monkeypatch):
     program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]
     tries = iter([outcomes_of("ransac_line", False, True), outcomes_of("ransac_line", True, True)])
-    monkeypatch.setattr(error_carried_forward, "ask", lambda *about: Asked(tuple(next(tries))))
-    better, _ = error_carried_forward.follow_through(
-        Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
+    monkeypatch.setattr(error_carried_forward, "ask", lambda *about: RunResults(tuple(next(tries))))
+    better, _ = error_carried_forward.carry_forward(
+        Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
     )
     assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
     assert "Does it answer by chance?" in better["ransac_line"].sentence
@@ -178,12 +178,12 @@ def test_what_held_by_chance_is_taken_back(monkeypatch):
 @pytest.mark.parametrize("starved", [False, True])
 def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved):
     uses = {"ransac_line": ("line_through",)}
-    ended = dataclasses.replace(Asked(tuple(ALL_HOLD)), fault=fault, starved=starved)
-    asked, own = Asked(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
+    ended = dataclasses.replace(RunResults(tuple(ALL_HOLD)), fault=fault, starved=starved)
+    asked, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
     monkeypatch.setattr(
         error_carried_forward, "ask", lambda setting, code, wanted: asked if code == own else ended
     )
-    better, late = error_carried_forward.follow_through(Setting(LINE, 1, None), own, asked)
+    better, late = error_carried_forward.carry_forward(Setting(LINE, 1, None), own, asked)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
@@ -199,15 +199,17 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     def ask(setting, program, wanted):
         about.append({one.check.exercise for one in hold if wanted(one.check)})
         if program == own:
-            return Asked(tuple(one for one in lost if wanted(one.check)))
+            return RunResults(tuple(one for one in lost if wanted(one.check)))
         programs.append(program)
-        again = Asked(tuple(one for one in hold if wanted(one.check)), starved=len(programs) == 1)
+        again = RunResults(
+            tuple(one for one in hold if wanted(one.check)), starved=len(programs) == 1
+        )
         return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
 
     monkeypatch.setattr(error_carried_forward, "ask", ask)
     uses = {name: tuple(names) for name in names[1:]}
-    better, late = error_carried_forward.follow_through(
-        Setting(plane, 1, None), own, Asked(tuple(lost), uses=uses)
+    better, late = error_carried_forward.carry_forward(
+        Setting(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
@@ -309,7 +311,7 @@ def notebook(*cells):
 
 def prepared(lesson, *cells):
     text = json.dumps(notebook(*cells))
-    return prepare(HandedIn(f"{lesson.name}.ipynb", text.encode()), lesson)
+    return prepare(SubmittedFiles(f"{lesson.name}.ipynb", text.encode()), lesson)
 
 
 def test_of_several_cells_that_define_an_exercise_the_last_is_graded():

@@ -12,7 +12,7 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.judging import program_run, runner
-from grader.judging.runner import JudgeFault, JudgeTimeout, run_tests
+from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
 from utils.checks import Check, CheckFailed
@@ -95,7 +95,7 @@ def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
         shown("holds", "g", lambda function: function("shown")),
         shown("fails", "f", lambda function: 1 / 0),
     ]
-    outcomes = run_tests(made(TWO, checks), student, SEED)
+    outcomes = run_checks(made(TWO, checks), student, SEED)
     assert [outcome.check.name for outcome in outcomes] == [
         "fails",
         "holds",
@@ -118,7 +118,7 @@ def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
         return scandir(path)
 
     monkeypatch.setattr(os, "scandir", noted)
-    assert len(run_tests(lesson, Nobody(), SEED)) == 2
+    assert len(run_checks(lesson, Nobody(), SEED)) == 2
     above = {str(folder) for folder in lesson.tests.parent.parents}
     assert above.intersection(listed) == set()
 
@@ -126,22 +126,22 @@ def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
 def test_what_is_not_asked_for_is_left_out(made):
     student = Nobody()
     checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
-    outcomes = run_tests(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
+    outcomes = run_checks(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
     assert [outcome.check.name for outcome in outcomes] == ["one", "test_first"]
     assert [exercise for exercise, *_ in student.asked] == ["f", "f"]
-    assert run_tests(made(TWO), student, SEED, lambda check: False) == []
+    assert run_checks(made(TWO), student, SEED, lambda check: False) == []
 
 
 def test_where_one_failure_decides_the_rest_is_not_asked(made):
     """One call of a slow answer may take seconds, and there are many."""
     student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
     checks = [shown("holds", "g", lambda function: function("shown"))]
-    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    outcomes = run_checks(made(hidden, checks), student, SEED, to_the_end=False)
     assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
     assert student.asked == [("g", "g", "shown"), ("g", "g", "second")]
     checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
     student.asked.clear()
-    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    outcomes = run_checks(made(hidden, checks), student, SEED, to_the_end=False)
     assert [outcome.check.name for outcome in outcomes if not outcome.failure] == []
     assert student.asked == []
 
@@ -152,17 +152,17 @@ def test_some_checks_are_questions_that_can_be_asked_again(made):
         shown("holds", "g", lambda function: function("shown")),
         *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
     ]
-    (hidden,) = runner.hidden_questions(lesson, student, SEED, checks)
+    (hidden,) = runner.hidden_calls(lesson, student, SEED, checks)
     assert student.asked == []  # they are kept, and not asked
     for _ in range(2):
         with pytest.raises(CheckFailed):
             hidden()
     assert [asked for _, *asked in student.asked] == [["f", "first"]] * 2
-    (question,) = runner.shown_questions(student, checks)
+    (question,) = runner.visible_calls(student, checks)
     question()
     assert student.asked[-1][1:] == ("g", "shown")
-    assert runner.hidden_questions(None, student, SEED, checks[:1]) == ()  # nothing is collected
-    assert runner.shown_questions(student, checks[1:]) == ()
+    assert runner.hidden_calls(None, student, SEED, checks[:1]) == ()  # nothing is collected
+    assert runner.visible_calls(student, checks[1:]) == ()
 
 
 @pytest.mark.parametrize(
@@ -176,7 +176,7 @@ def test_some_checks_are_questions_that_can_be_asked_again(made):
 def test_a_file_of_tests_that_cannot_be_asked_is_our_fault(made, hidden, says):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
-        run_tests(made(hidden), Nobody(), SEED)
+        run_checks(made(hidden), Nobody(), SEED)
     assert says in str(fault.value) and "Run it by hand" in str(fault.value)
     assert dict(os.environ) == before
 
@@ -186,14 +186,14 @@ def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
     failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
     three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
     with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in 06_made_here/hidden_tests.py"):
-        run_tests(made(three), Nobody(), SEED)
+        run_checks(made(three), Nobody(), SEED)
 
 
 def test_a_file_of_tests_that_is_not_there_is_our_fault(made):
     lesson = made()
     lesson.tests.unlink()
     with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
-        run_tests(lesson, Nobody(), SEED)
+        run_checks(lesson, Nobody(), SEED)
 
 
 def test_a_test_that_cannot_be_set_up_has_failed_and_so_has_one_that_is_skipped(made):
@@ -206,7 +206,7 @@ def test_one(student, what_nobody_made):
 def test_other(student):
     pytest.skip("not today")
 """
-    outcomes = run_tests(made(hidden), Nobody(), SEED)
+    outcomes = run_checks(made(hidden), Nobody(), SEED)
     assert [outcome.check.name for outcome in outcomes if outcome.failure] == [
         "test_one",
         "test_other",
@@ -228,13 +228,13 @@ def test_a_sandbox_that_is_lost_is_said_to_be(made, where):
         checks = [shown("one", "f", lambda function: function())]
         lesson = made('@hidden("g", **about)\ndef test_nothing(student): pass', checks)
     with pytest.raises(SandboxUnavailable, match="it is gone"):
-        run_tests(lesson, Lost(), SEED)
+        run_checks(lesson, Lost(), SEED)
 
 
 def test_who_presses_stop_is_heard(made):
     hidden = TWO.replace('student.g("second")', "raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
-        run_tests(made(hidden), Nobody(), SEED)
+        run_checks(made(hidden), Nobody(), SEED)
 
 
 # ---- time and size -------------------------------------------------------------------------------
@@ -244,7 +244,7 @@ def test_comparing_ends_in_time_and_the_clock_is_left_as_it_was(made, monkeypatc
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
     hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # seconds
     student, before = Nobody(), signal.getsignal(signal.SIGPROF)
-    outcomes = run_tests(made(hidden), student, SEED)
+    outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
     assert student.closed == 1  # it may have been in the middle of a sentence
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
@@ -254,7 +254,7 @@ def test_comparing_ends_in_time_and_the_clock_is_left_as_it_was(made, monkeypatc
 def test_waiting_for_a_student_is_no_work_of_the_judge(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
     hidden = TWO.replace('student.g("second")', "time.sleep(0.4)")
-    assert "test_second" not in failures(run_tests(made(hidden), Nobody(), SEED))
+    assert "test_second" not in failures(run_checks(made(hidden), Nobody(), SEED))
 
 
 def test_a_test_has_seconds_and_not_less():
@@ -264,7 +264,7 @@ def test_a_test_has_seconds_and_not_less():
 def test_in_another_thread_it_is_asked_without_a_clock(made):
     found = []
     lesson = made(TWO)
-    thread = threading.Thread(target=lambda: found.extend(run_tests(lesson, Nobody(), SEED)))
+    thread = threading.Thread(target=lambda: found.extend(run_checks(lesson, Nobody(), SEED)))
     thread.start()
     thread.join()
     assert failures(found) == {"test_first": CheckFailed}
@@ -284,7 +284,7 @@ def test_after_five_answers_that_are_far_too_large_an_exercise_is_not_tried_any_
         *(shown(f"g{number}", "g", much) for number in range(4)),
     ]
     student = Nobody()
-    found = failures(run_tests(made(TWO, checks), student, SEED))
+    found = failures(run_checks(made(TWO, checks), student, SEED))
     tried = [name for name, failure in found.items() if failure is FarTooMuch]
     assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
@@ -299,7 +299,7 @@ def test_and_says_how_many_there_were(made):
         raise FarTooMuch("a million boxes")
 
     checks = [shown(f"f{number}", "f", much) for number in range(6)]
-    *_, last = run_tests(made(TWO, checks), Nobody(), SEED, lambda check: check.is_shown)
+    *_, last = run_checks(made(TWO, checks), Nobody(), SEED, lambda check: check.is_shown)
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
@@ -313,9 +313,9 @@ def test_seed(student, seed):
     student.f(seed)
 """
     student, lesson = Nobody(), made(hidden)
-    run_tests(lesson, student, SEED)
-    run_tests(lesson, student, SEED + 1)
-    run_tests(lesson, student, SEED)
+    run_checks(lesson, student, SEED)
+    run_checks(lesson, student, SEED + 1)
+    run_checks(lesson, student, SEED)
     seeds = [seed for *_, seed in student.asked]
     digest = hashlib.sha256(f"{SEED} test_06_made_here.py".encode()).hexdigest()
     assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
@@ -332,7 +332,7 @@ def test_no_setting_and_no_file_beside_has_a_say(made, monkeypatch):
     before = dict(os.environ)
     lesson = made(TWO)
     (lesson.tests.parent / "conftest.py").write_text("raise SystemError('read')")
-    assert len(run_tests(lesson, Nobody(), SEED)) == 2
+    assert len(run_checks(lesson, Nobody(), SEED)) == 2
     assert dict(os.environ) == before
     assert "PYTEST_DISABLE_PLUGIN_AUTOLOAD" not in os.environ
 
@@ -367,7 +367,7 @@ def asked_once(monkeypatch):
 
         somebody = Somebody(problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise="")
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: somebody)
-        monkeypatch.setattr(program_run, "run_tests", run)
+        monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", look)
         return program_run.ask(program_run.Setting(FILTER, SEED, None), None, **how)
 
@@ -398,7 +398,7 @@ def test_each_wrong_exercise_is_explained_once(asked_once):
 def test_what_is_said_about_an_exercise_is_found_by_its_name():
     """Which is one text in the notebook, and another in a test."""
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
-    asked = program_run.Asked(tuple(outcomes))
+    asked = program_run.RunResults(tuple(outcomes))
     assert asked.about("".join(("voxel", "_grid"))) == outcomes
     assert not asked.starved and asked.fault == ""
 

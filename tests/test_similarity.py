@@ -12,8 +12,8 @@ from grader.classroom.similarity import comparison
 from grader.classroom.similarity.answers import (
     answers_in,
     kept_answers,
+    read_work,
     taught_answers,
-    work_in,
 )
 from grader.classroom.similarity.comparison import compare
 from grader.classroom.similarity.page import percent, write_similarity
@@ -21,7 +21,7 @@ from grader.classroom.similarity.stage import compare_stage
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import lesson_of
 from grader.course.paths import PROJECT, Course
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 
 ALL = tuple(sorted(path.stem for path in (PROJECT / "grader" / "variants").glob("*.py")))
 
@@ -451,7 +451,7 @@ def test_what_breaks_readers_costs_its_author_only(kind, course):
 def test_what_is_too_long_is_said():
     for kind in ("long", "one long line"):
         text = fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]})
-        work = work_in(HandedIn("08_bounding_boxes.ipynb", text.encode()), LESSON)
+        work = read_work(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
         assert work.problems == ("get_bounding_boxes is too long to be compared.",)
 
 
@@ -461,7 +461,7 @@ def test_code_is_read_and_never_run(tmp_path):
         "cloud, cluster_labels", f"cloud, cluster_labels=open({str(trap)!r}, 'w')", 1
     )
     text = fill_in(LESSON, {"get_bounding_boxes": source})
-    work = work_in(HandedIn("08_bounding_boxes.ipynb", text.encode()), LESSON)
+    work = read_work(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
     assert work.answers["get_bounding_boxes"].steps
     assert not trap.exists()
 
@@ -481,8 +481,8 @@ def test_a_function_in_a_module_beside_the_notebook_counts():
         LESSON, {"get_bounding_boxes": "from mine import boxes\nget_bounding_boxes = boxes"}
     )
     module = "import numpy as np\n" + ORIGINAL.replace("get_bounding_boxes", "boxes")
-    handed_in = HandedIn("08_bounding_boxes.ipynb", text.encode(), modules={"mine": module})
-    assert len(work_in(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
+    handed_in = SubmittedFiles("08_bounding_boxes.ipynb", text.encode(), modules={"mine": module})
+    assert len(read_work(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
 
 
 def test_every_kept_answer_is_read():

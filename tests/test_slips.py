@@ -7,7 +7,7 @@ import textwrap
 import pytest
 
 from grader.course.lessons import lesson_of, load_reference
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from tests.course_lessons import COURSE
 from tests.students import student_with
 
@@ -46,7 +46,7 @@ def with_slip(exercise, slip):
 def share_of(exercise, slip):
     """Share of the exercise's weight that the checks leave, and the names of those that fail."""
     lesson, answers = with_slip(exercise, slip)
-    outcomes = run_tests(
+    outcomes = run_checks(
         lesson, student_with(lesson, answers), SEED, lambda check: check.exercise == exercise
     )
     whole = sum(outcome.check.weight for outcome in outcomes)

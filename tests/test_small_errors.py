@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import lesson_of, load_reference
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from tests.students import student_with
 
 CENTIMETRE = 0.01
@@ -82,7 +82,7 @@ def test_what_is_off_by_a_little_is_wrong(exercise, seed):
 
     answers = {one.name: getattr(reference, one.name) for one in lesson.machine_graded}
     student = student_with(lesson, answers | {exercise: nearly})
-    outcomes = run_tests(lesson, student, seed, lambda check: check.exercise == exercise)
+    outcomes = run_checks(lesson, student, seed, lambda check: check.exercise == exercise)
     for shown in (True, False):
         mine = [outcome for outcome in outcomes if outcome.check.is_shown == shown]
         held = [outcome.check for outcome in mine if outcome.failure is None]

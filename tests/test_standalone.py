@@ -19,8 +19,8 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare
-from grader.intake.submission import HandedIn
-from grader.judging.judge import judge_handed_in
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
 from grader.lms.autograded import build_copy, graded_cells
 from tests.test_requirements import imports
 
@@ -140,8 +140,8 @@ def test_handed_in_it_is_judged_like_any_other(sandbox):
     for cell in notebook["cells"]:
         if cell["metadata"].get("nbgrader", {}).get("solution"):
             cell["source"] = solved[cell["id"]]
-    handed_in = HandedIn("my work.ipynb", json.dumps(notebook).encode())
-    verdict = judge_handed_in(handed_in, 1, sandbox)
+    handed_in = SubmittedFiles("my work.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(handed_in, 1, sandbox)
     assert (verdict.lesson, verdict.score, verdict.problems) == (LESSON.name, 30, ())
     copy = build_copy(prepare(handed_in, LESSON))
     assert len(graded_cells(copy)) == 4
@@ -164,7 +164,7 @@ def test_what_is_judged_is_shown_whatever_cell_it_looks_like(hidden):
     notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
     cell = {"cell_type": "code", "metadata": {}, "source": source, "outputs": []}
     notebook["cells"].append(cell | {"execution_count": None})
-    prepared = prepare(HandedIn("my work.ipynb", json.dumps(notebook).encode()), LESSON)
+    prepared = prepare(SubmittedFiles("my work.ipynb", json.dumps(notebook).encode()), LESSON)
     assert source in prepared.code and setup in prepared.code
     shown = [cell.source for cell in build_copy(prepared).cells]
     assert source in shown and setup not in shown

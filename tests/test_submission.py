@@ -10,12 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.intake.notebook import read_file, read_notebook
-from grader.intake.submission import LARGEST_MODULE, MOST_MODULES, HandedIn, read_handed_in
+from grader.intake.submission import (
+    LARGEST_MODULE,
+    MOST_MODULES,
+    SubmittedFiles,
+    read_submitted_files,
+)
 from utils.notebooks.reading import UnreadableNotebook
 
 
 def handed_in(**parts):
-    return HandedIn(**{"name": "06_filter_ground.ipynb", "data": b"{}"} | parts)
+    return SubmittedFiles(**{"name": "06_filter_ground.ipynb", "data": b"{}"} | parts)
 
 
 def test_a_module_is_not_the_end_of_a_notebook():
@@ -27,7 +32,7 @@ def test_a_module_is_not_the_end_of_a_notebook():
 # Few letters, so that two ways to part the same text are often tried.
 TEXTS = st.text("a\0 1", max_size=2)
 HANDED_IN = st.builds(
-    HandedIn,
+    SubmittedFiles,
     TEXTS,
     TEXTS.map(str.encode),
     TEXTS,
@@ -74,13 +79,13 @@ def test_a_notebook_is_read_with_the_modules_beside_it(tmp_path):
     (tmp_path / "below").mkdir()
     (tmp_path / "below" / "other.py").write_text("elsewhere")
     (tmp_path / "link.py").symlink_to(tmp_path / "zebra.py")
-    made = read_handed_in(path)
-    assert made == HandedIn(path.name, b'{"cells": []}', "", made.modules, ())
+    made = read_submitted_files(path)
+    assert made == SubmittedFiles(path.name, b'{"cells": []}', "", made.modules, ())
     assert made.modules == {"helper": "x = '\ufffd'", "zebra": "z = 'ö'"}
     assert made.notebook().cells == ()
     with pytest.raises(dataclasses.FrozenInstanceError):
         made.data = b""
-    missing = read_handed_in(tmp_path / "none.ipynb")
+    missing = read_submitted_files(tmp_path / "none.ipynb")
     assert missing.data == b"" and missing.modules == made.modules
     assert missing.complaint == "none.ipynb cannot be opened: No such file or directory."
     with pytest.raises(UnreadableNotebook, match="none.ipynb cannot be opened"):
@@ -93,7 +98,7 @@ def test_of_modules_so_many_are_read_and_none_that_is_huge(tmp_path):
         (tmp_path / f"module_{number:02}.py").write_bytes(b"")
     (tmp_path / "module_00.py").write_bytes(b"#" * LARGEST_MODULE)
     (tmp_path / "module_01.py").write_bytes(b"#" * (LARGEST_MODULE + 1))
-    modules = read_handed_in(tmp_path / "06.ipynb").modules
+    modules = read_submitted_files(tmp_path / "06.ipynb").modules
     assert MOST_MODULES == 20
     assert list(modules) == ["module_00", *(f"module_{number:02}" for number in range(2, 20))]
     assert len(modules["module_00"]) == LARGEST_MODULE

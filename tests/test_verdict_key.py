@@ -18,7 +18,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging import key
 from grader.judging.key import files_that_decide
 
@@ -314,13 +314,13 @@ def test_where_judging_begins_is_here():
 
 
 def test_a_verdict_depends_on_who_handed_in_what_and_on_the_seed():
-    lesson, notebook = find_lesson("06_filter_ground"), HandedIn("06.ipynb", b"{}")
+    lesson, notebook = find_lesson("06_filter_ground"), SubmittedFiles("06.ipynb", b"{}")
     keys = [
         key.verdict_key(notebook, lesson, 17),
         key.verdict_key(notebook, lesson, 17, "ada"),
         key.verdict_key(notebook, lesson, 18, "ada"),
         key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
-        key.verdict_key(HandedIn("06.ipynb", b"{} "), lesson, 17, "ada"),
+        key.verdict_key(SubmittedFiles("06.ipynb", b"{} "), lesson, 17, "ada"),
     ]
     assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
     assert key.verdict_key(notebook, lesson, 17, "") == keys[0]

@@ -10,12 +10,12 @@ import pytest
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging import judge as judging
-from grader.judging.error_carried_forward import Followed
-from grader.judging.program_run import Asked, Setting
+from grader.judging.error_carried_forward import CarriedForward
+from grader.judging.program_run import RunResults, Setting
 from grader.judging.results import result_of
-from grader.judging.runner import JudgeTimeout, everything
+from grader.judging.runner import JudgeTimeout, every_check
 from grader.judging.verdict import (
     JUDGED,
     CheckResult,
@@ -46,7 +46,7 @@ def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
         for name, failures in about.items()
         for number, failure in enumerate(failures)
     ]
-    return Asked(tuple(outcomes), **more)
+    return RunResults(tuple(outcomes), **more)
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def judge_made_of(monkeypatch):
     def judge(*tries, complaints=(), better=None, late=False, text=None):
         waiting, asked = list(tries), []
 
-        def ask(setting, program, wanted=everything, explain=False):
+        def ask(setting, program, wanted=every_check, explain=False):
             asked.append(
                 SimpleNamespace(
                     setting=setting,
@@ -74,10 +74,10 @@ def judge_made_of(monkeypatch):
         monkeypatch.setattr(judging, "ask", ask)
         monkeypatch.setattr(judging, "_RIGHT", {})  # nothing was right before
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
-        monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
+        monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "slips_in", lambda *about: {})
         data = (text or fill_in(FILTER, WRITTEN)).encode()
-        verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
+        verdict = judging.judge_files(SubmittedFiles("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
         return verdict, asked
 
@@ -149,7 +149,7 @@ def test_what_a_wrong_answer_may_do_is_not_odd(judge_made_of, failure):
     "tries",
     [
         (ended((NO, ODD), (None, ODD)), ended((None, ODD), (None, ZeroDivisionError("oracle")))),
-        (ended((NO, ODD), (None, ODD)), Asked((), fault="pytest ran 0 of 2 tests")),
+        (ended((NO, ODD), (None, ODD)), RunResults((), fault="pytest ran 0 of 2 tests")),
     ],
 )
 def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, tries):
@@ -165,7 +165,7 @@ def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, 
 
 
 def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
-    verdict, asked = judge_made_of(Asked((), fault="pytest ran 3 of 9 tests", starved=True))
+    verdict, asked = judge_made_of(RunResults((), fault="pytest ran 3 of 9 tests", starved=True))
     assert (verdict.status, verdict.faults) == ("judge_failed", ("pytest ran 3 of 9 tests",))
     assert verdict.starved and len(asked) == 1
 
@@ -191,7 +191,7 @@ def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):
             source = f"def {name}(cloud):\n    return {number}"
             twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
     others = tuple(ended().about("voxel_grid"))
-    better = {"voxel_grid": Followed(others, "A helper is wrong.", PROGRAM)}
+    better = {"voxel_grid": CarriedForward(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
     verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
     *problems, last = verdict.problems
@@ -217,7 +217,7 @@ def test_a_fault_of_a_test_is_there_each_time(reference):
     assert reference(ended()) == ((), 0)
     assert reference(broken, ended()) == ((), 0)
     assert reference(broken, broken) == (said, 0)
-    fault = Asked((), fault="pytest ran 3 of 9 tests", problems=("A cell.",))
+    fault = RunResults((), fault="pytest ran 3 of 9 tests", problems=("A cell.",))
     assert reference(broken, fault) == (("pytest ran 3 of 9 tests",), 0)
 
 
@@ -225,8 +225,8 @@ def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
     nameless = b'{"cells": [], "metadata": {}}'
     for data, says in ((nameless, "cannot tell which lesson"), (b"", "is empty")):
         with pytest.raises(judging.UnknownLesson, match=says):
-            judging.judge_handed_in(HandedIn("my homework.ipynb", data), 7, None)
-    verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b""), 7, None)
+            judging.judge_files(SubmittedFiles("my homework.ipynb", data), 7, None)
+    verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b""), 7, None)
     assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
     assert "is empty" in verdict.problems[0] and not verdict.starved
     assert [exercise.tests for exercise in verdict.exercises] == [(), ()]
@@ -237,13 +237,21 @@ def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):
         raise ReadingFailed("There was no memory.")
 
     monkeypatch.setattr(judging, "prepare_to_judge", fail)
-    verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b"{}"), 7, None)
+    verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b"{}"), 7, None)
     assert (verdict.status, verdict.faults) == ("judge_failed", ("There was no memory.",))
     assert verdict.problems == (judging.UNFAIR,)
 
 
 def test_what_was_decided_stays_as_it_is():
-    for kind in (Followed, judging._Reached, Asked, Setting, Verdict, CheckResult, ExerciseResult):
+    for kind in (
+        CarriedForward,
+        judging._Reached,
+        RunResults,
+        Setting,
+        Verdict,
+        CheckResult,
+        ExerciseResult,
+    ):
         assert kind.__dataclass_params__.frozen
 
 
@@ -276,7 +284,7 @@ def test_of_a_stub_no_check_is_named():
 
 
 def test_what_was_said_beside_a_right_helper_is_not_told():
-    better = Followed(
+    better = CarriedForward(
         tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).about("filter_ground")),
         "A helper is wrong.",
         PROGRAM,

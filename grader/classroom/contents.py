@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, all_lessons, find_lesson
 from grader.intake.notebook import read_file
-from grader.intake.reader_process import ReadingFailed, apart
+from grader.intake.reader_process import ReadingFailed, run_in_child
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 
@@ -85,7 +85,7 @@ def _lesson_inside(path: Path, *state: int) -> Lesson | None:
     for lesson in all_lessons():
         _grade_ids(lesson)
     try:
-        name = apart(path.name, work)
+        name = run_in_child(path.name, work)
     except (UnreadableNotebook, ReadingFailed):
         return None
     return find_lesson(name) if name else None

@@ -73,7 +73,7 @@ def {name}(*arguments, **keywords):
 
 
 @dataclass(frozen=True)
-class Pupil:
+class SampleStudent:
     """A sample student: a name, and a notebook for each lesson."""
 
     name: str
@@ -103,7 +103,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(project=str(PROJECT)), "utf-8"
     )
-    for pupil in pretend_students(count, hostile, stages):
+    for pupil in sample_students(count, hostile, stages):
         for lesson, text in pupil.notebooks.items():
             path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -111,22 +111,22 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     return course
 
 
-def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[Pupil]:
+def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[SampleStudent]:
     """Yield `count` students: right and wrong answers in turn, with special cases among them."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )
     lessons = [lesson for lesson in all_lessons() if lesson.stage in stages]
     special = [
-        Pupil("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
-        Pupil(
+        SampleStudent("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
+        SampleStudent(
             "cut_off",
             {lesson: fill_in(lesson, best_answers(lesson))[:20_000] for lesson in lessons},
         ),
     ]
     if hostile:
         special.append(
-            Pupil(
+            SampleStudent(
                 "mallory",
                 {
                     lesson: fill_in(
@@ -142,7 +142,9 @@ def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterat
         )
     # One student in three is a special case, so that small classes have both kinds.
     pupils = (
-        Pupil(next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons})
+        SampleStudent(
+            next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}
+        )
         for number in itertools.count()
     )
     for position in range(count):

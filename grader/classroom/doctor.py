@@ -16,7 +16,7 @@ from importlib import metadata
 
 from packaging.requirements import Requirement
 
-from grader.classroom.folders import spelt_otherwise, strangers
+from grader.classroom.folders import respelt_folders, unmatched_folders
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.deadlines import Deadlines, DeadlinesTrouble, read_deadlines
@@ -194,9 +194,9 @@ def _people(course: Course) -> Iterator[Finding]:
     counts += [f"{len(without)} without an lms_id"] if without else []
     yield Finding("roster", True, ", ".join(counts))
     yield from _handed_in(course, roster)
-    for sentence in spelt_otherwise(course, roster):
+    for sentence in respelt_folders(course, roster):
         yield Finding("roster", True, sentence)
-    for sentence in strangers(course, roster).values():
+    for sentence in unmatched_folders(course, roster).values():
         yield Finding("roster", False, sentence)
 
 

@@ -15,7 +15,7 @@ class UnknownStudent(Exception):
     """A text fits no student or several; `str()` is the sentence to show."""
 
 
-def who_is_meant(course: Course, text: str) -> str:
+def find_student(course: Course, text: str) -> str:
     """Return the id of the student that a text names.
 
     Parameters
@@ -41,7 +41,7 @@ def who_is_meant(course: Course, text: str) -> str:
     raise UnknownStudent(f"{text!r} {nobody}has no folder in {course.submitted.name}/.")
 
 
-def strangers(course: Course, roster: Roster) -> dict[str, str]:
+def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     """Return the folders that match no student on the roster, each with a sentence on what to do.
 
     Their notebooks are judged but not entered into the gradebook: the folder may belong to a
@@ -54,7 +54,7 @@ def strangers(course: Course, roster: Roster) -> dict[str, str]:
     }
 
 
-def spelt_otherwise(course: Course, roster: Roster) -> Iterator[str]:
+def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     """Return a sentence on each folder whose name is a student's id in another spelling."""
     folders = _folders(course)
     for folder in folders:

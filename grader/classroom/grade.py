@@ -17,8 +17,8 @@ from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.intake.submission import HandedIn
-from grader.judging.judge import UNFAIR, judge_handed_in
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import UNFAIR, judge_files
 from grader.judging.key import verdict_key
 from grader.judging.verdict import (
     FAILED,
@@ -48,13 +48,18 @@ def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict
 
 
 def judge_one(
-    handed_in: HandedIn, lesson: str, student: str, seed: int, sandbox: str, alone: bool = False
+    handed_in: SubmittedFiles,
+    lesson: str,
+    student: str,
+    seed: int,
+    sandbox: str,
+    alone: bool = False,
 ) -> Verdict:
     """Judge one notebook on any machine that has the course's code.
 
     Parameters
     ----------
-    handed_in : grader.intake.submission.HandedIn
+    handed_in : grader.intake.submission.SubmittedFiles
     lesson, student : str
         Names of the lesson and the student.
     seed : int
@@ -63,7 +68,7 @@ def judge_one(
     alone : bool
         Whether nothing else is being judged, so that a time limit is reliable.
     """
-    verdict = judge_handed_in(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
+    verdict = judge_files(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
     return verdict.believed() if alone else verdict
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.intake.submission import read_handed_in
+from grader.intake.submission import read_submitted_files
 from grader.judging.judge import complaints_about_reference
 from grader.judging.key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox
@@ -139,7 +139,7 @@ def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
 def note_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
     """Return the file that records a passed rehearsal, and the key that it records."""
     path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
-    return path, verdict_key(read_handed_in(lesson.solved), lesson, seed)
+    return path, verdict_key(read_submitted_files(lesson.solved), lesson, seed)
 
 
 def _is_written(path: Path, key: str) -> bool:

@@ -13,7 +13,7 @@ from grader.classroom.contents import copy_number, lesson_by_name, lesson_inside
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.intake.submission import HandedIn, read_handed_in
+from grader.intake.submission import SubmittedFiles, read_submitted_files
 
 # Files that nbgrader's exchange adds: the time, and the key of the feedback.
 OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}
@@ -52,15 +52,17 @@ class Submission:
         folder = self.path.relative_to(course.submitted).parts[0]
         return course.submitted / folder / self.lesson.stage
 
-    def read(self, course: Course) -> HandedIn:
+    def read(self, course: Course) -> SubmittedFiles:
         """Read the file, unless a link leads into another folder."""
         if not self._lies_in_its_place(course):
-            return HandedIn(
+            return SubmittedFiles(
                 self.path.name,
                 b"",
                 f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
             )
-        return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes(course)))
+        return dataclasses.replace(
+            read_submitted_files(self.path), notes=tuple(self._notes(course))
+        )
 
     def _lies_in_its_place(self, course: Course) -> bool:
         if not self.path.is_relative_to(course.submitted):
@@ -68,7 +70,7 @@ class Submission:
         place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)
         return self.path.parent.resolve().is_relative_to(place)
 
-    def read_again(self, course: Course, fingerprint: str) -> HandedIn:
+    def read_again(self, course: Course, fingerprint: str) -> SubmittedFiles:
         """Read the file again, if it is still the one that was judged.
 
         Parameters

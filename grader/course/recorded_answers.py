@@ -22,7 +22,7 @@ STORED = PROJECT / "utils" / "lent"
 LARGEST = 45_000  # bytes
 
 
-class NotLendable(Exception):
+class NotStorable(Exception):
     """The answers of a lesson cannot be stored; `str()` is the sentence to show."""
 
 
@@ -36,7 +36,7 @@ def record(lesson: Lesson) -> bytes:
 
     Raises
     ------
-    NotLendable
+    NotStorable
         If a cell fails, an answer cannot be stored, or the file would be too large.
     """
     import nbclient
@@ -45,7 +45,7 @@ def record(lesson: Lesson) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "answers.json"
-        listen(notebook, lesson, path)
+        add_recorder(notebook, lesson, path)
         client = nbclient.NotebookClient(
             notebook,
             timeout=120,
@@ -56,11 +56,11 @@ def record(lesson: Lesson) -> bytes:
         try:
             client.execute()
         except nbclient.exceptions.CellExecutionError as error:
-            raise NotLendable(f"{lesson.name}: {str(error)[-2000:]}") from None
+            raise NotStorable(f"{lesson.name}: {str(error)[-2000:]}") from None
         return stored_bytes(lesson, path)
 
 
-def listen(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
+def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
     """Add a cell to a solved notebook that records the answers of its functions.
 
     Parameters
@@ -97,12 +97,12 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
 
     Raises
     ------
-    NotLendable
+    NotStorable
         As in `record`.
     """
     recorded = json.loads(path.read_text("utf-8"))
     if faults := recorded.pop("faults"):
-        raise NotLendable(f"{lesson.name}: {faults[0]}")
+        raise NotStorable(f"{lesson.name}: {faults[0]}")
     text = json.dumps(recorded, indent=0, sort_keys=True, separators=(",", ":")) + "\n"
     if len(text) > LARGEST:
         sizes = {
@@ -110,7 +110,7 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for functions in recorded.values()
             for name, answers in functions.items()
         }
-        raise NotLendable(
+        raise NotStorable(
             f"{lesson.name}: {len(text):,} bytes, and {LARGEST:,} may be stored. Name a function "
             f"of the notebook that sums them up in the header, `lent: [...]`. Bytes now: {sizes}"
         )
@@ -135,5 +135,5 @@ def main(numbers: Sequence[str]) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1:])
-    except NotLendable as fault:
+    except NotStorable as fault:
         sys.exit(str(fault))

@@ -83,7 +83,7 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
         yield path
 
 
-def all_shown(
+def all_executed(
     lessons: Iterable[Lesson],
     workers: int,
     progress: Callable[[int, int, object], None],
@@ -114,7 +114,7 @@ def all_shown(
     return {lesson: ran[lesson] for lesson in lessons}
 
 
-def shown(lesson: Lesson, kept: Path, before: str) -> bytes:
+def executed_notebook(lesson: Lesson, kept: Path, before: str) -> bytes:
     """Return the executed solved notebook of a lesson; run it only if something has changed.
 
     Parameters

@@ -21,8 +21,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.intake.reader_process import TooCostly, apart
-from grader.intake.submission import HandedIn
+from grader.intake.reader_process import TooCostly, run_in_child
+from grader.intake.submission import SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 
@@ -46,7 +46,7 @@ class WrittenAnswer:
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedNotebook:
     """A notebook that is ready to be judged and shown.
 
     Attributes
@@ -79,8 +79,8 @@ class Prepared:
 
 
 @dataclass(frozen=True)
-class ToJudge:
-    """The part of a `Prepared` notebook that the judge needs: plain data from another process.
+class JudgeInput:
+    """The part of a `PreparedNotebook` that the judge needs: plain data from another process.
 
     Attributes
     ----------
@@ -101,14 +101,14 @@ class _Draft:
     """The notebook while the steps change it."""
 
     lesson: Lesson
-    handed_in: HandedIn
+    handed_in: SubmittedFiles
     notebook: Notebook
     cells: list[Cell]
     graded: dict[str, int] = field(default_factory=dict)
     answers: dict[str, WrittenAnswer] = field(default_factory=dict)
 
 
-def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
+def prepare(handed_in: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
     """Read a notebook of a lesson, and repair it if it is damaged.
 
     Raises
@@ -118,12 +118,12 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     notebook = handed_in.notebook()
     draft = _Draft(lesson, handed_in, notebook, list(notebook.cells))
     notes = [sentence for step in STEPS for sentence in step(draft)]
-    return Prepared(
+    return PreparedNotebook(
         lesson, tuple(draft.cells), draft.graded, draft.answers, tuple(notes), _versions(draft)
     )
 
 
-def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
+def prepare_to_judge(handed_in: SubmittedFiles, lesson: Lesson) -> JudgeInput:
     """Prepare a notebook for the judge, in a process of its own; see `prepare`.
 
     Raises
@@ -137,8 +137,8 @@ def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
         return prepared.code, prepared.notes, prepared.versions
 
     given_cells(lesson)  # cached here, so that each child inherits it
-    code, notes, versions = apart(handed_in.name, work)
-    return ToJudge(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
+    code, notes, versions = run_in_child(handed_in.name, work)
+    return JudgeInput(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
 
 
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
@@ -151,12 +151,12 @@ def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
     return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
-def lesson_name_in(handed_in: HandedIn) -> str:
+def lesson_name_in(handed_in: SubmittedFiles) -> str:
     """Return the lesson that a notebook states, read in a process of its own."""
-    return apart(handed_in.name, lambda: handed_in.notebook().lesson_name)
+    return run_in_child(handed_in.name, lambda: handed_in.notebook().lesson_name)
 
 
-def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
+def prepare_to_show(handed_in: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
     """Prepare a notebook for display; an unreadable file becomes a notebook without answers."""
     try:
         return prepare(handed_in, lesson)
@@ -164,7 +164,9 @@ def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
         return _with_answers(lesson, WrittenAnswer(""), error)
 
 
-def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooCostly) -> Prepared:
+def prepare_without(
+    handed_in: SubmittedFiles, lesson: Lesson, error: TooCostly
+) -> PreparedNotebook:
     """Return a notebook without answers, for one that took too much time or memory.
 
     A person has to look for the written answers in the file.
@@ -174,8 +176,10 @@ def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooCostly) -> Pr
     return _with_answers(lesson, WrittenAnswer(text), error)
 
 
-def _with_answers(lesson: Lesson, answer: WrittenAnswer, error: UnreadableNotebook) -> Prepared:
-    return Prepared(lesson, (), {}, dict.fromkeys(_by_hand(lesson), answer), (str(error),))
+def _with_answers(
+    lesson: Lesson, answer: WrittenAnswer, error: UnreadableNotebook
+) -> PreparedNotebook:
+    return PreparedNotebook(lesson, (), {}, dict.fromkeys(_by_hand(lesson), answer), (str(error),))
 
 
 def _reading(draft: _Draft) -> Iterator[str]:

@@ -44,7 +44,7 @@ class ReadingFailed(Exception):
     """The grader or this machine is at fault; `str()` tells the instructor what happened."""
 
 
-def apart(name: str, work: Callable[[], object]) -> object:
+def run_in_child(name: str, work: Callable[[], object]) -> object:
     """Run a function in another process.
 
     Parameters

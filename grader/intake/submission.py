@@ -14,7 +14,7 @@ LARGEST_MODULE = 2**20
 
 
 @dataclass(frozen=True)
-class HandedIn:
+class SubmittedFiles:
     """A submitted notebook and the modules next to it.
 
     Attributes
@@ -64,13 +64,13 @@ class HandedIn:
         return digest.hexdigest()
 
 
-def read_handed_in(path: Path) -> HandedIn:
+def read_submitted_files(path: Path) -> SubmittedFiles:
     """Read a notebook and the modules in its folder; problems become part of the result."""
     try:
         data, complaint = read_file(path), ""
     except UnreadableNotebook as error:
         data, complaint = b"", str(error)
-    return HandedIn(path.name, data, complaint, _modules_beside(path))
+    return SubmittedFiles(path.name, data, complaint, _modules_beside(path))
 
 
 def _modules_beside(path: Path) -> dict[str, str]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.points import points_of
-from grader.judging.program_run import Asked, Setting, ask
+from grader.judging.program_run import RunResults, Setting, ask
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks.outcomes import Outcome
@@ -33,7 +33,7 @@ _FICKLE = (
 
 
 @dataclass(frozen=True)
-class Followed:
+class CarriedForward:
     """The result of an exercise with right helpers.
 
     Attributes
@@ -50,9 +50,9 @@ class Followed:
     program: Program
 
 
-def follow_through(
-    setting: Setting, program: Program, asked: Asked
-) -> tuple[dict[str, Followed], bool]:
+def carry_forward(
+    setting: Setting, program: Program, asked: RunResults
+) -> tuple[dict[str, CarriedForward], bool]:
     """Judge again the exercises that call a wrong helper.
 
     Parameters
@@ -60,13 +60,13 @@ def follow_through(
     setting : grader.judging.program_run.Setting
     program : grader.sandbox.program.Program
         The notebook.
-    asked : grader.judging.program_run.Asked
+    asked : grader.judging.program_run.RunResults
         The results of the first run. They include which function calls which, read in the
         sandbox, because untrusted code is not parsed here.
 
     Returns
     -------
-    followed : dict of str to Followed
+    followed : dict of str to CarriedForward
         By exercise; only those whose result changes.
     starved : bool
         Whether code reached a time limit because it hardly got a processor.
@@ -99,10 +99,10 @@ def follow_through(
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             sentence = _sentence(exercise, helpers, before, after)
-            better[exercise.name] = Followed(outcomes, sentence, codes[-1])
+            better[exercise.name] = CarriedForward(outcomes, sentence, codes[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
             sentence = _FICKLE.format(name=exercise.name)
-            better[exercise.name] = Followed(outcomes, sentence, program)
+            better[exercise.name] = CarriedForward(outcomes, sentence, program)
     return better, starved
 
 

@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson
-from grader.intake.preflight import ToJudge, lesson_name_in, prepare_to_judge
+from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import HandedIn, read_handed_in
-from grader.judging.error_carried_forward import follow_through
+from grader.intake.submission import SubmittedFiles, read_submitted_files
+from grader.judging.error_carried_forward import carry_forward
 from grader.judging.key import verdict_key
 from grader.judging.points import total
-from grader.judging.program_run import Asked, Setting, ask, nothing_written
+from grader.judging.program_run import RunResults, Setting, ask, untouched_results
 from grader.judging.repair import slips_in
-from grader.judging.results import result_of, untried
+from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, shared
 from grader.sandbox import Limits, Sandbox
@@ -74,11 +74,11 @@ def judge(
     UnknownLesson
     grader.sandbox.SandboxUnavailable
     """
-    return judge_handed_in(read_handed_in(Path(path)), seed, sandbox, lesson, student, limits)
+    return judge_files(read_submitted_files(Path(path)), seed, sandbox, lesson, student, limits)
 
 
-def judge_handed_in(
-    handed_in: HandedIn,
+def judge_files(
+    handed_in: SubmittedFiles,
     seed: int,
     sandbox: Sandbox,
     lesson: Lesson | None = None,
@@ -91,9 +91,9 @@ def judge_handed_in(
     try:
         to_judge = prepare_to_judge(handed_in, lesson)
     except UnreadableNotebook as error:
-        reached = _Reached(untried(lesson), (str(error),))
+        reached = _Reached(unjudged_results(lesson), (str(error),))
     except ReadingFailed as error:
-        reached = _Reached(untried(lesson), (UNFAIR,), (str(error),))
+        reached = _Reached(unjudged_results(lesson), (UNFAIR,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
         reached = _reach_once(setting, to_judge, handed_in.modules)
@@ -113,7 +113,7 @@ def judge_handed_in(
     )
 
 
-def _lesson_in(handed_in: HandedIn) -> Lesson:
+def _lesson_in(handed_in: SubmittedFiles) -> Lesson:
     """Return the lesson that the notebook's name or metadata states."""
     try:
         lesson = find_lesson(lesson_name_in(handed_in))
@@ -141,7 +141,7 @@ class _Reached:
 _RIGHT: dict[tuple, _Reached] = {}
 
 
-def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Reached:
+def _reach_once(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Reached:
     """Call `_reach`, or return the cached result of identical code with full marks.
 
     Only full marks are cached: a failure may be the machine's fault, and must not spread to an
@@ -161,17 +161,17 @@ def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) ->
     return reached
 
 
-def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Reached:
+def _reach(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Reached:
     """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
     program = program_for(lesson, to_judge.code, modules)
     if to_judge.is_as_released and not modules:
-        asked = nothing_written(lesson)
+        asked = untouched_results(lesson)
     else:
         asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
     if faults := _faults(setting, asked):
-        return _Reached(untried(lesson), (UNFAIR,), faults, asked.starved)
-    followed, starved = follow_through(setting, program, asked)
+        return _Reached(unjudged_results(lesson), (UNFAIR,), faults, asked.starved)
+    followed, starved = carry_forward(setting, program, asked)
     slips = slips_in(setting, program, asked, followed)
     exercises = tuple(
         result_of(exercise, asked, followed.get(exercise.name), slips.get(exercise.name))
@@ -188,7 +188,7 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
     return _Reached(exercises, problems, (), bool(lost) and (asked.starved or starved))
 
 
-def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:
+def _odd_ones_again(setting: Setting, program: Program, asked: RunResults) -> RunResults:
     """Run suspicious checks again and return all outcomes, with the new ones in their place.
 
     A failure that does not recur costs no points.
@@ -204,12 +204,12 @@ def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:
     return replace(asked, outcomes=outcomes, starved=asked.starved or again.starved)
 
 
-def _odd(asked: Asked) -> list[Outcome]:
+def _odd(asked: RunResults) -> list[Outcome]:
     """Return the outcomes with an exception that a wrong answer does not cause."""
     return [outcome for outcome in asked.outcomes if not isinstance(outcome.failure, _FINE)]
 
 
-def _faults(setting: Setting, asked: Asked) -> tuple[str, ...]:
+def _faults(setting: Setting, asked: RunResults) -> tuple[str, ...]:
     """Return what went wrong in the judge itself, so that the student cannot be judged."""
     if asked.fault:
         return (asked.fault,)
@@ -249,7 +249,7 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
 
 
 def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    program = program_for(lesson, read_handed_in(lesson.solved).notebook().code, {})
+    program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
     asked = ask(Setting(lesson, seed, sandbox), program)
     if asked.fault:
         return (asked.fault,)

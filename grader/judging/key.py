@@ -17,7 +17,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.sandbox.boundary import SHOWN
 
 # Modules in which judging begins: the judge, and the process that student code is forked from.
@@ -43,7 +43,7 @@ def versions() -> dict[str, str]:
     return {"Python": python} | {name: metadata.version(name) for name in LIBRARIES}
 
 
-def verdict_key(handed_in: HandedIn, lesson: Lesson, seed: int, student: str = "") -> str:
+def verdict_key(handed_in: SubmittedFiles, lesson: Lesson, seed: int, student: str = "") -> str:
     """Return the fingerprint of a submission and of the rules that it is judged by."""
     about = (str(seed), student, rules_key(lesson), handed_in.fingerprint())
     return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()

@@ -36,7 +36,7 @@ FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
-def told(outcome: Outcome, open_to_all: bool) -> Outcome:
+def shareable(outcome: Outcome, open_to_all: bool) -> Outcome:
     """Return the outcome of a check with a failure whose message may be shown.
 
     Parameters
@@ -50,7 +50,7 @@ def told(outcome: Outcome, open_to_all: bool) -> Outcome:
     if outcome.failure is None:
         return outcome
     visible = open_to_all and outcome.check.is_shown
-    return Outcome(outcome.check, failure_of(outcome, visible))
+    return Outcome(outcome.check, shareable_failure(outcome, visible))
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _kind_and_subject(failure: CheckFailed) -> tuple[Kind, str]:
     return Kind.OWN, ""
 
 
-def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
+def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     """Return a failure whose message may be shown, in place of the original one."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):

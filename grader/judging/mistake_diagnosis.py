@@ -14,7 +14,7 @@ from collections.abc import Callable
 from grader.course.lessons import Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.program_run import Setting
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from utils.checks import Check
@@ -94,7 +94,7 @@ def _lost_by(
 ) -> frozenset[Check]:
     """Return the checks that a function fails in place of the student's."""
     beside = _Beside(student, exercise, function)
-    outcomes = run_tests(
+    outcomes = run_checks(
         setting.lesson, beside, setting.seed, lambda check: check.exercise == exercise
     )
     return frozenset(outcome.check for outcome in outcomes if outcome.failure)

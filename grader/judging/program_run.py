@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.judging.runner import JudgeFault, everything, run_tests, tests_of_nothing
+from grader.judging.runner import JudgeFault, every_check, outcomes_of_untouched, run_checks
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -39,7 +39,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Asked:
+class RunResults:
     """The results of one run of the checks.
 
     Attributes
@@ -73,10 +73,10 @@ class Asked:
 def ask(
     setting: Setting,
     program: Program,
-    asked: Callable[[Check], bool] = everything,
+    asked: Callable[[Check], bool] = every_check,
     explain: bool = False,
     to_the_end: bool = True,
-) -> Asked:
+) -> RunResults:
     """Run the checks of a lesson on one program.
 
     Parameters
@@ -97,21 +97,21 @@ def ask(
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
-            outcomes = run_tests(setting.lesson, student, setting.seed, asked, to_the_end)
+            outcomes = run_checks(setting.lesson, student, setting.seed, asked, to_the_end)
         except JudgeFault as error:
             fault = str(error)
         if explain:
             mistakes = _mistakes(outcomes, student)
         about = (tuple(student.problems), student.uses, student.starved)
-        return Asked(tuple(outcomes), *about, mistakes, fault)
+        return RunResults(tuple(outcomes), *about, mistakes, fault)
 
 
-def nothing_written(lesson: Lesson) -> Asked:
+def untouched_results(lesson: Lesson) -> RunResults:
     """Return the results of an untouched notebook, without running it."""
     try:
-        return Asked(tests_of_nothing(lesson))
+        return RunResults(outcomes_of_untouched(lesson))
     except JudgeFault as error:
-        return Asked((), fault=str(error))
+        return RunResults((), fault=str(error))
 
 
 def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, Mistake]:

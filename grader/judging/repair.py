@@ -20,10 +20,10 @@ from dataclasses import dataclass, replace
 from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.intake.preflight import given_cells
-from grader.judging.error_carried_forward import Followed
+from grader.judging.error_carried_forward import CarriedForward
 from grader.judging.mistake_diagnosis import explains
-from grader.judging.program_run import Asked, Setting, ask
-from grader.judging.runner import hidden_questions, shown_questions
+from grader.judging.program_run import RunResults, Setting, ask
+from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program, cell_and_line
@@ -70,7 +70,7 @@ class Repair:
 
 
 def slips_in(
-    setting: Setting, program: Program, asked: Asked, followed: dict[str, Followed]
+    setting: Setting, program: Program, asked: RunResults, followed: dict[str, CarriedForward]
 ) -> dict[str, Repair | Mistake]:
     """Return the proven slip of each exercise that lost points, by the exercise's name.
 
@@ -193,9 +193,9 @@ class _Questions:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
         self._first_seconds = SECONDS_OF_A_CALL
-        self._shown = shown_questions(student, checks)
+        self._shown = visible_calls(student, checks)
         self._hidden = functools.cache(
-            lambda: hidden_questions(setting.lesson, student, setting.seed, checks)
+            lambda: hidden_calls(setting.lesson, student, setting.seed, checks)
         )
 
     def __iter__(self) -> Iterator[Callable[[], object]]:

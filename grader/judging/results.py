@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from grader.course.lessons import Exercise, Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
-from grader.judging.error_carried_forward import Followed
-from grader.judging.messages import Message, message_of, messages_of, told
+from grader.judging.error_carried_forward import CarriedForward
+from grader.judging.messages import Message, message_of, messages_of, shareable
 from grader.judging.points import shares, total
-from grader.judging.program_run import Asked
+from grader.judging.program_run import RunResults
 from grader.judging.repair import Repair
 from grader.judging.verdict import CheckResult, ExerciseResult, Slip
 from utils.checks.diagnosis import Mistake
@@ -15,7 +15,7 @@ from utils.checks.outcomes import Outcome
 from utils.checks.summary import resolve
 
 
-def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
+def unjudged_results(lesson: Lesson) -> tuple[ExerciseResult, ...]:
     """Return the results of a lesson whose checks did not run."""
     return tuple(
         ExerciseResult(exercise.name, 0.0, exercise.points, ())
@@ -25,8 +25,8 @@ def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
 
 def result_of(
     exercise: Exercise,
-    asked: Asked,
-    followed: Followed | None,
+    asked: RunResults,
+    followed: CarriedForward | None,
     proven: Repair | Mistake | None = None,
 ) -> ExerciseResult:
     """Return the result of an exercise.
@@ -34,9 +34,9 @@ def result_of(
     Parameters
     ----------
     exercise : grader.course.lessons.Exercise
-    asked : grader.judging.program_run.Asked
+    asked : grader.judging.program_run.RunResults
         The results of running the checks on the notebook.
-    followed : grader.judging.error_carried_forward.Followed or None
+    followed : grader.judging.error_carried_forward.CarriedForward or None
         The result with right helpers, if that is better.
     proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
         The proven slip, if there is one.
@@ -45,7 +45,7 @@ def result_of(
     outcomes = asked.about(exercise.name)
     if followed:
         said, mistake, outcomes = [followed.sentence], None, followed.outcomes
-    tellable = [told(outcome, open_to_all=followed is None) for outcome in outcomes]
+    tellable = [shareable(outcome, open_to_all=followed is None) for outcome in outcomes]
     story = resolve(tellable, mistake=mistake, alone=proven is not None)
     messages = messages_of(story)
     most = shares(exercise.points, [outcome.check.weight for outcome in outcomes])

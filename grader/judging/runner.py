@@ -182,7 +182,7 @@ class _Collecting(_Asking):
         return True
 
 
-def shown_questions(
+def visible_calls(
     student: StudentProxy, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
     """Return the visible ones of some checks as callables that raise for a wrong answer."""
@@ -193,10 +193,10 @@ def shown_questions(
     )
 
 
-def hidden_questions(
+def hidden_calls(
     lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Return the hidden ones of some checks as `shown_questions` does; see `run_tests`."""
+    """Return the hidden ones of some checks as `visible_calls` does; see `run_checks`."""
     wanted = {check.name for check in checks if not check.is_shown}
     if not wanted:
         return ()
@@ -205,16 +205,16 @@ def hidden_questions(
     return tuple(collecting.questions)
 
 
-def everything(check: Check) -> bool:
+def every_check(check: Check) -> bool:
     """Select every check."""
     return True
 
 
-def run_tests(
+def run_checks(
     lesson: Lesson,
     student: StudentProxy,
     seed: int,
-    asked: Callable[[Check], bool] = everything,
+    asked: Callable[[Check], bool] = every_check,
     to_the_end: bool = True,
 ) -> list[Outcome]:
     """Run the checks of a lesson.
@@ -250,9 +250,9 @@ def run_tests(
 
 
 @functools.cache
-def tests_of_nothing(lesson: Lesson) -> tuple[Outcome, ...]:
-    """Return what `run_tests` finds for an untouched notebook, without running anything."""
-    return tuple(_run(lesson, _NotAsking(None, 0, everything)))
+def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
+    """Return what `run_checks` finds for an untouched notebook, without running anything."""
+    return tuple(_run(lesson, _NotAsking(None, 0, every_check)))
 
 
 def _run(lesson: Lesson, asking: _Asking) -> list[Outcome]:

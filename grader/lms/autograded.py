@@ -21,9 +21,14 @@ from nbgrader.utils import is_grade, is_solution
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 from grader.course.standalone import TITLE, is_setup_cell
-from grader.intake.preflight import Prepared, WrittenAnswer, prepare_to_show, prepare_without
-from grader.intake.reader_process import TooCostly, apart
-from grader.intake.submission import HandedIn
+from grader.intake.preflight import (
+    PreparedNotebook,
+    WrittenAnswer,
+    prepare_to_show,
+    prepare_without,
+)
+from grader.intake.reader_process import TooCostly, run_in_child
+from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import fold
 from grader.lms.sanitizer import NO_WIDTH, as_code, harmless, harmless_pictures
@@ -38,7 +43,9 @@ LOOK_FOR_IT = (
 )
 
 
-def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> tuple[NotebookNode, str]:
+def judged_copy(
+    handed_in: SubmittedFiles, lesson: Lesson, verdict: Verdict
+) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a judged submission, with its scores and messages.
 
     Returns
@@ -55,7 +62,7 @@ def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> tuple[
     return copy, complaint
 
 
-def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
+def copy_apart(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a submission in a separate process.
 
     Returns
@@ -77,7 +84,7 @@ def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
 
     _released_notebook(lesson)  # fill the cache in this process, for the next copies
     try:
-        copy = apart(handed_in.name, work)
+        copy = run_in_child(handed_in.name, work)
     except TooCostly as error:
         return build_copy(prepare_without(handed_in, lesson, error)), str(error)
     return nbformat.from_dict(copy), ""
@@ -93,7 +100,7 @@ def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
         HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 
-def build_copy(prepared: Prepared) -> NotebookNode:
+def build_copy(prepared: PreparedNotebook) -> NotebookNode:
     """Build the autograded copy of a prepared notebook, without scores.
 
     Returns
@@ -255,7 +262,9 @@ def _filled_cell(
     return filled
 
 
-def _add_missing(copy: NotebookNode, by_id: dict, positions: dict, prepared: Prepared) -> None:
+def _add_missing(
+    copy: NotebookNode, by_id: dict, positions: dict, prepared: PreparedNotebook
+) -> None:
     """Insert each missing graded cell after the graded cell that preceded it in the release."""
     before = -1
     for name, cell in by_id.items():

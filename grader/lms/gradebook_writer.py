@@ -16,7 +16,7 @@ from nbgrader.preprocessors import AssignLatePenalties
 from nbgrader.utils import compute_checksum, determine_grade
 from sqlalchemy.orm import Session
 
-from grader.classroom.folders import strangers
+from grader.classroom.folders import unmatched_folders
 from grader.classroom.submissions import Replaced, Submission
 from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.paths import Course
@@ -68,7 +68,7 @@ def enter(
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
-    unknown = strangers(course, roster) if roster else {}
+    unknown = unmatched_folders(course, roster) if roster else {}
     entries, trouble = entries_of(course, judged, unknown)
     with open_gradebook(course) as book:
         note_changes(course, book)  # log marks given by hand since the last run

@@ -21,7 +21,7 @@ from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
-from grader.intake.submission import read_handed_in
+from grader.intake.submission import read_submitted_files
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import copy_apart, judged_copy
@@ -134,6 +134,6 @@ class CopyExporter(NotebookExporter):
         """Convert a notebook file; see nbconvert."""
         path = Path(filename)
         lesson = find_lesson(path.stem)
-        copy, _ = copy_apart(read_handed_in(path), lesson)
+        copy, _ = copy_apart(read_submitted_files(path), lesson)
         resources = {"metadata": {"name": path.stem, "path": str(path.parent)}, **(resources or {})}
         return self.from_notebook_node(copy, resources=resources, **options)

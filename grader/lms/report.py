@@ -31,7 +31,7 @@ from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import duration, marks_table
@@ -172,7 +172,7 @@ def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[st
         content: students for content, students in by_content.items() if len(students) > 1
     }
     as_released = {
-        HandedIn(lesson.released.name, lesson.released.read_bytes()).fingerprint()
+        SubmittedFiles(lesson.released.name, lesson.released.read_bytes()).fingerprint()
         for lesson in all_lessons()
         if lesson.name in {name for name, _ in duplicates}
     }

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
-from grader.course.solutions import all_shown, shown
+from grader.course.solutions import all_executed, executed_notebook
 
 KEPT = PROJECT / ".site"
 """Cache of the executed notebooks."""
@@ -23,8 +23,8 @@ def solved_runs(
     lessons: Iterable[Lesson], workers: int, progress: Callable[[int, int, object], None]
 ) -> dict[Lesson, bytes]:
     """Run solved notebooks and record what their pages show; see `grader.course.solutions`."""
-    show = functools.partial(shown, kept=KEPT, before=first_code())
-    return all_shown(lessons, workers, progress, show)
+    show = functools.partial(executed_notebook, kept=KEPT, before=first_code())
+    return all_executed(lessons, workers, progress, show)
 
 
 def not_installed(lesson: Lesson) -> list[str]:

@@ -15,7 +15,7 @@ from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.intake import preflight
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from grader.lms.autograded import build_copy, write_into
 from grader.lms.report import write_report
@@ -77,7 +77,7 @@ def notebook_with(cells):
 
 
 def handed_in(cells):
-    return HandedIn(f"{LESSON.name}.ipynb", notebook_with(cells), modules={"helper": "x = 1"})
+    return SubmittedFiles(f"{LESSON.name}.ipynb", notebook_with(cells), modules={"helper": "x = 1"})
 
 
 def draft_of(cells):

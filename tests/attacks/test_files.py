@@ -12,8 +12,8 @@ from grader.classroom.submissions import Submission, find_submissions
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
 from grader.intake.notebook import read_notebook
-from grader.intake.submission import read_handed_in
-from grader.judging.judge import judge_handed_in
+from grader.intake.submission import read_submitted_files
+from grader.judging.judge import judge_files
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import Program
@@ -286,7 +286,7 @@ def test_hands_in_something_strange_as_a_module(make, tmp_path):
     notebook.write_text(json.dumps(notebook_of("x = 1")))
     make(tmp_path / "x" / "helper.py", other)
     begin = time.monotonic()
-    handed_in = read_handed_in(notebook)
+    handed_in = read_submitted_files(notebook)
     assert time.monotonic() - begin < PATIENCE
     assert "SECRET" not in "".join(handed_in.modules.values())
     assert handed_in.notebook().code == ("x = 1",)
@@ -297,7 +297,7 @@ def test_hands_in_ten_thousand_modules(tmp_path):
         (tmp_path / f"m{number}.py").touch()
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(json.dumps(notebook_of("x = 1")))
-    assert len(read_handed_in(path).modules) <= 20
+    assert len(read_submitted_files(path).modules) <= 20
 
 
 # ---- Folders of a class ----------------------------------------------------------------------
@@ -348,7 +348,7 @@ def test_swaps_the_file_while_it_is_judged(course, filtering):
     submission = find_submissions(course)[0]
     handed_in = submission.read(course)
     submission.path.write_text(json.dumps(notebook_of("x = 1")))
-    verdict = judge_handed_in(handed_in, SEED, WALLS, filtering, "good")
+    verdict = judge_files(handed_in, SEED, WALLS, filtering, "good")
     assert verdict.score == verdict.max_score
     from grader.judging.verdict import write_verdict
 

@@ -13,7 +13,7 @@ from nbconvert.filters import markdown2html
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.intake.preflight import prepare
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.lms.autograded import build_copy
 from grader.lms.sanitizer import NO_WIDTH, harmless
 from tests.attacks.attack import tried
@@ -172,7 +172,7 @@ def test_what_is_harmless_stays_as_it_is():
 def blank():
     """The page of the lesson as it was released."""
     lesson = find_lesson("12_streaming_obstacles")
-    released = HandedIn(lesson.released.name, lesson.released.read_bytes())
+    released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
     return page_of(build_copy(prepare(released, lesson)))
 
 
@@ -194,7 +194,7 @@ def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
         output = {"output_type": "display_data", "metadata": {}, "data": {"text/html": hostile}}
         notebook["cells"].append({**cell, "outputs": [output], "execution_count": None})
     notebook["metadata"].update(title=hostile, language_info={"name": hostile, "version": hostile})
-    handed_in = HandedIn("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
+    handed_in = SubmittedFiles("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
     made = build_copy(prepare(handed_in, lesson))
     nbformat.validate(made)
     page = page_of(made)

@@ -14,7 +14,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.course.paths import PROJECT
 from grader.judging.judge import judge
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from grader.sandbox.boundary import SHOWN
 from tests.attacks.attack import SEED, SHORT, WALLS, tried
@@ -186,7 +186,7 @@ def calls_of(lesson):
 
     names = [exercise.name for exercise in lesson.machine_graded]
     recorders = {name: recorder(name, getattr(reference, name)) for name in names}
-    run_tests(lesson, with_answers(lesson, recorders), SEED)
+    run_checks(lesson, with_answers(lesson, recorders), SEED)
     assert set(calls) == set(names)
     return calls
 
@@ -227,7 +227,7 @@ def vars_of(value):
 def points_of(lesson, exercise, answer):
     """Part of an exercise's points that a function earns."""
     student = with_answers(lesson, {exercise: answer})
-    outcomes = run_tests(lesson, student, SEED, lambda check: check.exercise == exercise)
+    outcomes = run_checks(lesson, student, SEED, lambda check: check.exercise == exercise)
     earned = sum(outcome.check.weight for outcome in outcomes if outcome.failure is None)
     return earned / sum(outcome.check.weight for outcome in outcomes)
 

@@ -12,8 +12,8 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.intake import preflight, reader_process
-from grader.intake.submission import HandedIn
-from grader.judging.judge import judge_handed_in
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
 from grader.judging.verdict import FAILED, JUDGED, read_verdict
 from grader.lms import autograded
 from grader.lms.autograded import graded_cells
@@ -37,7 +37,7 @@ def notebook(text="", **answers):
 
 
 def handed_in(text="", **answers):
-    return HandedIn(f"{LESSON.name}.ipynb", notebook(text, **answers))
+    return SubmittedFiles(f"{LESSON.name}.ipynb", notebook(text, **answers))
 
 
 def for_ever():
@@ -79,7 +79,7 @@ def hold_up(monkeypatch, module, name, work=for_ever):
 
 def test_who_holds_preflight_up_gets_a_verdict(soon, sandbox, monkeypatch):
     hold_up(monkeypatch, preflight, "_defines")
-    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    verdict = judge_files(handed_in(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
     assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
     assert len(verdict.problems) == 1
@@ -87,7 +87,7 @@ def test_who_holds_preflight_up_gets_a_verdict(soon, sandbox, monkeypatch):
 
 def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
     hold_up(monkeypatch, preflight, "_defines", fail)
-    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    verdict = judge_files(handed_in(HOSTILE), SEED, sandbox)
     assert verdict.status == FAILED
     assert "a fault of ours" in verdict.faults[0]
 
@@ -168,7 +168,7 @@ def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypat
 def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
     data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
     data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
-    given = HandedIn(f"{LESSON.name}.ipynb", data)
+    given = SubmittedFiles(f"{LESSON.name}.ipynb", data)
     before = resident()
     try:
         assert preflight.prepare_to_judge(given, LESSON).code == ("x = 1",)

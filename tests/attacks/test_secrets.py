@@ -16,7 +16,7 @@ from grader.course.lessons import load_reference
 from grader.course.paths import Course
 from grader.course.seed import ShortSeed, course_seed
 from grader.judging import samples
-from grader.judging.runner import run_tests
+from grader.judging.runner import run_checks
 from tests.students import student_with
 
 WORD, PCG = 2**32, 2**128
@@ -122,7 +122,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
         exercise.name: listening(getattr(reference, exercise.name))
         for exercise in lesson.machine_graded
     }
-    run_tests(lesson, student_with(lesson, answers), SEED, lambda check: not check.is_shown)
+    run_checks(lesson, student_with(lesson, answers), SEED, lambda check: not check.is_shown)
     text = f"{SEED} test_{lesson.name}.py"
     secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
     secrets = {seed for seed in drawn_from if seed is not None and seed >= PUBLIC}

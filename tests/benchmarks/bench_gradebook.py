@@ -17,7 +17,7 @@ from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
-from grader.intake.submission import read_handed_in
+from grader.intake.submission import read_submitted_files
 from grader.lms.gradebook_writer import enter
 from grader.lms.standings import class_results
 from grader.sandbox import choose_sandbox
@@ -79,7 +79,7 @@ def main():
     options = words.parse_args()
     sandbox = choose_sandbox()
     verdicts = {
-        lesson: judge_one(read_handed_in(lesson.solved), lesson.name, "", SEED, sandbox.name)
+        lesson: judge_one(read_submitted_files(lesson.solved), lesson.name, "", SEED, sandbox.name)
         for lesson in all_lessons()
         if lesson.stage == STAGE
     }

@@ -17,10 +17,10 @@ from grader.classroom.collect.canvas import canvas
 from grader.classroom.collect.folder import folder
 from grader.classroom.collect.github import github
 from grader.classroom.collect.moodle import moodle
-from grader.classroom.collect.protocol import CollectTrouble, Handed, Kind
+from grader.classroom.collect.protocol import CollectTrouble, Kind, SubmittedFile
 from grader.classroom.collect.sources import open_archive
 
-__all__ = ["KINDS", "CollectTrouble", "Handed", "open_all"]
+__all__ = ["KINDS", "CollectTrouble", "SubmittedFile", "open_all"]
 
 KINDS: dict[str, Kind] = {
     "Moodle": moodle,
@@ -31,7 +31,7 @@ KINDS: dict[str, Kind] = {
 """By what people call them, in the order in which they are tried; the last takes everything."""
 
 
-def open_all(paths: Iterable[Path]) -> list[tuple[Path, str, list[Handed]]]:
+def open_all(paths: Iterable[Path]) -> list[tuple[Path, str, list[SubmittedFile]]]:
     """Open archives, and return the kind of each and the submitted files in it.
 
     Raises

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
 
 _WHO = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
@@ -25,7 +25,7 @@ _REMARKS = {
 }
 
 
-def canvas(archive: Archive) -> list[Handed] | None:
+def canvas(archive: Archive) -> list[SubmittedFile] | None:
     """See `Kind`."""
     matches = [(entry, _match(entry)) for entry in archive.entries]
     found = [_handed(entry, match) for entry, match in matches if match]
@@ -37,7 +37,7 @@ def _match(entry: ArchiveEntry) -> re.Match | None:
     return _TYPED.fullmatch(name) or _FILE.fullmatch(name)
 
 
-def _handed(entry: ArchiveEntry, match: re.Match) -> Handed:
+def _handed(entry: ArchiveEntry, match: re.Match) -> SubmittedFile:
     parts = match.groupdict()
     anonymous = parts["anonymous"]
     label = f"anon_{anonymous}" if anonymous else f"{parts['name']}_{parts['user']}"
@@ -48,7 +48,7 @@ def _handed(entry: ArchiveEntry, match: re.Match) -> Handed:
         lms_id=parts["user"] or "",
     )
     name = parts.get("file") or entry.path[-1]
-    return Handed(
+    return SubmittedFile(
         owner,
         (_AGAIN.sub(r"\1\2", name),),
         entry,

@@ -11,7 +11,7 @@ from grader.classroom.collect.answers import Answers, read_answers, remember, sa
 from grader.classroom.collect.inspection import OTHER, kind_of
 from grader.classroom.collect.outcome import CollectionReport, Question
 from grader.classroom.collect.owners import Owners, UnknownOwner
-from grader.classroom.collect.protocol import Handed, Owner
+from grader.classroom.collect.protocol import Owner, SubmittedFile
 from grader.classroom.collect.student import StudentCollector
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_worksheet
 from grader.classroom.submissions import Submission, find_submissions
@@ -20,7 +20,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
-Place = tuple[Path, Handed]
+Place = tuple[Path, SubmittedFile]
 """What somebody handed in, and the archive that it is in."""
 
 
@@ -92,7 +92,7 @@ def _excused(
     ]
 
 
-def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:
+def _of_one(path: Path, handed: list[SubmittedFile], owners: Owners) -> list[SubmittedFile]:
     """Return the archive as one student's work, if an answer says so and no other is named."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
@@ -151,6 +151,6 @@ def _files(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
 
 
-def _is_of_no_use(handed: Handed) -> bool:
+def _is_of_no_use(handed: SubmittedFile) -> bool:
     name = handed.path[-1]
     return not handed.remark and kind_of(name) == OTHER

@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
 from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 
-def folder(archive: Archive) -> list[Handed]:
+def folder(archive: Archive) -> list[SubmittedFile]:
     """See `Kind`."""
     wrapped = _wrapper(archive)
     return [_handed(archive, entry, entry.path[wrapped:]) for entry in archive.entries]
@@ -28,14 +28,14 @@ def _wrapper(archive: Archive) -> int:
     return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not ours)
 
 
-def _handed(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> Handed:
+def _handed(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
     whole = archive.path.name if archive.path.is_dir() else archive.path.stem
     label, inner = whole, path
     if len(path) > 1 and not _is_of_the_course(path[0]):
         label, inner = path[0], path[1:]
     elif len(path) == 1:
         label = _named_in(path[0]) or whole
-    return Handed(Owner(label, label, (label,)), inner, entry, saved=entry.moment)
+    return SubmittedFile(Owner(label, label, (label,)), inner, entry, saved=entry.moment)
 
 
 def _named_in(name: str) -> str:

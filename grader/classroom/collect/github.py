@@ -11,12 +11,12 @@ import csv
 import io
 import os
 
-from grader.classroom.collect.protocol import Archive, Handed, Owner, Unreadable
+from grader.classroom.collect.protocol import Archive, Owner, SubmittedFile, Unreadable
 
 ROSTER = "classroom_roster.csv"
 
 
-def github(archive: Archive) -> list[Handed] | None:
+def github(archive: Archive) -> list[SubmittedFile] | None:
     """See `Kind`."""
     repositories = sorted(folder for folder in archive.checkouts if folder)
     if not repositories:
@@ -31,7 +31,7 @@ def github(archive: Archive) -> list[Handed] | None:
         if inside:
             folder = max(inside, key=len)
             path = entry.path[len(folder) :]
-            found.append(Handed(owners[folder], path, entry, saved=entry.moment, given=True))
+            found.append(SubmittedFile(owners[folder], path, entry, saved=entry.moment, given=True))
     return found
 
 

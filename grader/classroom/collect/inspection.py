@@ -21,7 +21,7 @@ from grader.classroom.collect.zips import (
     open_zip,
 )
 from grader.classroom.contents import Content, lesson_by_name
-from grader.intake.reader_process import ReadingFailed, TooCostly, apart
+from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
 from grader.intake.submission import LARGEST_MODULE
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -68,7 +68,7 @@ def look_at(entry: ArchiveEntry, name: str) -> list[Piece]:
     contents.remember_what_was_released()
     try:
         data = entry.read()
-        found = apart(name, lambda: [_plain(piece) for piece in _look(data, name)])
+        found = run_in_child(name, lambda: [_plain(piece) for piece in _look(data, name)])
     except Unreadable as error:
         return [Piece((), WORK, complaint=str(error))]
     except TooCostly:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
 
 _WHO = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
@@ -19,13 +19,13 @@ _WHO = re.compile(
 _TYPED = "was typed into Moodle, where no notebook can be: ask for the .ipynb file"
 
 
-def moodle(archive: Archive) -> list[Handed] | None:
+def moodle(archive: Archive) -> list[SubmittedFile] | None:
     """See `Kind`."""
     found = [handed for entry in archive.entries for handed in _handed(entry)]
     return found if 2 * len(found) > len(archive.entries) else None
 
 
-def _handed(entry: ArchiveEntry) -> list[Handed]:
+def _handed(entry: ArchiveEntry) -> list[SubmittedFile]:
     for place, part in enumerate(entry.path):
         match = _WHO.fullmatch(part)
         if match is None:
@@ -35,5 +35,5 @@ def _handed(entry: ArchiveEntry) -> list[Handed]:
         label = f"{match['name']}_{number}" if number else match["name"]
         owner = Owner(label, label, (match["name"],), participant=number)
         remark = "" if match["plugin"].lower() == "file" else _TYPED
-        return [Handed(owner, inner, entry, remark=remark)]
+        return [SubmittedFile(owner, inner, entry, remark=remark)]
     return []

@@ -82,7 +82,7 @@ class Owner:
 
 
 @dataclass(frozen=True)
-class Handed:
+class SubmittedFile:
     """One submitted file.
 
     Attributes
@@ -118,5 +118,5 @@ class Handed:
         return "/".join((self.owner.label, *self.path))
 
 
-Kind = Callable[[Archive], list[Handed] | None]
+Kind = Callable[[Archive], list[SubmittedFile] | None]
 """Reads an archive as one program writes it; None where that program did not write it."""

@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect.inspection import Piece
-from grader.classroom.collect.protocol import Handed
+from grader.classroom.collect.protocol import SubmittedFile
 from grader.classroom.collect.record import FileOrigin
 from grader.classroom.collect.storage import digest_of
 from grader.classroom.contents import copy_number
@@ -19,7 +19,7 @@ class File:
     """A file of a student, with the submission that contained it."""
 
     archive: Path
-    handed: Handed
+    handed: SubmittedFile
     piece: Piece
 
     @property

@@ -23,7 +23,7 @@ from grader.classroom.collect.inspection import (
     look_at,
 )
 from grader.classroom.collect.outcome import ASKED, CollectionReport, Question
-from grader.classroom.collect.protocol import Handed
+from grader.classroom.collect.protocol import SubmittedFile
 from grader.classroom.collect.selection import File, newest
 from grader.classroom.collect.storage import KEPT, StageFolder, Unsure
 from grader.classroom.collect.worksheet import SubmissionRow
@@ -61,13 +61,13 @@ class StudentCollector:
         self._doubts: list[tuple[Question, Lesson | None]] = []
 
     def collect(
-        self, handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
+        self, handed: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
     ) -> None:
         """Place all files of the student.
 
         Parameters
         ----------
-        handed : sequence of (pathlib.Path, Handed)
+        handed : sequence of (pathlib.Path, SubmittedFile)
             Each submitted file with its archive.
         rows : sequence of SubmissionRow, or None
             Rows of the table of times about the student; None without a table.
@@ -88,7 +88,7 @@ class StudentCollector:
             self._doubt(handed[0][1].owner.label, f"handed in no notebook: {names}")
         self._tell_doubts()
 
-    def _files(self, handed: Sequence[tuple[Path, Handed]]) -> list[File]:
+    def _files(self, handed: Sequence[tuple[Path, SubmittedFile]]) -> list[File]:
         """Return notebooks and modules; files in place of a notebook become doubts."""
         files, size = [], 0
         for archive, one in handed:
@@ -226,7 +226,7 @@ class StudentCollector:
 
 
 def _time(
-    handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
+    handed: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
 ) -> tuple[datetime | None, str]:
     """Return when a student submitted, and why that is unknown if it is."""
     times = [row.when for row in rows or () if row.when]

@@ -23,7 +23,7 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
 from grader.judging.key import key_of_files, with_all_they_run
 from grader.sandbox import SANDBOXES, Limits
@@ -107,13 +107,13 @@ def from_json(text: str) -> Driven:
 
 
 def drive_one(
-    handed_in: HandedIn | None, lesson: str, number: int, seed: int, sandbox: str
+    handed_in: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> Driven:
     """Drive one street: plain data in, and out, wherever there is the course's code.
 
     Parameters
     ----------
-    handed_in : grader.intake.submission.HandedIn or None
+    handed_in : grader.intake.submission.SubmittedFiles or None
         None drives on the true boxes.
     lesson : str
         Name of the lesson that was handed in.
@@ -244,7 +244,7 @@ def _unpacked(text: str) -> Iterator[np.ndarray]:
     return iter(np.split(boxes, np.cumsum(counts)[:-1]))
 
 
-def key_of(handed_in: HandedIn | None, street: Street, lesson: Lesson) -> str:
+def key_of(handed_in: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
     """Fingerprint of everything that a drive depends on."""
     submission = handed_in.fingerprint() if handed_in else "true boxes"
     about = (str(street.seed), _rules(lesson), submission)

@@ -15,7 +15,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.intake.submission import HandedIn, read_handed_in
+from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.sandbox import Sandbox, SandboxUnavailable
 from utils.drive.streets import Street
 
@@ -42,7 +42,7 @@ class Entrant:
 
     name: str
     student: bool
-    read: Callable[[], HandedIn | None]
+    read: Callable[[], SubmittedFiles | None]
     folder: Path
 
 
@@ -203,7 +203,7 @@ def _season(
 def _entrants(course: Course, lesson: Lesson) -> Iterator[Entrant]:
     ours = course.verdicts / ".league" / lesson.stage
     yield Entrant(TRUE_BOXES, False, lambda: None, ours / "true")
-    yield Entrant(OUR_OWN, False, lambda: read_handed_in(lesson.solved), ours / "own")
+    yield Entrant(OUR_OWN, False, lambda: read_submitted_files(lesson.solved), ours / "own")
     for submission in find_submissions(course, [lesson.stage]):
         if submission.lesson == lesson:
             beside = submission.verdict_path(course).parent / ".league"

@@ -15,8 +15,8 @@ from grader.classroom.similarity.normal_form import NormalStatement, steps_of
 from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import Lesson, all_lessons
 from grader.intake.preflight import prepare
-from grader.intake.reader_process import apart
-from grader.intake.submission import HandedIn
+from grader.intake.reader_process import run_in_child
+from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
 # Real answers are far below both limits; a longer answer cannot be compared by a person.
@@ -66,7 +66,7 @@ class Work:
     problems: tuple[str, ...]
 
 
-def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
+def read_work(handed_in: SubmittedFiles, lesson: Lesson) -> Work:
     """Read a submission in a process of its own, without running its code.
 
     Raises
@@ -91,7 +91,7 @@ def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
             "problems": problems,
         }
 
-    read = apart(handed_in.name, work)
+    read = run_in_child(handed_in.name, work)
     answers = {name: _from_json(answer) for name, answer in read["answers"].items()}
     return Work(**{**read, "answers": answers, "problems": tuple(read["problems"])})
 

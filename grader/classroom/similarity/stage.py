@@ -11,8 +11,8 @@ from grader.classroom.similarity.answers import (
     ComparedAnswer,
     Work,
     kept_answers,
+    read_work,
     taught_answers,
-    work_in,
 )
 from grader.classroom.similarity.comparison import Comparison, Pair, compare
 from grader.classroom.submissions import Submission, find_submissions
@@ -114,7 +114,7 @@ def compare_stage(
         student, lesson = printable(submission.student), submission.lesson.name
         handed_in = submission.read(course)
         try:
-            work = work_in(handed_in, submission.lesson)
+            work = read_work(handed_in, submission.lesson)
         except (UnreadableNotebook, ReadingFailed) as error:
             problems.append((student, lesson, str(error).splitlines()[0]))
             continue

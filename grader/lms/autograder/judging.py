@@ -18,7 +18,7 @@ from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook
@@ -121,7 +121,7 @@ def _judge(
     return JudgedLesson(lesson, verdict, _notes(handed_in, lesson))
 
 
-def _notes(handed_in: HandedIn, lesson: Lesson) -> tuple[str, ...]:
+def _notes(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
     try:
         return tuple(prepare_to_judge(handed_in, lesson).notes)
     except (UnreadableNotebook, ReadingFailed) as error:

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson, load_reference
 from grader.intake.preflight import prepare
-from grader.intake.submission import HandedIn
+from grader.intake.submission import SubmittedFiles
 from grader.judging.runner import _own_time
 from grader.lms.autograded import build_copy
 from utils import load_cloud
@@ -300,7 +300,9 @@ def test_steps_stay_the_students_own_in_the_autograded_copy():
     for cell in notebook["cells"]:
         if cell["metadata"].get("nbgrader", {}).get("grade_id") in STEPS:
             cell["source"] = [f"{cell['metadata']['nbgrader']['grade_id']} = print  # mine"]
-    copy = build_copy(prepare(HandedIn(f"{NAME}.ipynb", json.dumps(notebook).encode()), lesson))
+    copy = build_copy(
+        prepare(SubmittedFiles(f"{NAME}.ipynb", json.dumps(notebook).encode()), lesson)
+    )
     for name in STEPS:
         found = [cell for cell in copy.cells if f"{name} = print" in cell.source]
         assert [cell.metadata.nbgrader.grade_id for cell in found] == [name]
