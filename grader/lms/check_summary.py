@@ -1,6 +1,6 @@
-"""What a student reads of an exercise's checks: the first failure in full, the rest in few lines.
+"""Summarize the checks of an exercise for a student: the first failure in full, others in groups.
 
-One mistake fails many checks. Those that say nothing of their own are told together.
+One mistake fails many checks. Checks whose message says nothing new share one line.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from grader.judging.messages import in_common, without_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, Kind
 
-# Messages of these kinds are told together: what is said of one and of many.
+# Kinds of messages that are grouped, with the words for one check and for several.
 TOGETHER = {
     Kind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
     Kind.WAITING: ("cannot be judged before this is right",) * 2,
@@ -22,15 +22,15 @@ ALIKE = ("fails in the same way", "fail in the same way")
 
 @dataclass(frozen=True)
 class Fold:
-    """Failed checks that are told together.
+    """A group of failed checks.
 
     Attributes
     ----------
     says : str
-        One line about all of them.
+        One line about the group.
     count : int
     titles : tuple of str
-        What they demand; with a number where several demand the same.
+        Titles of the checks, with a number if several have the same.
     """
 
     says: str
@@ -40,19 +40,19 @@ class Fold:
 
 @dataclass(frozen=True)
 class Folded:
-    """The checks of an exercise as they are told.
+    """The summary of an exercise's checks.
 
     Attributes
     ----------
     exercise : str
     first : CheckResult or None
-        The failure to begin with, told in full; None where everything holds.
+        The failure to fix first, shown in full; None if every check passed.
     others : tuple of CheckResult
-        Failures that say something of their own.
+        Failures whose messages say something new.
     folds : tuple of Fold
     passed : tuple of CheckResult
     started : bool
-        False for a stub that nobody touched: then only `not_started` says anything.
+        False for an untouched stub, about which only `not_started` has a sentence.
     """
 
     exercise: str
@@ -64,13 +64,13 @@ class Folded:
 
     @property
     def not_started(self) -> str:
-        """The sentence on a stub: without what to do, which the notebook says."""
+        """The sentence on a stub, without the advice that the notebook gives."""
         stub = self.first.subject
         return f"{stub} is not started." if stub == self.exercise else self.first.message
 
     @property
     def in_words(self) -> str:
-        """How many checks hold."""
+        """The number of checks that passed, in words."""
         failed = (
             (self.first is not None) + len(self.others) + sum(fold.count for fold in self.folds)
         )
@@ -83,7 +83,7 @@ class Folded:
 
 
 def fold(exercise: ExerciseResult) -> Folded:
-    """Sort the checks of an exercise by what there is to say about them."""
+    """Summarize the checks of an exercise."""
     passed = tuple(test for test in exercise.tests if test.passed)
     failed = [test for test in exercise.tests if not test.passed]
     first = next((test for test in failed if test.name == exercise.first), None)
@@ -104,7 +104,7 @@ def fold(exercise: ExerciseResult) -> Folded:
 
 
 def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
-    """What checks have in common: a message of their own, or what is said of one and of many."""
+    """Return the group of a check: its message, or the words for one check and for several."""
     if test.kind in TOGETHER:
         return TOGETHER[test.kind]
     message = without_numbers(test.message)
