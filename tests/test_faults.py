@@ -21,7 +21,7 @@ from grader.classroom.protocol import ExecutorLost
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.console import progress_bar
 from grader.course.kept_answers import answers_to, fill_in
-from grader.course.lessons import find_lesson
+from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.judging import judge as judging
 from grader.judging import program_run
@@ -919,6 +919,14 @@ def test_the_doctor_sees_a_course_that_student_code_could_read(tmp_path, monkeyp
     monkeypatch.setattr(doctor, "is_shown", lambda path: path == tmp_path)
     finding = doctor._boundary(Course(tmp_path))
     assert not finding.good and str(tmp_path) in finding.text
+
+
+def test_the_doctor_looks_whether_hidden_tests_could_be_read(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr(doctor, "is_shown", lambda path: looked_at.append(path))
+    assert doctor._boundary(Course()).good
+    for lesson in all_lessons():
+        assert any(lesson.tests.is_relative_to(path) and path.is_dir() for path in looked_at)
 
 
 @pytest.mark.slow

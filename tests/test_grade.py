@@ -88,7 +88,7 @@ def make_course(root, lesson, texts, sandbox):
         shutil.copytree(
             PROJECT / folder / lesson.stage,
             made.root / folder / lesson.stage,
-            ignore=shutil.ignore_patterns("*.py", "pictures"),
+            ignore=lambda folder, names: [name for name in names if not name.endswith(".ipynb")],
         )
         for stray in (made.root / folder / lesson.stage).glob("*.ipynb"):
             if stray.stem != lesson.name:

@@ -43,7 +43,6 @@ def imports_within(root, rooms):
         ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
         for room in rooms
         for path in (root / room).rglob("*.py")
-        if path.parent.name != "variants"  # answers, not all of which are plain Python
     }
     found = {}
     for module, path in files.items():

@@ -29,7 +29,6 @@ FILES = (
     "requirements-compiled.txt",
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
-HANDED_IN = PROJECT / "grader" / "variants"  # students' answers: some import what they must not
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
 OURS = {"grader", "utils", "tests"} | INSIDE
 # What is used where somebody has installed it: peers of a benchmark, and lesson 13's compiler.
@@ -75,10 +74,9 @@ def strangers_by_file():
     found = {}
     for folder in ("grader", "utils", "solutions", "tests"):
         for path in sorted((PROJECT / folder).rglob("*.py")):
-            if not path.is_relative_to(HANDED_IN):
-                packages = set(imports(path.read_text("utf-8")))
-                others = packages - OURS - PEERS - BROWSER - sys.stdlib_module_names
-                found[path.relative_to(PROJECT).as_posix()] = others
+            packages = set(imports(path.read_text("utf-8")))
+            others = packages - OURS - PEERS - BROWSER - sys.stdlib_module_names
+            found[path.relative_to(PROJECT).as_posix()] = others
     return found
 
 

@@ -20,10 +20,11 @@ from grader.classroom.similarity.page import percent, write_similarity
 from grader.classroom.similarity.stage import compare_stage
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import lesson_of
-from grader.course.paths import PROJECT, Course
+from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles
+from tests.course_lessons import COURSE
 
-ALL = tuple(sorted(path.stem for path in (PROJECT / "grader" / "variants").glob("*.py")))
+ALL = tuple(sorted(exercise.name for lesson in COURSE for exercise in lesson.machine_graded))
 
 
 def answer(exercise, source):

@@ -341,7 +341,7 @@ def copy(tmp_path_factory):
     """The project, and its keys."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("grader", "utils", "solutions", "notebooks", "data"):
-        without = shutil.ignore_patterns("__pycache__", "pictures")
+        without = shutil.ignore_patterns("__pycache__")
         shutil.copytree(PROJECT / folder, root / folder, ignore=without)
     return root, keys_in(root)
 

@@ -126,7 +126,7 @@ def _sandboxes() -> Iterator[Finding]:
 
 
 def _boundary(course: Course) -> Finding:
-    seen = [path for path in (PROJECT / "grader" / "tests", course.root) if is_shown(path)]
+    seen = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
     if not seen:
         return Finding("boundary", True, "student code sees neither hidden tests nor submissions")
     return Finding(
