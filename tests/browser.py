@@ -4,6 +4,7 @@ import http.server
 import os
 import shutil
 import subprocess
+import tempfile
 import threading
 from pathlib import Path
 
@@ -20,6 +21,12 @@ MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
 ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
 SECONDS = 100  # that scripts may take, by the page's own clock
 PATIENCE = 500
+
+
+def _run(command, **options):
+    """Run Chromium; its lock needs a short path that can be written, which /tmp need not be."""
+    env = {**os.environ, "TMPDIR": tempfile.gettempdir()}
+    return subprocess.run(command, env=env, timeout=PATIENCE, **options)
 
 
 def mathjax_entries():
@@ -70,7 +77,7 @@ def printed(page, folder):
         *("--no-pdf-header-footer", f"--print-to-pdf={folder}/page.pdf"),
         (folder / "page.html").as_uri(),
     ]
-    subprocess.run(command, capture_output=True, check=True, timeout=PATIENCE)
+    _run(command, capture_output=True, check=True)
     text = subprocess.run(
         [PDF_TO_TEXT, "-layout", folder / "page.pdf", "-"],
         capture_output=True,
@@ -94,7 +101,7 @@ def seen(page, folder, elsewhere):
         *(f"--virtual-time-budget={1000 * SECONDS}", "--dump-dom", f"http://{address}/"),
     ]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+        done = _run(command, capture_output=True, text=True)
     finally:
         server.shutdown()
         server.server_close()
