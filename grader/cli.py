@@ -14,7 +14,7 @@ from grader.course.paths import PROJECT
 from grader.course.roster import RosterTrouble
 from grader.course.seed import ShortSeed
 from grader.lms.exporters import EXPORTERS
-from grader.lms.results import GradebookUnreachable
+from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ShortSeed,
         RosterTrouble,
         DeadlinesTrouble,
-        GradebookUnreachable,
+        GradebookUnavailable,
     ) as error:
         print(error, file=sys.stderr)
         return commands.WRONG_CALL

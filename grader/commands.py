@@ -119,13 +119,13 @@ def _release_solutions(options: argparse.Namespace) -> int:
     from grader.course.deadlines import Deadlines, read_deadlines
     from grader.course.lessons import all_lessons
     from grader.course.solutions import still_open, write_solutions
-    from grader.lms.dates import granted_in_gradebook
+    from grader.lms.dates import gradebook_extensions
     from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
 
     wanted, course = options.stages or stages(), Course()
     deadlines = read_deadlines(course) or Deadlines({})
-    granted = granted_in_gradebook(course, wanted, deadlines)
+    granted = gradebook_extensions(course, wanted, deadlines)
     now = datetime.now(UTC)
     early = [still_open(deadlines, stage, now, granted[stage]) for stage in wanted]
     if any(early):
@@ -148,17 +148,17 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import NotReleased
     from grader.site.builder import ready, write_site
-    from grader.site.errors import SiteTrouble
-    from grader.site.runs import not_installed, solved_runs
+    from grader.site.errors import SiteError
+    from grader.site.runs import missing_packages, solved_runs
 
-    missing = {lesson: not_installed(lesson) for lesson in optional_lessons()}
+    missing = {lesson: missing_packages(lesson) for lesson in optional_lessons()}
     can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
         ready(options.to)
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
         write_site(options.to, ran, read_origin(), options.live)
-    except (NotReleased, SiteTrouble) as error:
+    except (NotReleased, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
     for lesson, packages in missing.items():
@@ -316,8 +316,8 @@ def _verdicts_on_disk(course: Course) -> Judged:
 
 def run_export(options: argparse.Namespace) -> int:
     """Run ``export``."""
-    from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
-    from grader.lms.exporters.destination import place
+    from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
+    from grader.lms.exporters.destination import write_export
     from grader.lms.standings import class_results
 
     course, exporter = Course(), EXPORTERS[options.format]
@@ -335,10 +335,10 @@ def run_export(options: argparse.Namespace) -> int:
         return WRONG_CALL
     wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
     try:
-        exported = exporter.write(Order(course, results, *wanted))
+        exported = exporter.write(ExportOptions(course, results, *wanted))
         name = ".".join(filter(None, ("scores", options.assignment))) + exporter.ending
-        path, before = place(exported.content, options.to, course.root / name, options.into)
-    except ExportTrouble as error:
+        path, before = write_export(exported.content, options.to, course.root / name, options.into)
+    except ExportError as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
     console.print_exported(exported, path, before, exporter.next_step)
@@ -351,7 +351,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
     from grader.course.seed import course_seed
     from grader.lms.autograder.judging import lessons_of
-    from grader.lms.autograder.package import packed_autograder, write_secret
+    from grader.lms.autograder.package import build_autograder_zip, write_secret
 
     course, lessons = Course(), lessons_of(options.assignment)
     if not lessons:
@@ -380,7 +380,7 @@ def run_autograder(options: argparse.Namespace) -> int:
         print(console.plain(error), file=sys.stderr)
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
-    write_secret(packed_autograder(options.assignment, seed), path)
+    write_secret(build_autograder_zip(options.assignment, seed), path)
     console.print_autograder(path, lessons)
     return GOOD
 
@@ -490,7 +490,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     from grader.classroom.doctor import examine
     from grader.classroom.executors import EXECUTORS
     from grader.course.seed import course_seed
-    from grader.lms.gradebook_check import examine_gradebook
+    from grader.lms.gradebook_check import check_gradebook
 
     course = Course()
     try:
@@ -501,7 +501,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     with EXECUTORS["processes"](options.workers) as executor:
         seed = course_seed(course)
         about_grading = examine(course, seed, sandbox, executor, console.progress_bar)
-        for finding in itertools.chain(about_grading, examine_gradebook(course)):
+        for finding in itertools.chain(about_grading, check_gradebook(course)):
             console.print_finding(finding)
             good &= finding.good
     return GOOD if good else FAULT
@@ -628,12 +628,12 @@ def _judge_all(
 def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
     # Importing nbgrader takes a second, so it is done after the verdicts are there.
-    from grader.lms.gradebook_writer import GradebookTrouble, enter
+    from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 
     with console.progress_bar("Entering into the gradebook") as advance:
         try:
-            enter(course, judged, wanted, advance, student)
-        except GradebookTrouble as error:
+            enter_verdicts(course, judged, wanted, advance, student)
+        except GradebookError as error:
             print(console.plain(error), file=sys.stderr)
             return FAULT
     return GOOD
@@ -672,11 +672,11 @@ def _print_one(course: Course, student: str, judged: Judged) -> None:
 
 
 def _print_end(course: Course, count: int, before: int, seconds: float, label: str) -> None:
-    from grader.lms.gradebook import address
+    from grader.lms.gradebook import gradebook_location
 
     print(
         f"{count} notebook{'s' * (count != 1)}: {count - before} judged in {seconds:.1f} s"
-        f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
+        f"{f', {before} as before' if before else ''}. Gradebook: {gradebook_location(course)}"
         f"{f'. Sandbox: {label}' if label else ''}"
     )
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from grader.classroom.submissions import Submission
     from grader.course.lessons import Lesson
     from grader.judging.verdict import Verdict
-    from grader.lms.exporters import Exported
-    from grader.lms.feedback_archives import Written
-    from grader.lms.history import Change
+    from grader.lms.exporters import ExportResult
+    from grader.lms.feedback_archives import WrittenFeedback
+    from grader.lms.history import MarkChange
     from grader.lms.results import ClassResults, NotebookResult
     from grader.sandbox import Sandbox
 
@@ -171,7 +171,7 @@ def print_class(
         console.print(" · ".join(legend), markup=False, style="dim")
 
 
-def print_history(changes: Sequence[Change]) -> None:
+def print_history(changes: Sequence[MarkChange]) -> None:
     """Print the history of a student's marks."""
     table = Table(title="Marks that changed", title_justify="left", box=SIMPLE_HEAD)
     for heading in ("Noticed", "Lesson", "Exercise"):
@@ -233,7 +233,7 @@ def print_notes(sentences: Sequence[str]) -> None:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
 
 
-def print_exported(exported: Exported, path: Path, before: Path | None, next_step: str) -> None:
+def print_exported(exported: ExportResult, path: Path, before: Path | None, next_step: str) -> None:
     """Print what an exported file contains, what is missing, and what to do with the file."""
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
@@ -268,7 +268,7 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
-def print_feedback(done: Sequence[Written]) -> None:
+def print_feedback(done: Sequence[WrittenFeedback]) -> None:
     """Print which students have feedback, and which have none."""
     for one in done:
         if one.pages:

@@ -21,7 +21,7 @@ from pathlib import Path
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.judging.judge import judge
-from grader.lms.autograder.package import packed_autograder
+from grader.lms.autograder.package import build_autograder_zip
 from tests.containers import DOCKER, as_user, deny_what_docker_denies
 from tests.prerequisites import demand_walls
 
@@ -317,7 +317,7 @@ FAILED = []
 
 def main(place):
     here = demand_walls()
-    archive = packed_autograder(STAGE, SEED)
+    archive = build_autograder_zip(STAGE, SEED)
     listening = socket.create_server(("127.0.0.1", PORT))
     image = upload(place, archive)
     check("an image is set up", True)

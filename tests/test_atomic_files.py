@@ -11,8 +11,8 @@ from grader.course import atomic_files, release, solutions, standalone
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import find_lesson
 from grader.lms.exchange import ReleaseStandalone
-from grader.lms.exporters.destination import place
-from grader.lms.exporters.protocol import ExportTrouble
+from grader.lms.exporters.destination import write_export
+from grader.lms.exporters.protocol import ExportError
 
 LESSON = find_lesson("08_bounding_boxes")
 
@@ -100,12 +100,12 @@ def test_what_nbgrader_releases_is_whole_or_what_it_was(tmp_path, monkeypatch, f
 
 def test_an_export_is_whole_or_what_it_was(tmp_path, full_disk):
     usual = tmp_path / "scores.csv"
-    place(b"before", None, usual, None)
+    write_export(b"before", None, usual, None)
     full_disk()
-    with pytest.raises(ExportTrouble, match="cannot be written: File too large"):
-        place(b"now" * 1000, None, usual, None)
-    with pytest.raises(ExportTrouble, match="cannot be written: File too large"):
-        place(b"now" * 1000, tmp_path / "other.csv", usual, None)
+    with pytest.raises(ExportError, match="cannot be written: File too large"):
+        write_export(b"now" * 1000, None, usual, None)
+    with pytest.raises(ExportError, match="cannot be written: File too large"):
+        write_export(b"now" * 1000, tmp_path / "other.csv", usual, None)
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [
         ("scores.csv", b"before")
     ]

@@ -16,8 +16,8 @@ from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
 from grader.lms.autograder import __main__ as program
 from grader.lms.autograder import isolation, judging, results
-from grader.lms.autograder.judging import Judged, JudgedLesson
-from grader.lms.autograder.package import packed_autograder
+from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
+from grader.lms.autograder.package import build_autograder_zip
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 from tests.prerequisites import ROOT
 
@@ -52,7 +52,7 @@ def exercise(slip=None):
 
 
 def results_for(*lessons, left=()):
-    return results.results_of(Judged(lessons, tuple(left)))
+    return results.build_results(JudgedSubmission(lessons, tuple(left)))
 
 
 # ---- What is said --------------------------------------------------------------------------
@@ -204,8 +204,8 @@ def test_who_had_no_processor_is_asked_again(root, monkeypatch):
 @pytest.fixture
 def open_walls(monkeypatch):
     """Neither root nor walls are needed for what follows."""
-    monkeypatch.setattr(program, "close", lambda root: None)
-    monkeypatch.setattr(program, "walls_here", lambda: SANDBOXES["process"])
+    monkeypatch.setattr(program, "restrict_access", lambda root: None)
+    monkeypatch.setattr(program, "strongest_sandbox", lambda: SANDBOXES["process"])
 
 
 def test_a_fault_of_ours_is_nobodys_nought(root, open_walls, monkeypatch, capsys):
@@ -231,8 +231,8 @@ def test_without_walls_nothing_runs(root, monkeypatch, capsys):
     def unavailable(self):
         raise SandboxUnavailable("It is a drill. Student code is only run inside a sandbox.")
 
-    monkeypatch.setattr(program, "close", lambda root: None)
-    for name in isolation.KINDS:
+    monkeypatch.setattr(program, "restrict_access", lambda root: None)
+    for name in isolation.PREFERRED_SANDBOXES:
         monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
     assert program.main(root) == 1
     said = capsys.readouterr().out
@@ -242,7 +242,10 @@ def test_without_walls_nothing_runs(root, monkeypatch, capsys):
 
 
 def test_no_walls_are_taken_that_protect_nothing():
-    assert set(isolation.KINDS) < set(SANDBOXES) and "process" not in isolation.KINDS
+    assert (
+        set(isolation.PREFERRED_SANDBOXES) < set(SANDBOXES)
+        and "process" not in isolation.PREFERRED_SANDBOXES
+    )
 
 
 needs_root = pytest.mark.skipif(os.geteuid() != 0, reason=ROOT)
@@ -254,7 +257,7 @@ def test_tests_and_seed_are_closed_to_others(root):
     (root / "results").chmod(0o777)
     (root / "source").chmod(0o755)
     os.chown(root / "results", 31_415, 31_415)
-    isolation.close(root)
+    isolation.restrict_access(root)
     modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in root.iterdir()}
     assert modes["source"] == modes["submission"] == 0o700
     assert modes["submission_metadata.json"] & 0o077 == 0
@@ -267,14 +270,14 @@ def test_what_does_not_stay_closed_is_refused(root, tmp_path):
     elsewhere.mkdir()
     (root / "submission").rmdir()
     (root / "submission").symlink_to(elsewhere)
-    with pytest.raises(isolation.NotClosed, match="submission"):
-        isolation.close(root)
+    with pytest.raises(isolation.IsolationFailed, match="submission"):
+        isolation.restrict_access(root)
 
 
 def test_whoever_is_not_root_is_refused(root, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    with pytest.raises(isolation.NotClosed, match="must be run by root"):
-        isolation.close(root)
+    with pytest.raises(isolation.IsolationFailed, match="must be run by root"):
+        isolation.restrict_access(root)
 
 
 @needs_root
@@ -303,12 +306,12 @@ def test_judges_as_at_home(root, sandbox, right, capsys):
 
 @pytest.fixture(scope="module")
 def packed():
-    return packed_autograder(STAGE, SEED)
+    return build_autograder_zip(STAGE, SEED)
 
 
 @pytest.mark.slow
 def test_the_same_course_is_the_same_zip(packed):
-    assert packed == packed_autograder(STAGE, SEED) != packed_autograder(STAGE, SEED + 1)
+    assert packed == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
 
 
 def test_holds_what_judging_reads_and_nothing_of_a_class(packed):

@@ -21,7 +21,7 @@ from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import read_record, why_untimed
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import PROJECT, Course
-from grader.lms.submission_times import Undecided, handed_in_at
+from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 from tests.archives import (
     EIGHT,
     NINE,
@@ -135,11 +135,11 @@ def test_canvas_marks_late_work_and_gives_no_time(course):
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
-    with pytest.raises(Undecided, match="marks it late"):
-        handed_in_at(folders[:1])
-    assert handed_in_at(folders[1:]) is None
+    with pytest.raises(SubmissionTimeUnknown, match="marks it late"):
+        submission_time(folders[:1])
+    assert submission_time(folders[1:]) is None
     (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
-    assert handed_in_at(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
+    assert submission_time(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
 
 
 def test_who_is_late_no_more_is_not(course):

@@ -8,7 +8,7 @@ import pytest
 
 from grader.classroom.collect import record, storage
 from grader.course.paths import Course
-from grader.lms.submission_times import Undecided, handed_in_at
+from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
 from tests.test_collect import STAGE, archive, collect, older, placed, resubmission, states
 
@@ -43,8 +43,8 @@ def folder(course):
 def time_of(course):
     """The stage's time, or why nobody knows it."""
     try:
-        return handed_in_at([folder(course)])
-    except Undecided as reason:
+        return submission_time([folder(course)])
+    except SubmissionTimeUnknown as reason:
         return str(reason)
 
 

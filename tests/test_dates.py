@@ -12,9 +12,9 @@ from grader.lms import dates as dates_module
 from grader.lms import gradebook
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.instructor_notes import notes
-from grader.lms.penalties import late_penalties
+from grader.lms.penalties import load_penalty_plugin
 from grader.lms.standings import class_results
 from tests.postgresql import NotInstalled, server
 from tests.test_gradebook import EARNED, LATE, STAGE, make_course, penalties, quiet, verdicts
@@ -32,7 +32,7 @@ def entered_once(tmp_path_factory):
     for student in EARNED:  # 13:00 in Berlin
         when = made.submitted / student / STAGE / "timestamp.txt"
         when.write_text("2026-03-01 12:00:00 UTC")
-    enter(made, verdicts(made), [STAGE], quiet)
+    enter_verdicts(made, verdicts(made), [STAGE], quiet)
     return made.root
 
 
@@ -46,7 +46,7 @@ def course(entered_once, tmp_path):
 
 def grade_with(course, dates):
     (course.root / "deadlines.toml").write_text(dates)
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     return penalties(course)
 
 
@@ -92,9 +92,9 @@ def test_an_extension_counts_as_soon_as_something_is_handed_in(entered_once, tmp
     kept = course.submitted.rename(course.root / "later")
     dates = HEAD + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n"
     (course.root / "deadlines.toml").write_text(dates)
-    enter(course, [], [STAGE], quiet)  # nobody has handed in anything
+    enter_verdicts(course, [], [STAGE], quiet)  # nobody has handed in anything
     kept.rename(course.submitted)
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {}
     assert class_results(course).stage("ada", STAGE).due == datetime(2026, 3, 3, 12, tzinfo=UTC)
 
@@ -137,7 +137,7 @@ def test_what_leaves_the_file_leaves_the_gradebook(course):
     assert class_results(course).stage("bob", STAGE).due is None
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
     (course.root / "deadlines.toml").unlink()
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {}
     with gradebook.open_gradebook(course) as book:
         assert book.find_assignment(STAGE).duedate is None
@@ -239,7 +239,7 @@ def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
     other = HEAD.replace(STAGE, "stage1_ransac")
     assert grade_with(course, other) == {"bob": pytest.approx(2.075)}
     (course.root / "deadlines.toml").unlink()
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {"bob": pytest.approx(2.075)}
     assert told(course) == []
 
@@ -249,7 +249,7 @@ def test_another_extension_is_a_difference(course):
     deadlines = read_deadlines(course)
     entry = StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     with gradebook.open_gradebook(course) as book:
-        about = (course, book, entry, late_penalties(course), deadlines)
+        about = (course, book, entry, load_penalty_plugin(course), deadlines)
         assert differences(*about) == []
         book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
         found = differences(*about)

@@ -10,7 +10,7 @@ from grader.classroom.folders import respelt_folders, unmatched_folders
 from grader.classroom.submissions import find_submissions
 from grader.course.roster import read_roster
 from grader.lms import gradebook
-from grader.lms.gradebook_writer import GradebookTrouble, enter
+from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.instructor_notes import notes
 from grader.lms.standings import class_results
 from tests.test_gradebook import (
@@ -52,13 +52,13 @@ def students(course):
 
 
 def trouble_in(course, earned=EARNED):
-    with pytest.raises(GradebookTrouble) as trouble:
-        enter(course, verdicts(course, earned), [STAGE], quiet)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     return str(trouble.value).splitlines()[1:]
 
 
 def test_everybody_on_the_roster_is_in_the_gradebook_by_name(course):
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert students(course) == {
         "ada": ("Ada", "Ash", "ada@x.edu", "8"),
         "bob": ("Bob", "Bell", None, "7"),
@@ -69,11 +69,11 @@ def test_everybody_on_the_roster_is_in_the_gradebook_by_name(course):
 
 
 def test_what_changes_on_the_roster_arrives_and_what_it_leaves_blank_stays(course):
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("bob", email="bob@home.edu")
     (course.root / "roster.csv").write_text(ROSTER.replace("Bell", "Bell-Ash"))
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
 
 
@@ -87,12 +87,14 @@ def test_who_is_not_on_the_roster_is_asked_about_and_not_entered(course):
     assert "ghost" not in students(course) and {one for one, _ in marks(course)} == {"ada", "bob"}
     assert not (course.autograded / "ghost").exists()
     (course.root / "roster.csv").write_text(ROSTER + "ghost\n")
-    enter(course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet)
+    enter_verdicts(
+        course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet
+    )
     assert marks(course)["ghost", "test_voxel_grid"][0] == 20
 
 
 def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
     assert len(trouble_in(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
@@ -107,7 +109,7 @@ def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
 def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
     hand_in(course, folder, GROUND)
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5)}}
-    enter(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert marks(course)["yan", "test_voxel_grid"][0] == 12.5
     assert folder not in students(course)
     roster = read_roster(course)
@@ -126,7 +128,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     (course.submitted / "yan" / STAGE / "timestamp.txt").write_text("2026-02-01 13:00:00 UTC")
     (course.submitted / "yan" / STAGE / "plan.txt").write_text("mine")
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5), DISTANCE: (3.0, 2.0, 1.0)}}
-    enter(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     entered = marks(course)
     assert entered["yan", "test_voxel_grid"][0] == 12.5
     assert {entered["yan", exercise.cell][0] for exercise in DISTANCE.machine_graded} == {3, 2, 1}
@@ -143,7 +145,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")
     before = inode(course, "yan")
-    enter(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert inode(course, "yan") == before
 
 
@@ -196,7 +198,9 @@ def test_where_it_may_be_of_two_both_are_named(course):
 def test_without_a_roster_everybody_is_entered(course):
     (course.root / "roster.csv").unlink()
     hand_in(course, "ghost", GROUND)
-    enter(course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet)
+    enter_verdicts(
+        course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet
+    )
     assert set(students(course)) == {"ada", "bob", "ghost"}
 
 

@@ -12,9 +12,9 @@ from grader import cli, commands
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import standings
-from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
-from grader.lms.exporters.assignment_marks import marks_of
-from grader.lms.exporters.destination import place
+from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
+from grader.lms.exporters.assignment_marks import collect_marks
+from grader.lms.exporters.destination import write_export
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -23,7 +23,7 @@ from grader.lms.results import (
     ClassResults,
     NotebookResult,
     StageResult,
-    standing_in_stage,
+    combined_status,
 )
 from tests.platforms import Canvas, CanvasStudent
 
@@ -56,7 +56,7 @@ def stands(person, scores, late=None, excused=(), penalty=0.0):
             StageResult(
                 person.id,
                 stage,
-                standing_in_stage(mine),
+                combined_status(mine),
                 sum(known) if known else None,
                 sum(one.max_score for one in mine),
                 sum(one.penalty for one in mine),
@@ -82,7 +82,7 @@ CLASS = class_of(
 
 
 def table(results, assignment=None):
-    exported = EXPORTERS["csv"].write(Order(Course(), results, assignment))
+    exported = EXPORTERS["csv"].write(ExportOptions(Course(), results, assignment))
     return exported, list(csv.reader(io.StringIO(exported.content.decode())))
 
 
@@ -119,7 +119,7 @@ def test_the_table_of_a_lesson_has_that_lesson_alone():
     ]
     standing = rows[0].index(f"{THREE}: standing")
     assert [row[standing] for row in rows[2:]] == ["marked", "missing", "missing", "marked"]
-    with pytest.raises(ExportTrouble, match="Nobody has handed in anything for stage1_ransac"):
+    with pytest.raises(ExportError, match="Nobody has handed in anything for stage1_ransac"):
         table(CLASS, "stage1_ransac")
 
 
@@ -144,7 +144,7 @@ def test_names_shift_no_column_and_run_no_formula():
 def test_a_mark_of_who_is_not_on_the_roster_is_lost_aloud():
     results = class_of(stands(ADA, {SIX: 1.0}), people=(ADA,), strangers=("ghost",))
     (said,) = table(results)[0].lost
-    (said_elsewhere,) = marks_of(Order(Course(), results, SIX)).lost
+    (said_elsewhere,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
     for sentence in (said, said_elsewhere):
         assert sentence.startswith("'ghost' has marks in the gradebook and is not on the roster")
 
@@ -153,7 +153,7 @@ def test_a_mark_of_who_is_not_on_the_roster_is_lost_aloud():
 
 
 def marks(assignment, results=CLASS, **order):
-    found = marks_of(Order(Course(), results, assignment, **order))
+    found = collect_marks(ExportOptions(Course(), results, assignment, **order))
     return found, {mark.person.id: mark.points for mark in found.marks}
 
 
@@ -174,7 +174,7 @@ def test_the_marks_of_a_lesson_are_its_own():
 
 
 def test_what_waits_is_refused_by_name_or_provisional():
-    with pytest.raises(ExportTrouble, match=f"^{TWELVE} of ada: waiting. .*--provisional"):
+    with pytest.raises(ExportError, match=f"^{TWELVE} of ada: waiting. .*--provisional"):
         marks(FOUR)
     found, points = marks(FOUR, provisional=True)
     assert points == {"ada": 25.0}
@@ -186,7 +186,7 @@ def test_what_waits_is_refused_by_name_or_provisional():
 
 def test_what_is_not_entered_yet_is_no_mark_even_where_it_is_provisional():
     results = class_of(stands(ADA, {SIX: (WAITING, None)}), people=(ADA,))
-    with pytest.raises(ExportTrouble, match="grader grade"):
+    with pytest.raises(ExportError, match="grader grade"):
         marks(THREE, results)
     found, points = marks(THREE, results, provisional=True)
     assert points == {}
@@ -209,7 +209,7 @@ def test_a_mark_that_may_still_be_late_is_named():
 
 @pytest.mark.parametrize("name", [None, "stage9", ""])
 def test_an_assignment_that_there_is_not_is_answered_with_those_that_there_are(name):
-    with pytest.raises(ExportTrouble, match=f"--assignment .*{SIX}, {SEVEN}, .*{THREE}, {FOUR}"):
+    with pytest.raises(ExportError, match=f"--assignment .*{SIX}, {SEVEN}, .*{THREE}, {FOUR}"):
         marks(name)
 
 
@@ -218,27 +218,27 @@ def test_an_assignment_that_there_is_not_is_answered_with_those_that_there_are(n
 
 def test_a_file_of_ours_is_put_aside_and_one_of_theirs_is_not_touched(tmp_path):
     usual = tmp_path / "scores.csv"
-    assert place(b"1", None, usual, None) == (usual, None)
-    assert place(b"1", None, usual, None) == (usual, None)
+    assert write_export(b"1", None, usual, None) == (usual, None)
+    assert write_export(b"1", None, usual, None) == (usual, None)
     os.utime(usual, (0, 10_000_000))
-    path, before = place(b"2", None, usual, None)
+    path, before = write_export(b"2", None, usual, None)
     assert path.read_bytes() == b"2" and before.read_bytes() == b"1"
     os.utime(usual, (0, 10_000_000))
-    _, third = place(b"3", None, usual, None)
+    _, third = write_export(b"3", None, usual, None)
     assert third != before and third.read_bytes() == b"2"
     mine = tmp_path / "mine.csv"
     mine.write_bytes(b"mine")
-    with pytest.raises(ExportTrouble, match="is there already"):
-        place(b"3", mine, usual, None)
-    with pytest.raises(ExportTrouble, match="is the file that is filled in"):
-        place(b"3", tmp_path / "." / "mine.csv", usual, mine)
+    with pytest.raises(ExportError, match="is there already"):
+        write_export(b"3", mine, usual, None)
+    with pytest.raises(ExportError, match="is the file that is filled in"):
+        write_export(b"3", tmp_path / "." / "mine.csv", usual, mine)
     assert mine.read_bytes() == b"mine"
     folder = tmp_path / "folder"
     folder.mkdir()
-    assert place(b"3", folder, usual, None)[0] == folder / "scores.csv"
-    assert place(b"3", tmp_path / "new" / "x.csv", usual, None)[0].read_bytes() == b"3"
-    with pytest.raises(ExportTrouble, match="cannot be written"):
-        place(b"3", mine / "x.csv", usual, None)
+    assert write_export(b"3", folder, usual, None)[0] == folder / "scores.csv"
+    assert write_export(b"3", tmp_path / "new" / "x.csv", usual, None)[0].read_bytes() == b"3"
+    with pytest.raises(ExportError, match="cannot be written"):
+        write_export(b"3", mine / "x.csv", usual, None)
     assert not list(tmp_path.rglob("*.part"))
 
 

@@ -31,10 +31,10 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms.check_summary import fold
-from grader.lms.feedback import Feedback, lateness
+from grader.lms.check_summary import summarise_checks
+from grader.lms.feedback import Feedback, lateness_sentences
 from grader.lms.gradebook import open_gradebook
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results import EXCUSED, MARKED, StageResult
 from tests import browser
 from tests.archives import canvas_files, moodle_files, zipped
@@ -88,7 +88,7 @@ RIGHT = ExerciseResult(WRONG.name, 30.0, 30.0, (check("joins"), check("parts")))
 
 
 def test_the_first_failure_is_told_and_the_rest_folded():
-    folded = fold(WRONG)
+    folded = summarise_checks(WRONG)
     assert folded.first.name == "parts"
     assert [test.name for test in folded.others] == ["hastens"]
     assert {one.says: one.count for one in folded.folds} == {
@@ -101,16 +101,16 @@ def test_the_first_failure_is_told_and_the_rest_folded():
 
 
 def test_every_check_is_told_once():
-    folded = fold(WRONG)
+    folded = summarise_checks(WRONG)
     told = 1 + len(folded.others) + len(folded.passed) + sum(one.count for one in folded.folds)
     assert told == len(WRONG.tests)
 
 
 def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
     tests = (check("a", "One.\n2 rows."), check("b", "4 metres."), check("c", "5 metres."))
-    folded = fold(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
+    folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
     assert (folded.others, [one.says for one in folded.folds]) == ((), ["2 more fail: … metres."])
-    folded = fold(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
+    folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
     assert (folded.others, folded.folds) == ((tests[1],), ())
     alike = tuple(
         check(name, f"{number} of 5 rows.") for name, number in zip("bcd", "122", strict=True)
@@ -119,7 +119,7 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
         (alike, "3 more fail: … of 5 rows."),
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
-        folded = fold(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
+        folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
         assert [one.says for one in folded.folds] == [says]
 
 
@@ -132,7 +132,7 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
     ],
 )
 def test_checks_in_words(tests, first, words, started):
-    folded = fold(ExerciseResult("f", 0.0, 1.0, tests, "", first))
+    folded = summarise_checks(ExerciseResult("f", 0.0, 1.0, tests, "", first))
     assert (folded.in_words, folded.started) == (words, started)
 
 
@@ -141,7 +141,7 @@ def test_checks_in_words(tests, first, words, started):
 )
 def test_a_stub_is_named(stub, says):
     tests = (check("a", "f calls g. Write g first.", kind=Kind.NOT_STARTED, subject=stub),)
-    assert fold(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
+    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
 
 
 # ---- lateness -----------------------------------------------------------------------------------
@@ -152,14 +152,14 @@ DUE = datetime(2026, 11, 20, 12, tzinfo=UTC)
 
 def said(late=timedelta(), **more):
     about = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
-    return list(lateness(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **about)))
+    return list(lateness_sentences(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **about)))
 
 
 def test_times_are_those_of_the_clocks_where_the_course_is():
     """Across the end of summer time, too."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
-    (sentence,) = lateness(late, ZoneInfo("Europe/Berlin"))
+    (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
     assert sentence == (
         "Handed in 1 day late, on 25 October 2026 at 22:59 CET; it was due on 24 October 2026 at "
         "23:59 CEST."
@@ -235,7 +235,7 @@ def grade(course):
         content = Verdict(**{**vars(content), "fingerprint": print_of})
         write_verdict(content, submission.verdict_path(course))
         entered.append((submission, content))
-    enter(course, entered, [STAGE], lambda done, total, student: None)
+    enter_verdicts(course, entered, [STAGE], lambda done, total, student: None)
 
 
 def notebook(lesson, write_up=""):

@@ -21,8 +21,8 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.lms import gradebook
-from grader.lms.gradebook_writer import enter
-from grader.lms.registration import register
+from grader.lms.gradebook_writer import enter_verdicts
+from grader.lms.registration import register_stages
 from grader.lms.report import write_report
 from grader.lms.standings import class_results
 from tests.prerequisites import PATIENCE
@@ -171,7 +171,7 @@ def nbgrader(course, *words):
 @pytest.mark.slow
 def test_scores_reach_the_gradebook(judged_course, sandbox):
     judged = judge_it(judged_course, sandbox)
-    enter(judged_course, judged, [LESSON.stage], quiet)
+    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
     expected = scores_by_verdict(judged)
     assert entered(judged_course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
@@ -229,7 +229,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         sandbox,
     )
     with gradebook.open_gradebook(course) as book:
-        register(course, book, [lesson.stage])
+        register_stages(course, book, [lesson.stage])
 
     def autograde():
         done = nbgrader(course, "autograde", lesson.stage, "--force")
@@ -339,7 +339,7 @@ def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_co
     with (judged_course.root / "nbgrader_config.py").open("a", encoding="utf-8") as file:
         file.write(JUDGE_AND_REPLACE)
     with gradebook.open_gradebook(judged_course) as book:
-        register(judged_course, book, [LESSON.stage])
+        register_stages(judged_course, book, [LESSON.stage])
     done = nbgrader(judged_course, "autograde", LESSON.stage)
     assert done.returncode == 1
     assert f"half, {LESSON.stage}: {LESSON.name}.ipynb, or a module" in done.stderr
@@ -354,7 +354,7 @@ def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
     place = judged_course.submitted / "half" / LESSON.stage
     (place / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (place / "seen.txt").write_bytes(b"\xfc")
-    enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     copies = judged_course.autograded / "half" / LESSON.stage
     assert (copies / "helper.py").read_bytes() == "x = 'J\ufffdrgen'\r\n".encode()
     assert (copies / "seen.txt").read_bytes() == b"\xfc"
@@ -362,11 +362,11 @@ def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
 
 @pytest.mark.slow
 def test_gradebook_follows_a_new_submission(judged_course, sandbox):
-    enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
     judged = judge_it(judged_course, sandbox)
-    enter(judged_course, judged, [LESSON.stage], quiet)
+    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
     assert entered(judged_course) == scores_by_verdict(judged)
 
 
@@ -386,7 +386,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
     ]
     path.write_text(json.dumps(notebook))
     judged = judge_it(judged_course, sandbox)
-    enter(judged_course, judged, [LESSON.stage], quiet)
+    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
     assert entered(judged_course) == scores_by_verdict(judged)
 
 
@@ -486,7 +486,7 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
-    from grader.lms.autograded import write_into
+    from grader.lms.autograded import write_verdict
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
     whole = {
@@ -494,7 +494,7 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
     }
     verdict = whole["right"]
     problem = "![](http://example.org) [a](javascript:alert) <script>"
-    write_into(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
+    write_verdict(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
     text = notebook.cells[0].source
     assert text.startswith("<div>") and "\n" not in text and "<script>" not in text
 

@@ -22,10 +22,10 @@ from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
 from grader.lms.gradebook_rows import GradebookRow
-from grader.lms.gradebook_writer import GradebookTrouble, enter
-from grader.lms.penalties import late_penalties
-from grader.lms.registration import register
-from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnreachable
+from grader.lms.gradebook_writer import GradebookError, enter_verdicts
+from grader.lms.penalties import load_penalty_plugin
+from grader.lms.registration import register_stages
+from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
 from grader.lms.standings import class_results
 
 GROUND = find_lesson("06_filter_ground")
@@ -104,7 +104,7 @@ def course(tmp_path):
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
     made = make_course(tmp_path_factory.mktemp("entered") / "course")
-    enter(made, verdicts(made), [STAGE], quiet)
+    enter_verdicts(made, verdicts(made), [STAGE], quiet)
     return made.root
 
 
@@ -153,7 +153,9 @@ def expected_marks(earned=EARNED):
 
 def test_what_is_entered_is_what_was_judged(course):
     told = []
-    assert enter(course, verdicts(course), [STAGE], lambda *news: told.append(news)) is None
+    assert (
+        enter_verdicts(course, verdicts(course), [STAGE], lambda *news: told.append(news)) is None
+    )
     assert marks(course) == expected_marks()
     assert told == [(1, 2, "ada"), (2, 2, "bob")]
     results = class_results(course)
@@ -177,7 +179,7 @@ def inode(course, student="ada"):
 
 def test_what_is_there_is_not_written_again(entered):
     before = [inode(entered, student) for student in EARNED]
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert [inode(entered, student) for student in EARNED] == before
 
 
@@ -185,7 +187,7 @@ def test_of_who_is_judged_anew_the_marks_are_new(entered):
     before = inode(entered, "bob")
     hand_in(entered, "ada", GROUND, " ")
     earned = EARNED | {"ada": {GROUND: (10.0, 0.25), DISTANCE: (11.75, 2.0, 4.5)}}
-    enter(entered, verdicts(entered, earned), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
     assert marks(entered) == expected_marks(earned)
     assert inode(entered, "bob") == before
 
@@ -196,8 +198,8 @@ def test_who_judging_failed_on_is_not_entered_and_stays_as_before(entered):
     hand_in(entered, "bob", DISTANCE, " ")
     earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
     judged = [(judged[0][0], failed), *verdicts(entered, earned)[1:]]
-    with pytest.raises(GradebookTrouble) as trouble:
-        enter(entered, judged, [STAGE], quiet)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(entered, judged, [STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
     where = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
     assert sentence == (
@@ -210,8 +212,8 @@ def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
     earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
     judged = verdicts(entered, earned)
     hand_in(entered, "ada", GROUND, " ")
-    with pytest.raises(GradebookTrouble) as trouble:
-        enter(entered, judged, [STAGE], quiet)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(entered, judged, [STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert "was replaced after it was judged" in sentence
     assert marks(entered) == expected_marks()
@@ -229,8 +231,8 @@ def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_hal
             raise ValueError("no")
 
     monkeypatch.setattr(gradebook_writer, "_save", fail)
-    with pytest.raises(GradebookTrouble) as trouble:
-        enter(course, verdicts(course), [STAGE], quiet)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert str(trouble.value).splitlines() == [
         "The gradebook does not hold everything:",
         f"ada, {STAGE}: ValueError: no",
@@ -238,7 +240,7 @@ def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_hal
     ]
     assert {student for student, _ in marks(course)} == {"bob"}
     assert not (course.autograded / "ada" / STAGE).exists()
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert marks(course) == expected_marks()
 
 
@@ -248,7 +250,7 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
 
     monkeypatch.setattr(gradebook_writer, "_save", kill)
     with pytest.raises(KeyboardInterrupt):
-        enter(course, verdicts(course), [STAGE], quiet)
+        enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert marks(course) == {}
 
 
@@ -258,7 +260,7 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
 def found_in(course, entry=None):
     """The differences between the gradebook and the verdicts on ada."""
     entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
-    late = late_penalties(course)
+    late = load_penalty_plugin(course)
     with gradebook.open_gradebook(course) as book:
         return differences(course, book, entry, late, Deadlines({}))
 
@@ -326,7 +328,7 @@ def test_every_difference_is_named_and_mended(entered, change, says):
     assert len(found) == (says is not None)
     assert all(sentence.endswith(says) for sentence in found)
     before = inode(entered)
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert found_in(entered) == []
     assert marks(entered) == {
         cell: (pytest.approx(score, abs=1e-8), most)
@@ -369,7 +371,7 @@ def test_a_copy_that_is_not_of_this_verdict_is_made_again(entered, content):
         path.write_text(content)
     (sentence,) = found_in(entered)
     assert sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy is of another verdict"
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert found_in(entered) == []
     assert json.loads(path.read_text())["metadata"]["verdict_key"]
 
@@ -379,7 +381,7 @@ def test_a_copy_that_is_not_of_this_verdict_is_made_again(entered, content):
 
 def registered(course):
     with gradebook.open_gradebook(course) as book:
-        trouble = register(course, book, [STAGE])
+        trouble = register_stages(course, book, [STAGE])
         return trouble, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
@@ -394,7 +396,7 @@ def test_lessons_that_are_released_are_registered_and_no_others(course):
 def test_a_stage_that_is_known_keeps_no_other_from_being_registered(course):
     registered(course)
     with gradebook.open_gradebook(course) as book:
-        assert register(course, book, [STAGE, "stage1_ransac"]) == []
+        assert register_stages(course, book, [STAGE, "stage1_ransac"]) == []
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
@@ -468,18 +470,18 @@ def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
 
 def test_what_is_withdrawn_is_taken_out_and_no_other(entered):
     judged = verdicts(entered)
-    enter(entered, judged, ["stage1_ransac"], quiet)  # of another stage
-    enter(entered, judged[:2], [STAGE], quiet)
+    enter_verdicts(entered, judged, ["stage1_ransac"], quiet)  # of another stage
+    enter_verdicts(entered, judged[:2], [STAGE], quiet)
     assert {student for student, _ in marks(entered)} == {"ada"}
     assert not (entered.autograded / "bob" / STAGE).exists()
     assert (entered.autograded / "ada" / STAGE).is_dir()
-    enter(entered, [], [], quiet)  # nothing was graded
+    enter_verdicts(entered, [], [], quiet)  # nothing was graded
     assert {student for student, _ in marks(entered)} == {"ada"}
 
 
 def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
     shutil.rmtree(entered.autograded)
-    enter(entered, verdicts(entered)[2:], [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered)[2:], [STAGE], quiet)
     assert {student for student, _ in marks(entered)} == {"bob"}
 
 
@@ -499,8 +501,8 @@ def test_what_a_person_gave_is_never_taken_out(entered, given):
             for name, points in given.items():
                 setattr(notebook.grades[-1], name, points)
         book.db.commit()
-    with pytest.raises(GradebookTrouble) as trouble:
-        enter(entered, [], ["stage1_ransac", STAGE], quiet)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(entered, [], ["stage1_ransac", STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence.startswith(f"ada, {STAGE}: nothing is handed in any more")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
@@ -533,7 +535,7 @@ def test_who_is_late_loses_what_the_course_says(entered, seconds, lost):
     handed_in = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
     when.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
     set_due(entered, "12")
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
     with gradebook.open_gradebook(entered) as book:
         assert book.find_submission(STAGE, "ada").timestamp == handed_in
@@ -541,7 +543,7 @@ def test_who_is_late_loses_what_the_course_says(entered, seconds, lost):
     assert found_in(entered) == []
     set_due(entered, "14")  # somebody is kind
     assert len(found_in(entered)) == 2 * len(lost)
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == {}
 
 
@@ -553,14 +555,14 @@ def test_a_penalty_that_asks_for_no_time_is_for_who_is_late(entered, hour, lost)
     )
     (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 12:00:00 UTC")
     set_due(entered, hour)
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
 
 
 def test_without_a_penalty_nobody_loses_anything(entered):
     (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
     set_due(entered, "11")
-    enter(entered, verdicts(entered), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == {}
 
 
@@ -571,7 +573,7 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
     when.write_bytes(text)
 
     def undecided():
-        enter(entered, verdicts(entered), [STAGE], quiet)
+        enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
         stages = class_results(entered).stages
         return [stage.student for stage in stages if stage.undecided]
 
@@ -603,7 +605,7 @@ def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
     (course.root / "secret.txt").write_text("secret")
     (place / "link.txt").symlink_to(course.root / "secret.txt")
     os.mkfifo(place / "pipe.txt")
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     copies = course.autograded / "ada" / STAGE
     files = {str(path.relative_to(copies)): path for path in copies.rglob("*") if path.is_file()}
     assert set(files) == {
@@ -614,7 +616,7 @@ def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
     assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # as it was judged
     assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no draft, no old one
     (place / "helper.py").unlink()
-    enter(course, verdicts(course, key="another"), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, key="another"), [STAGE], quiet)
     assert not files["helper.py"].exists() and files[f"{GROUND.name}.ipynb"].exists()
 
 
@@ -622,7 +624,7 @@ def test_what_a_killed_run_left_is_cleared_away(entered):
     for name in (f".{STAGE}.part", f".{STAGE}.old"):
         (entered.autograded / "ada" / name).mkdir()
         (entered.autograded / "ada" / name / "stray.txt").write_text("stray")
-    enter(entered, verdicts(entered, key="another"), [STAGE], quiet)
+    enter_verdicts(entered, verdicts(entered, key="another"), [STAGE], quiet)
     assert [path.name for path in (entered.autograded / "ada").iterdir()] == [STAGE]
     assert not (entered.autograded / "ada" / STAGE / "stray.txt").exists()
 
@@ -688,7 +690,7 @@ def written(tmp_path):
         earned = [1.25] * len(STREAM.machine_graded)
         verdict = verdict_on(course, submission, earned)
         verdict = dataclasses.replace(verdict, key=f"of {text}")
-        enter(course, [(submission, verdict)], [STREAM.stage], quiet)
+        enter_verdicts(course, [(submission, verdict)], [STREAM.stage], quiet)
 
     return course, enter_answer
 
@@ -732,17 +734,17 @@ def test_of_an_answer_that_was_not_given_the_comment_says_so(written):
 
 
 def test_where_the_gradebook_is_is_said_without_a_password(course):
-    assert gradebook.address(course) == str(course.root / "gradebook.db")
-    assert not gradebook.is_there(course)
+    assert gradebook.gradebook_location(course) == str(course.root / "gradebook.db")
+    assert not gradebook.gradebook_exists(course)
     with gradebook.open_gradebook(course):
-        assert gradebook.is_there(course)
+        assert gradebook.gradebook_exists(course)
     (course.root / "gradebook.db").unlink()
     (course.root / "nbgrader_config.py").write_text(
         "c = get_config()\n"
         "c.CourseDirectory.db_url = 'postgresql+pg8000://teacher:secret@host/grades'\n"
     )
-    assert gradebook.address(course) == "postgresql+pg8000://teacher:***@host/grades"
-    assert gradebook.is_there(course)  # or else the server says so
+    assert gradebook.gradebook_location(course) == "postgresql+pg8000://teacher:***@host/grades"
+    assert gradebook.gradebook_exists(course)  # or else the server says so
 
 
 @pytest.mark.parametrize(
@@ -757,7 +759,7 @@ def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
-    with pytest.raises(GradebookUnreachable) as caught:
+    with pytest.raises(GradebookUnavailable) as caught:
         gradebook.open_gradebook(course)
     assert says in str(caught.value) and "\n" not in str(caught.value)
     assert "c.CourseDirectory.db_url" in str(caught.value)

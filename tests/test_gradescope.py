@@ -17,7 +17,7 @@ from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import CheckResult, ExerciseResult, Verdict, write_verdict
 from grader.lms.exporters.gradescope import gradescope
-from grader.lms.exporters.protocol import Order
+from grader.lms.exporters.protocol import ExportOptions
 from grader.lms.results import MARKED, MISSING, ClassResults, NotebookResult, StageResult
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
@@ -67,7 +67,7 @@ def results(people=(ANNA, BO), score=15.0, penalty=2.5):
 
 
 def write(course, people=(ANNA, BO), **settings):
-    return gradescope(Order(course, results(people, **settings), STAGE))
+    return gradescope(ExportOptions(course, results(people, **settings), STAGE))
 
 
 @pytest.fixture
@@ -160,7 +160,7 @@ def test_marks_of_a_team_that_differ_are_a_question(course, run):
     assert run(exported, "bo", "anna@x.edu bo@x.edu")["score"] == 12.5
     anna, bo = results((ANNA,)), results((BO,), score=20.0)
     both = (getattr(anna, kind) + getattr(bo, kind) for kind in ("people", "notebooks", "stages"))
-    differing = gradescope(Order(course, ClassResults(*both), STAGE))
+    differing = gradescope(ExportOptions(course, ClassResults(*both), STAGE))
     assert "differ, and the submission is one" in run(differing, "bo", "anna@x.edu bo@x.edu")
 
 

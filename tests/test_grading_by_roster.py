@@ -16,7 +16,7 @@ from grader.course.lessons import find_lesson
 from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict, write_verdict
 from grader.lms import gradebook
-from grader.lms.gradebook_check import examine_gradebook
+from grader.lms.gradebook_check import check_gradebook
 from grader.lms.history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.standings import class_results
@@ -223,7 +223,7 @@ def test_what_cannot_be_read_is_said_before_anything_is_done(course, capsys, com
 def findings(course, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
     about_grading = doctor.examine(course, 1, UNWALLED, Inline(1), progress_bar)
-    found = [*about_grading, *examine_gradebook(course)]
+    found = [*about_grading, *check_gradebook(course)]
     return [(one.subject, one.good, one.text) for one in found]
 
 

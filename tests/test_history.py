@@ -9,7 +9,7 @@ import pytest
 from grader.course import paths
 from grader.course.paths import Course
 from grader.lms import gradebook, gradebook_writer
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.history import read_changes
 from tests.test_gradebook import (
     DISTANCE,
@@ -30,7 +30,7 @@ FIRST, SECOND, *_ = (exercise.name for exercise in GROUND.machine_graded)
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
     made = make_course(tmp_path_factory.mktemp("history") / "course")
-    enter(made, verdicts(made), [STAGE], quiet)
+    enter_verdicts(made, verdicts(made), [STAGE], quiet)
     return made.root
 
 
@@ -44,7 +44,7 @@ def course(entered_once, tmp_path):
 def enter_again(course, earned=EARNED, **more):
     """What is noted when the class is entered once more: (student, exercise, from, to, by)."""
     before = len(list(read_changes(course)))
-    enter(course, verdicts(course, earned, **more), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned, **more), [STAGE], quiet)
     return [
         (change.student, change.exercise, change.before, change.after, change.by)
         for change in list(read_changes(course))[before:]
@@ -138,7 +138,7 @@ def test_what_is_withdrawn_is_noted(course):
 
 def test_a_run_that_was_killed_before_noting_is_noted_by_the_next(course, monkeypatch):
     calls = []
-    right = gradebook_writer.note_changes
+    right = gradebook_writer.log_changes
 
     def die(*about):
         calls.append(about)
@@ -147,10 +147,10 @@ def test_a_run_that_was_killed_before_noting_is_noted_by_the_next(course, monkey
         right(*about)
 
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 20.0)}}
-    monkeypatch.setattr(gradebook_writer, "note_changes", die)
+    monkeypatch.setattr(gradebook_writer, "log_changes", die)
     with pytest.raises(KeyboardInterrupt):
         enter_again(course, earned, key="k2")
-    monkeypatch.setattr(gradebook_writer, "note_changes", right)
+    monkeypatch.setattr(gradebook_writer, "log_changes", right)
     assert enter_again(course, earned, key="k2") == [("ada", SECOND, 8.5, 20.0, "verdict k2")]
 
 
@@ -177,13 +177,13 @@ def test_a_student_graded_alone_leaves_the_others(course):
     changed = [
         (one, dataclasses.replace(verdict, key=f"{verdict.key}, again")) for one, verdict in judged
     ]
-    enter(course, changed, [STAGE], quiet, student="ada")
+    enter_verdicts(course, changed, [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
         assert {
             submission.student.id for submission in book.find_assignment(STAGE).submissions
         } == {"ada", "bob"}
     shutil.rmtree(course.submitted / "ada")
-    enter(course, [], [STAGE], quiet, student="ada")
+    enter_verdicts(course, [], [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
         assert {one.student.id for one in book.find_assignment(STAGE).submissions} == {"bob"}
 

@@ -8,7 +8,7 @@ from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms.exporters.canvas import canvas
 from grader.lms.exporters.moodle import moodle
-from grader.lms.exporters.protocol import ExportTrouble, Order
+from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
 from tests.platforms import GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
 
@@ -43,7 +43,7 @@ def fill(tmp_path):
         path = tmp_path / "downloaded.csv"
         path.write_bytes(platform.export())
         write = canvas if isinstance(platform, Canvas) else moodle
-        return write(Order(Course(tmp_path), results, STAGE, into=path, **order))
+        return write(ExportOptions(Course(tmp_path), results, STAGE, into=path, **order))
 
     return filled
 
@@ -302,7 +302,7 @@ def test_other_points_are_refused_or_converted(fill):
     course = canvas_course()
     course.assignments[42][1] = 10.0
     with pytest.raises(
-        ExportTrouble,
+        ExportError,
         match=r"\(06_filter_ground 100\), and 'Stage 3: Obstacles \(42\)' is worth 10 there",
     ):
         fill(course, marks())
@@ -310,7 +310,7 @@ def test_other_points_are_refused_or_converted(fill):
     assert course.scores[9001, 42] == 0.85 and course.scores[9003, 42] == 10.0
     assert course.assignments[42][1] == 10.0
     course.assignments[42][1] = 0.0
-    with pytest.raises(ExportTrouble, match="Give the assignment 100 points there"):
+    with pytest.raises(ExportError, match="Give the assignment 100 points there"):
         fill(course, marks(), scale=True)
 
 
@@ -318,7 +318,7 @@ def test_the_assignment_is_named_where_no_title_or_more_than_one_fits(fill):
     course = canvas_course()
     course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}
     with pytest.raises(
-        ExportTrouble, match=r"has no column .* --column; there is: 'Obstacles \(42\)', 'Essay"
+        ExportError, match=r"has no column .* --column; there is: 'Obstacles \(42\)', 'Essay"
     ):
         fill(course, marks())
     for title in ("Obstacles", "Obstacles (42)"):
@@ -330,9 +330,9 @@ def test_the_assignment_is_named_where_no_title_or_more_than_one_fits(fill):
         42: ["Stage 3 (obstacles)", 100.0],
         43: ["Stage 3: Obstacles, again", 1.0],
     }
-    with pytest.raises(ExportTrouble, match="more than one column"):
+    with pytest.raises(ExportError, match="more than one column"):
         fill(course, marks())
-    with pytest.raises(ExportTrouble, match="has no column 'Final Score'"):
+    with pytest.raises(ExportError, match="has no column 'Final Score'"):
         fill(course, marks(), column="Final Score")
 
 
@@ -423,7 +423,7 @@ def test_a_number_of_moodle_is_not_taken_for_another_one(fill):
 def test_moodles_own_points_are_kept(fill):
     course = moodle_course()
     course.most, course.grades = 10.0, {}
-    with pytest.raises(ExportTrouble, match="'Grade' is worth 10 there"):
+    with pytest.raises(ExportError, match="'Grade' is worth 10 there"):
         fill(course, marks())
     course.import_(fill(course, marks(), scale=True).content)
     assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}
@@ -435,7 +435,7 @@ def test_where_two_columns_may_be_the_grade_a_person_says_which(fill):
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
         student.status = ""
-    with pytest.raises(ExportTrouble, match="with --column; there is: 'Status', 'Grade'"):
+    with pytest.raises(ExportError, match="with --column; there is: 'Status', 'Grade'"):
         fill(course, marks())
     course.import_(fill(course, marks(), column="Grade").content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
@@ -466,11 +466,11 @@ def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
 def test_another_file_is_refused_with_what_to_do(tmp_path, content, says):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
-    order = Order(Course(tmp_path), marks(), STAGE, into=path, column="T")
-    with pytest.raises(ExportTrouble, match=says):
+    order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
+    with pytest.raises(ExportError, match=says):
         canvas(order)
     if says == "is no ":
-        with pytest.raises(ExportTrouble, match="no offline grading worksheet"):
+        with pytest.raises(ExportError, match="no offline grading worksheet"):
             moodle(order)
 
 

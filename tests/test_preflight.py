@@ -22,7 +22,7 @@ from grader.intake.preflight import (
 )
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
-from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
+from grader.lms.autograded import MISSING_ANSWER_NOTE, build_copy, graded_cells
 from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -688,7 +688,7 @@ def test_text_that_may_be_the_answer_is_left_to_a_person():
     assert "Somebody will look for it" in " ".join(prepared.notes)
     made = build_copy(prepared)
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
-    assert LOOK_FOR_IT in cell.source
+    assert MISSING_ANSWER_NOTE in cell.source
     assert REPORT in "\n".join(cell.source for cell in made.cells)
 
 

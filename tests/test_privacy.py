@@ -10,7 +10,7 @@ import pytest
 
 from grader.course.paths import PROJECT
 from grader.lms import gradebook
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.test_gradebook import STAGE, make_course, quiet, verdicts
 
@@ -42,7 +42,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
     course = make_course(tmp_path / "course")
     roster = course.root / "roster.csv"
     roster.write_text(f"id,last_name\nada,{NEEDLE}\nbob,Bell\n")
-    enter(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
     for folder in ("feedback/ada", "verdicts/ada", "handed_back/x", "report"):
         (course.root / folder).mkdir(parents=True, exist_ok=True)
     for file in (
@@ -74,7 +74,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
     assert holding(course, "/ada/", "ada.html", '"ada"') == []
     with gradebook.open_gradebook(course) as book:
         assert [student.id for student in book.students] == ["bob"]
-    enter(course, verdicts(course), [STAGE], quiet)  # nothing brings her back
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)  # nothing brings her back
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
     assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()

@@ -19,7 +19,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Kind, Slip, Verdict
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
-from grader.lms.report import FEWEST, GradingRun, write_report
+from grader.lms.report import MIN_SUBMISSIONS, GradingRun, write_report
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -409,12 +409,14 @@ def test_the_page_without_names_says_nothing_of_anybody(tmp_path):
 
 
 def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
-    many = [verdict(f"s{n}", [check(False)], "Wrong.") for n in range(FEWEST)]
-    few = [verdict(f"s{n}", [check(False)], "No.", SEVEN) for n in range(FEWEST - 1)]
+    many = [verdict(f"s{n}", [check(False)], "Wrong.") for n in range(MIN_SUBMISSIONS)]
+    few = [verdict(f"s{n}", [check(False)], "No.", SEVEN) for n in range(MIN_SUBMISSIONS - 1)]
     report(tmp_path, [*many, *few])
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
     assert page.count(SEVEN.name) == 1, "where it is said that it is left out"
-    assert f"0 of {FEWEST}" in page and f"{FEWEST - 1}" not in re.findall(r"of (\d)", page)
+    assert f"0 of {MIN_SUBMISSIONS}" in page and f"{MIN_SUBMISSIONS - 1}" not in re.findall(
+        r"of (\d)", page
+    )
 
 
 @pytest.mark.slow

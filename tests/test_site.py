@@ -30,8 +30,8 @@ from grader.site import (
     site_checks,
     widget_states,
 )
-from grader.site.errors import SiteTrouble
-from grader.site.html_outputs import html_of, key_of, shown
+from grader.site.errors import SiteError
+from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
 from tests.notebook_runs import errors_of, run
@@ -102,7 +102,7 @@ def text_of(path):
 
 def test_a_slider_is_its_picture_at_some_positions_with_words_beside():
     pictures = Pictures()
-    (one,) = shown([*positions()], pictures)
+    (one,) = page_outputs([*positions()], pictures)
     page = one.data["text/html"]
     assert [*map(float, re.findall(r"<label [^>]*>(\S+)</label>", page))] == [-2.2, -1.2, 0.6]
     assert re.findall(r'class="at-(\d)" checked', page) == ["0"], "the lesson's own is shown first"
@@ -118,7 +118,7 @@ def test_several_sliders_share_one_choice():
         {widget_states.POSITION: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
-    (one,) = shown([displayed(data) for data in (own, *moved)], Pictures())
+    (one,) = page_outputs([displayed(data) for data in (own, *moved)], Pictures())
     page = one.data["text/html"]
     assert re.findall(r"<label [^>]*>(.+?)</label>", page) == ["as in this lesson", "4", "2.4", "6"]
     assert len(set(re.findall(r'name="(\w+)"', page))) == 1
@@ -152,7 +152,9 @@ def test_a_scene_is_a_page_of_its_own_that_is_fetched_when_it_comes_near():
 
 
 def test_what_a_bar_has_overwritten_is_not_shown():
-    (one,) = shown([new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures())
+    (one,) = page_outputs(
+        [new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures()
+    )
     assert one.text == "a\n2/2\nb\r\n"
 
 
@@ -192,7 +194,7 @@ def test_a_figure_says_its_titles_axes_and_legend():
     axes.set_title("Left", loc="left")
     axes.set_xlabel("x, forward (m)")
     axes.legend()
-    said = widget_states.described(figure)
+    said = widget_states.describe_figure(figure)
     plt.close(figure)
     assert all(word in said for word in ("Left", "x, forward (m)", "n²: n^2"))
     assert "$" not in said
@@ -214,7 +216,7 @@ def show(n):
 guess.compare(7, "So it is.")
 print(sorted(name for name in globals() if "record" in name or name == "np"))
 """
-    sources = (setup, runs.first_code(), lesson)
+    sources = (setup, runs.recorder_code(), lesson)
     notebook = nbformat.v4.new_notebook(cells=[*map(new_code_cell, sources)])
     run(notebook, PROJECT)
     assert not errors_of(notebook)
@@ -237,14 +239,14 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
 
 def test_every_word_that_a_lesson_links_to_is_known():
     for lesson in all_lessons():
-        linked = glossary.linked(lesson.released.read_text("utf-8"))
+        linked = glossary.link_terms(lesson.released.read_text("utf-8"))
         assert "(../words.md)" not in linked, lesson.name
 
 
 def test_a_cell_without_partner_stops_the_site():
     notebook = nbformat.read(LESSON.solved, as_version=4)
     lost = notebook.cells.pop(5).id
-    with pytest.raises(SiteTrouble, match=lost):
+    with pytest.raises(SiteError, match=lost):
         page_of(LESSON, nbformat.writes(notebook).encode(), "", Pictures())
 
 
@@ -282,15 +284,15 @@ try:
 except ImportError:
     from numpy.linalg import norm
 """
-    missing = runs.not_installed(SimpleNamespace(text=text))
+    missing = runs.missing_packages(SimpleNamespace(text=text))
     assert missing == ["another_one", "no_such_compiler"]
-    assert not [lesson.name for lesson in all_lessons() if runs.not_installed(lesson)]
+    assert not [lesson.name for lesson in all_lessons() if runs.missing_packages(lesson)]
 
 
 @pytest.mark.parametrize("missing", [[], ["numba"]])
 def test_an_optional_lesson_runs_where_it_can(monkeypatch, tmp_path, capsys, missing):
     asked = []
-    monkeypatch.setattr(runs, "not_installed", lambda lesson: missing)
+    monkeypatch.setattr(runs, "missing_packages", lambda lesson: missing)
     monkeypatch.setattr(runs, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
@@ -363,7 +365,7 @@ def test_styles_ask_no_other_host_either(tmp_path):
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine", "utf-8")
-    with pytest.raises(SiteTrouble, match="holds something else"):
+    with pytest.raises(SiteError, match="holds something else"):
         builder.ready(tmp_path)
     assert cli.main(["site", "--to", str(tmp_path)]) == 1
     assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"

@@ -9,7 +9,7 @@ from grader.course import paths
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import gradebook
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -17,7 +17,7 @@ from grader.lms.results import (
     WAITING,
     NotebookResult,
     StageResult,
-    standing_in_stage,
+    combined_status,
 )
 from grader.lms.standings import class_results
 from tests.test_gradebook import (
@@ -52,7 +52,7 @@ ZERO = {"ada": {GROUND: (0.0, 0.0), DISTANCE: (11.75, 2.0, 4.5)}, "bob": {DISTAN
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
     made = make_course(tmp_path_factory.mktemp("standing") / "course")
-    enter(made, verdicts(made, ZERO), [STAGE], quiet)
+    enter_verdicts(made, verdicts(made, ZERO), [STAGE], quiet)
     return made.root
 
 
@@ -179,7 +179,7 @@ def test_points_that_a_person_adds_or_takes_are_a_mark_and_a_comment_is_none(cou
 
 def test_what_nobody_handed_in_is_not_there(course):
     shutil.rmtree(course.submitted / "ada" / STAGE)
-    enter(course, verdicts(course, ZERO), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
 
 
@@ -189,7 +189,7 @@ def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 12:00:00")
-    enter(course, verdicts(course, ZERO), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
     stage = class_results(course).stage("ada", STAGE)
     assert stage == StageResult(
         "ada",
@@ -226,7 +226,7 @@ def test_who_handed_in_nothing_has_a_date_too(course):
 )
 def test_what_lessons_come_to(standings, stage):
     lessons = (NotebookResult("a", STAGE, standing, standing, None, 1.0) for standing in standings)
-    assert standing_in_stage(lessons) == stage
+    assert combined_status(lessons) == stage
 
 
 def test_a_penalty_takes_no_more_than_there_is():

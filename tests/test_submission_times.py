@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from grader.classroom.collect.record import FileOrigin, Record, write_record
-from grader.lms.submission_times import Undecided, handed_in_at, known_time
+from grader.lms.submission_times import SubmissionTimeUnknown, known_time, submission_time
 
 LATE = Record({"06.ipynb": FileOrigin("0", "a.zip", "2026-10-14T12:00:00", late=True)})
 OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
@@ -26,34 +26,34 @@ def write_time(folder, text):
 
 
 def test_of_two_folders_the_later_time_counts(folders):
-    assert handed_in_at(folders) is None
+    assert submission_time(folders) is None
     write_time(folders[0], "2026-10-01 12:00:00 Europe/Berlin\n")
-    assert handed_in_at(folders) == handed_in_at(folders[:1]) == OCTOBER
+    assert submission_time(folders) == submission_time(folders[:1]) == OCTOBER
     write_time(folders[1], "2026-09-01 12:00:00 UTC")
-    assert handed_in_at(folders) == OCTOBER
+    assert submission_time(folders) == OCTOBER
 
 
 def test_work_that_is_late_without_a_time_is_undecided_whatever_lies_in_the_other_folder(folders):
     write_record(LATE, folders[0])
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
-    with pytest.raises(Undecided, match="marks it late, and gives no time"):
-        handed_in_at(folders)
+    with pytest.raises(SubmissionTimeUnknown, match="marks it late, and gives no time"):
+        submission_time(folders)
     write_time(folders[0], "2026-09-01 10:00:00 UTC")  # somebody decided
-    assert handed_in_at(folders) == OCTOBER
+    assert submission_time(folders) == OCTOBER
 
 
 def test_a_mark_of_a_file_that_is_gone_is_none(folders):
     write_record(LATE, folders[0])
     os.unlink(folders[0] / "06.ipynb")
-    assert handed_in_at(folders) is None
+    assert submission_time(folders) is None
 
 
 @pytest.mark.parametrize("text", ["", " \n"])
 def test_an_empty_file_says_no_time_and_not_that_there_is_none(folders, text):
     write_time(folders[0], text)
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
-    with pytest.raises(Undecided, match="is empty"):
-        handed_in_at(folders)
+    with pytest.raises(SubmissionTimeUnknown, match="is empty"):
+        submission_time(folders)
 
 
 @pytest.mark.parametrize(
@@ -61,16 +61,16 @@ def test_an_empty_file_says_no_time_and_not_that_there_is_none(folders, text):
 )
 def test_a_zone_is_read_as_it_is_meant(folders, zone):
     write_time(folders[0], f"2026-10-01 12:00:00{zone}")
-    assert handed_in_at(folders) == OCTOBER
+    assert submission_time(folders) == OCTOBER
     write_time(folders[0], "2026-10-01 10:00:00")  # nbgrader's own is UTC
-    assert handed_in_at(folders) == OCTOBER
+    assert submission_time(folders) == OCTOBER
 
 
 @pytest.mark.parametrize("zone", ["AEDT", "PM"])
 def test_a_zone_that_nobody_knows_is_not_utc(folders, zone):
     write_time(folders[0], f"2026-10-01 11:30:00 {zone}")
-    with pytest.raises(Undecided, match=f"this machine does not know, '{zone}'"):
-        handed_in_at(folders)
+    with pytest.raises(SubmissionTimeUnknown, match=f"this machine does not know, '{zone}'"):
+        submission_time(folders)
     assert known_time(folders) is None
 
 

@@ -23,7 +23,7 @@ def fingerprints(notebook: NotebookNode) -> dict[str, str]:
     }
 
 
-def read_known(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:
+def read_fingerprints(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:
     """Return the fingerprints from the last entry, by lesson; empty if none are stored."""
     try:
         known = json.loads(_path(course, student, stage).read_text("utf-8"))
@@ -32,7 +32,9 @@ def read_known(course: Course, student: str, stage: str) -> dict[str, dict[str, 
     return known if isinstance(known, dict) else {}
 
 
-def write_known(course: Course, student: str, stage: str, known: dict[str, dict[str, str]]) -> None:
+def write_fingerprints(
+    course: Course, student: str, stage: str, known: dict[str, dict[str, str]]
+) -> None:
     """Store the fingerprints of written answers.
 
     Call this only after the gradebook was written. If the run is interrupted in between, answers

@@ -30,20 +30,20 @@ from grader.intake.preflight import (
 from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
-from grader.lms.check_summary import fold
-from grader.lms.sanitizer import NO_WIDTH, as_code, harmless, harmless_pictures
+from grader.lms.check_summary import summarise_checks
+from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, harmless_pictures, sanitize_markdown
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
-MUCH_TEXT = 40_000
+LONG_COPY = 40_000
 """Number of characters up to which every page is rendered within a few seconds."""
-LOOK_FOR_IT = (
+MISSING_ANSWER_NOTE = (
     "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
     "please look for it.*"
 )
 
 
-def judged_copy(
+def build_judged_copy(
     handed_in: SubmittedFiles, lesson: Lesson, verdict: Verdict
 ) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a judged submission, with its scores and messages.
@@ -54,15 +54,15 @@ def judged_copy(
         The copy, and the reason why it contains nothing of the student's work. The reason is empty
         if the work is included, or if the verdict already states the reason.
     """
-    copy, complaint = copy_apart(handed_in, lesson)
+    copy, complaint = build_copy_in_process(handed_in, lesson)
     if complaint in verdict.problems:
         complaint = ""
     problems = (*verdict.problems, complaint) if complaint else verdict.problems
-    write_into(copy, dataclasses.replace(verdict, problems=problems))
+    write_verdict(copy, dataclasses.replace(verdict, problems=problems))
     return copy, complaint
 
 
-def copy_apart(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[NotebookNode, str]:
+def build_copy_in_process(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a submission in a separate process.
 
     Returns
@@ -96,7 +96,7 @@ def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
     A copy that takes too long to render then fails here, inside the limits of the separate process.
     """
     released = {cell.source for cell in _released_notebook(lesson).cells}
-    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > MUCH_TEXT:
+    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > LONG_COPY:
         HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 
@@ -145,7 +145,7 @@ def graded_cells(notebook: NotebookNode) -> list[NotebookNode]:
     return [cell for cell in notebook.cells if "nbgrader" in cell.metadata]
 
 
-def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
+def write_verdict(notebook: NotebookNode, verdict: Verdict) -> None:
     """Write a verdict below the graded cells of a copy and remove all other outputs."""
     results = {exercise.name: exercise for exercise in verdict.exercises}
     for cell in notebook.cells:
@@ -165,7 +165,7 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
     notebook.metadata["verdict_key"] = verdict.key
 
 
-def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> str | None:
+def verdict_key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> str | None:
     """Return the key of the verdict shown by an autograded copy; None if there is no copy."""
     path = course.autograded / student / stage / f"{lesson_name}.ipynb"
     try:
@@ -176,7 +176,7 @@ def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> s
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:
     """Build a cell output with the score for nbgrader and the reasons for people."""
-    folded = fold(exercise)
+    folded = summarise_checks(exercise)
     failures = [test for test in (folded.first, *folded.others) if test]
     rows = [_row("✗ failed", test.title, test.message) for test in failures]
     rows += [_row("✗ failed", group.says, "; ".join(group.titles)) for group in folded.folds]
@@ -223,8 +223,8 @@ def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> 
     if cell.kind == "code":
         return _cell(cell.source, kind="code")
     if cell.kind == "raw":  # some programs take raw text for HTML
-        return _cell(harmless(as_code(cell.source)))
-    return _with_pictures(_cell(harmless(cell.source)), cell.attachments)
+        return _cell(sanitize_markdown(as_code(cell.source)))
+    return _with_pictures(_cell(sanitize_markdown(cell.source)), cell.attachments)
 
 
 def _cell(source: str, kind: str = "markdown") -> NotebookNode:
@@ -240,7 +240,7 @@ def _with_pictures(cell: NotebookNode, attachments: dict) -> NotebookNode:
     if pictures:
         cell.attachments = pictures
     cell.source = _PICTURE.sub(
-        lambda match: match[0] if match[1] in pictures else f"{NO_WIDTH}{match[0]}",
+        lambda match: match[0] if match[1] in pictures else f"{ZERO_WIDTH_SPACE}{match[0]}",
         cell.source,
     )
     return cell
@@ -253,9 +253,9 @@ def _filled_cell(
     filled = nbformat.from_dict(released)
     if answer is not None:
         if answer.text:
-            filled.source = harmless(answer.text)
+            filled.source = sanitize_markdown(answer.text)
         elif not answer.certain:
-            filled.source = f"{released.source}\n\n{LOOK_FOR_IT}"
+            filled.source = f"{released.source}\n\n{MISSING_ANSWER_NOTE}"
         filled = _with_pictures(filled, answer.attachments)
     elif is_solution(filled) and cell is not None:
         filled.source = cell.source

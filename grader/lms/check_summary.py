@@ -13,15 +13,15 @@ from grader.judging.messages import in_common, without_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, Kind
 
 # Kinds of messages that are grouped, with the words for one check and for several.
-TOGETHER = {
+GROUPED_OPENINGS = {
     Kind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
     Kind.WAITING: ("cannot be judged before this is right",) * 2,
 }
-ALIKE = ("fails in the same way", "fail in the same way")
+SAME_FAILURE = ("fails in the same way", "fail in the same way")
 
 
 @dataclass(frozen=True)
-class Fold:
+class CheckGroup:
     """A group of failed checks.
 
     Attributes
@@ -58,7 +58,7 @@ class Folded:
     exercise: str
     first: CheckResult | None
     others: tuple[CheckResult, ...]
-    folds: tuple[Fold, ...]
+    folds: tuple[CheckGroup, ...]
     passed: tuple[CheckResult, ...]
     started: bool
 
@@ -72,7 +72,7 @@ class Folded:
     def in_words(self) -> str:
         """The number of checks that passed, in words."""
         failed = (
-            (self.first is not None) + len(self.others) + sum(fold.count for fold in self.folds)
+            (self.first is not None) + len(self.others) + sum(group.count for group in self.folds)
         )
         most = failed + len(self.passed)
         if not most:
@@ -82,7 +82,7 @@ class Folded:
         return f"{len(self.passed) or 'none'} of {most} checks hold"
 
 
-def fold(exercise: ExerciseResult) -> Folded:
+def summarise_checks(exercise: ExerciseResult) -> Folded:
     """Summarize the checks of an exercise."""
     passed = tuple(test for test in exercise.tests if test.passed)
     failed = [test for test in exercise.tests if not test.passed]
@@ -105,17 +105,17 @@ def fold(exercise: ExerciseResult) -> Folded:
 
 def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
     """Return the group of a check: its message, or the words for one check and for several."""
-    if test.kind in TOGETHER:
-        return TOGETHER[test.kind]
+    if test.kind in GROUPED_OPENINGS:
+        return GROUPED_OPENINGS[test.kind]
     message = without_numbers(test.message)
     said = without_numbers(first.message).splitlines()
-    return ALIKE if set(message.splitlines()) <= set(said) else message
+    return SAME_FAILURE if set(message.splitlines()) <= set(said) else message
 
 
-def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> Fold:
+def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> CheckGroup:
     many = len(group) > 1
     says = f"{len(group)} more {kind[many]}." if isinstance(kind, tuple) else ""
     counts = Counter(test.title for test in group)
     titles = (f"{one} ({count} times)" if count > 1 else one for one, count in counts.items())
     says = says or f"{len(group)} more fail: {in_common([test.message for test in group])}"
-    return Fold(says, len(group), tuple(titles))
+    return CheckGroup(says, len(group), tuple(titles))

@@ -17,7 +17,7 @@ from grader.lms.entries import StageEntry
 from utils.notebooks.reading import UnreadableNotebook
 
 
-def write_files(
+def write_draft(
     course: Course, entry: StageEntry, copies: dict, modules: dict[Path, bytes], draft: Path
 ) -> None:
     """Write the copies, the modules as judged and all other submitted files to a draft folder."""
@@ -51,7 +51,7 @@ def _other_files(place: Path) -> Iterator[Path]:
                 yield path
 
 
-def put_in_place(draft: Path, folder: Path) -> None:
+def replace_folder(draft: Path, folder: Path) -> None:
     """Replace a folder by a complete draft of it."""
     old = folder.with_name(f".{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)

@@ -20,7 +20,7 @@ from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.lms.gradebook import is_there, open_gradebook
+from grader.lms.gradebook import gradebook_exists, open_gradebook
 
 
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
@@ -63,7 +63,7 @@ def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
         return None, None
 
 
-def extension(
+def extension_of(
     course: Course, submission: SubmittedAssignment, deadlines: Deadlines
 ) -> timedelta | None:
     """Return how much later than the stage's due date a student may submit; it may be negative.
@@ -84,9 +84,9 @@ def extension(
     return wanted or None
 
 
-def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines) -> None:
+def set_extension(course: Course, submission: SubmittedAssignment, deadlines: Deadlines) -> None:
     """Give a submission its extension, and record that it came from the file."""
-    wanted = extension(course, submission, deadlines)
+    wanted = extension_of(course, submission, deadlines)
     if wanted == submission.extension:
         return
     path = _extension_path(course, submission.student.id, submission.assignment.name)
@@ -97,7 +97,7 @@ def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines
     submission.extension = wanted
 
 
-def granted_in_gradebook(
+def gradebook_extensions(
     course: Course, stages: Iterable[str], deadlines: Deadlines
 ) -> dict[str, dict[str, datetime]]:
     """Return the due dates for which the gradebook grants more time than the file.
@@ -109,7 +109,7 @@ def granted_in_gradebook(
         used if the file has no date.
     """
     granted: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
-    if not is_there(course):
+    if not gradebook_exists(course):
         return granted
     with open_gradebook(course) as book:
         for stage, dates in granted.items():
@@ -128,7 +128,7 @@ def _granted_dates(
     dates = {} if date_of_file else {"": due}
     for submission in assignment.submissions:
         student = submission.student.id
-        until = due + (extension(course, submission, deadlines) or timedelta())
+        until = due + (extension_of(course, submission, deadlines) or timedelta())
         if until > (deadlines.due(student, assignment.name) or due):
             dates[student] = until
     return dates

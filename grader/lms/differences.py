@@ -8,13 +8,13 @@ from nbgrader.preprocessors import AssignLatePenalties
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
 from grader.judging.verdict import Verdict
-from grader.lms.autograded import key_of_copy
-from grader.lms.dates import extension
+from grader.lms.autograded import verdict_key_of_copy
+from grader.lms.dates import extension_of
 from grader.lms.entries import StageEntry
 from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import known_time
 
-CLOSE = 1e-6  # points are written with two decimal places
+TOLERANCE = 1e-6  # points are written with two decimal places
 
 
 def differences(
@@ -38,7 +38,7 @@ def differences(
     sentences = []
     if submission.timestamp != known_time(entry.places(course)):
         sentences.append(f"{entry.name}: the gradebook has another time of submission")
-    if submission.extension != extension(course, submission, deadlines):
+    if submission.extension != extension_of(course, submission, deadlines):
         sentences.append(f"{entry.name}: the gradebook has another extension")
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
     for notebook in submission.notebooks:
@@ -59,7 +59,8 @@ def differences(
             sentences.append(f"{label}: the penalty for lateness is another")
         if (
             verdict
-            and key_of_copy(course, entry.student, entry.stage, notebook.name) != verdict.key
+            and verdict_key_of_copy(course, entry.student, entry.stage, notebook.name)
+            != verdict.key
         ):
             sentences.append(f"{label}: the autograded copy is of another verdict")
     missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
@@ -77,4 +78,4 @@ def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:
 
 
 def _is_close(first: float | None, second: float | None) -> bool:
-    return abs((first or 0.0) - (second or 0.0)) < CLOSE
+    return abs((first or 0.0) - (second or 0.0)) < TOLERANCE

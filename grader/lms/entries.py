@@ -30,7 +30,7 @@ class StageEntry:
         return tuple(sorted(places))
 
 
-def entries_of(
+def group_entries(
     course: Course, judged: Sequence[tuple[Submission, Verdict]], unknown: Mapping[str, str]
 ) -> tuple[list[StageEntry], list[str]]:
     """Return the entries, and one sentence for each submission that cannot be entered.

@@ -18,7 +18,7 @@ from grader.course.roster import Person
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
-from grader.lms.check_summary import Folded, fold
+from grader.lms.check_summary import Folded, summarise_checks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.results import (
     EXCUSED,
@@ -26,14 +26,14 @@ from grader.lms.results import (
     ClassResults,
     NotebookResult,
     StageResult,
-    write_number,
+    format_points,
 )
-from grader.lms.sanitizer import harmless
+from grader.lms.sanitizer import sanitize_markdown
 from grader.lms.standings import class_results
 
 
 @dataclass(frozen=True)
-class Text:
+class SanitisedText:
     """Markdown written by a person, with all HTML disabled, and its pictures."""
 
     markdown: str
@@ -62,8 +62,8 @@ class ExerciseFeedback:
     mark: CellMark
     judged: ExerciseResult | None
     folded: Folded | None
-    answer: Text | None
-    comment: Text | None
+    answer: SanitisedText | None
+    comment: SanitisedText | None
 
 
 @dataclass(frozen=True)
@@ -113,10 +113,10 @@ class Feedback:
             return ("You are excused from this stage: none of this counts, for you or against.",)
         waiting = self.result.standing == WAITING
         about = "A person has still to grade a part of this: the points are not final."
-        return (*([about] if waiting else ()), *lateness(self.result, self.zone))
+        return (*([about] if waiting else ()), *lateness_sentences(self.result, self.zone))
 
 
-class NotReady(Exception):
+class FeedbackNotReady(Exception):
     """Feedback for a student is not ready yet; `str()` is the message to show."""
 
 
@@ -173,7 +173,7 @@ class FeedbackWriter:
         copy = self._copy(*place, lesson)
         # A student with a mark given by hand and without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
-            raise NotReady(
+            raise FeedbackNotReady(
                 f"{result.student}, {lesson.name}: what was handed in and judged last is not in "
                 "the gradebook. Run: python -m grader grade"
             )
@@ -210,19 +210,19 @@ class FeedbackWriter:
             exercise,
             self._cells.marks[*key, exercise.cell],
             judged,
-            fold(judged) if judged else None,
+            summarise_checks(judged) if judged else None,
             _written_answer(written, exercise.cell, find_lesson(result.lesson))
             if written
             else None,
-            Text(harmless(comment)) if comment else None,
+            SanitisedText(sanitize_markdown(comment)) if comment else None,
         )
 
 
-def _written_answer(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> Text | None:
+def _written_answer(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> SanitisedText | None:
     """Return a written answer, already sanitized in the copy, or None if it is blank."""
     if cell.source.strip() in ("", _placeholders(lesson).get(name)):
         return None
-    return Text(cell.source, dict(cell.get("attachments", {})))
+    return SanitisedText(cell.source, dict(cell.get("attachments", {})))
 
 
 @functools.cache
@@ -242,7 +242,7 @@ def title_of(lesson: Lesson) -> str:
     return lesson.name
 
 
-def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
+def lateness_sentences(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
     """Yield sentences on the submission time of a stage, in a zone, and on the late penalty."""
     if result.undecided:
         yield (
@@ -254,7 +254,7 @@ def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
         punctuality = f"{_format_span(result.late)} late" if result.late else "in time"
         yield f"Handed in {punctuality}, on {handed_in}; it was due on {due}."
     if result.penalty:
-        yield f"For lateness {write_number(result.penalty)} points are taken off."
+        yield f"For lateness {format_points(result.penalty)} points are taken off."
 
 
 def _format_time(when: datetime, zone: tzinfo | None) -> str:

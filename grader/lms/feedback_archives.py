@@ -17,7 +17,7 @@ from grader.course.archives import zipped
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.lms.feedback import Feedback, FeedbackWriter, LessonFeedback, NotReady
+from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 
@@ -27,7 +27,7 @@ _TEAM = "handed in as {}, which may be a team: give each of them their own page"
 
 
 @dataclass(frozen=True)
-class Returned:
+class FeedbackArchive:
     """Content of a feedback archive for one LMS.
 
     Attributes
@@ -42,7 +42,9 @@ class Returned:
     left: tuple[str, ...] = ()
 
 
-def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> Returned:
+def build_moodle_archive(
+    course: Course, stage: str, all_feedback: Sequence[Feedback]
+) -> FeedbackArchive:
     """Build a page for each student, for *Upload multiple feedback files in a zip*.
 
     Moodle finds a participant by the number in ``{name}_{number}_assignsubmission_file_{file}``. A
@@ -67,10 +69,12 @@ def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
-    return Returned(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped))
 
 
-def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> Returned:
+def build_canvas_archive(
+    course: Course, stage: str, all_feedback: Sequence[Feedback]
+) -> FeedbackArchive:
     """Build a notebook for each submitted notebook, for *Upload Submissions*.
 
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
@@ -97,7 +101,7 @@ def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
             skipped.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook of theirs was collected from a zip of Canvas's")
-    return Returned(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped))
 
 
 @dataclass(frozen=True)
@@ -107,24 +111,24 @@ class Platform:
     Attributes
     ----------
     returns : callable
-        Builds `Returned` from course, stage and feedback.
+        Builds `FeedbackArchive` from course, stage and feedback.
     next_step : str
         Instructions for uploading the zip.
     """
 
-    returns: Callable[[Course, str, Sequence[Feedback]], Returned]
+    returns: Callable[[Course, str, Sequence[Feedback]], FeedbackArchive]
     next_step: str
 
 
 PLATFORMS = {
     "moodle": Platform(
-        for_moodle,
+        build_moodle_archive,
         "In Moodle: the assignment's Submissions, Actions, Upload multiple feedback files in a "
         "zip; where lessons of the stage are assignments of their own, in each of them. It is "
         "offered where the assignment's feedback types include feedback files.",
     ),
     "canvas": Platform(
-        for_canvas,
+        build_canvas_archive,
         "In Canvas: Grades, the assignment's menu, Upload Submissions. It is offered after "
         "Download Submissions. Each file becomes an attachment to a comment.",
     ),
@@ -132,7 +136,7 @@ PLATFORMS = {
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenFeedback:
     """Files written by `write_feedback`.
 
     Attributes
@@ -157,7 +161,7 @@ def write_feedback(
     folder: Path,
     platform: str | None,
     progress: Callable[[int, int, object], None],
-) -> Written:
+) -> WrittenFeedback:
     """Write ``<folder>/<stage>/<student>.html``, and the zip for an LMS next to the stage's folder.
 
     Parameters
@@ -184,7 +188,7 @@ def write_feedback(
     for done, person in enumerate(people, start=1):
         try:
             feedback = writer.feedback(person)
-        except NotReady as reason:
+        except FeedbackNotReady as reason:
             skipped.append(str(reason))
         else:
             path = folder / stage / f"{person.id}.html"
@@ -193,12 +197,12 @@ def write_feedback(
             pages.append(path)
         progress(done, len(people), person.id)
     if not platform or not pages:
-        return Written(tuple(pages), None, tuple(skipped))
+        return WrittenFeedback(tuple(pages), None, tuple(skipped))
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
         write_atomically(zipped(returned.files), archive)
-    return Written(tuple(pages), archive, (*skipped, *returned.left))
+    return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left))
 
 
 @dataclass(frozen=True)

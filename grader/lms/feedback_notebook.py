@@ -11,18 +11,18 @@ import re
 
 import nbformat
 
-from grader.lms.feedback import Feedback, LessonFeedback, Text
-from grader.lms.feedback_page import rendered
+from grader.lms.feedback import Feedback, LessonFeedback, SanitisedText
+from grader.lms.feedback_page import render_template
 
 SENTENCE = "Your own notebook is where you left it: this one holds the feedback on it."
 
 
 def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
     """Build the feedback notebook for one lesson, with the sentences about the whole stage."""
-    head = rendered("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
+    head = render_template("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
     cells = [_html(head)]
     for exercise in lesson.exercises:
-        cells.append(_html(rendered("exercise.html", one=exercise)))
+        cells.append(_html(render_template("exercise.html", one=exercise)))
         cells += [_markdown(exercise.answer)] if exercise.answer else []
         cells += [_html("<b>Comment</b>"), _markdown(exercise.comment)] if exercise.comment else []
     for number, cell in enumerate(cells):
@@ -38,6 +38,6 @@ def _html(text: str) -> nbformat.NotebookNode:
     return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
 
 
-def _markdown(text: Text) -> nbformat.NotebookNode:
+def _markdown(text: SanitisedText) -> nbformat.NotebookNode:
     fields = {"attachments": text.attachments} if text.attachments else {}
     return nbformat.v4.new_markdown_cell(text.markdown, **fields)

@@ -11,21 +11,21 @@ from markupsafe import Markup
 
 from grader.classroom.pages import coded
 from grader.course.mathml import STYLE, markdown_page
-from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, Text
-from grader.lms.results import write_number
+from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitisedText
+from grader.lms.results import format_points
 
 
 def feedback_page(feedback: Feedback) -> str:
     """Render the feedback page of a student for a stage."""
-    return rendered("feedback.html", feedback=feedback, style_of_formulas=STYLE)
+    return render_template("feedback.html", feedback=feedback, style_of_formulas=STYLE)
 
 
-def rendered(template: str, **content: object) -> str:
+def render_template(template: str, **content: object) -> str:
     """Fill in a template; text in `content` is escaped."""
     return _environment().get_template(template).render(content)
 
 
-def stage_in_words(stage: str) -> str:
+def stage_title(stage: str) -> str:
     """Format a stage name as in "Stage 3 · obstacles"; other names are returned unchanged."""
     match = re.fullmatch(r"stage(\d+)_(\w+)", stage)
     return f"Stage {match[1]} · {match[2].replace('_', ' ')}" if match else stage
@@ -41,16 +41,16 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {
-        "points": write_number,
+        "points": format_points,
         "coded": coded,
         "as_html": _as_html,
-        "in_words": stage_in_words,
+        "in_words": stage_title,
     }
     environment.globals |= {"name_of": _name, "mark_of": _mark, "score_of": _score}
     return environment
 
 
-def _as_html(text: Text) -> Markup:
+def _as_html(text: SanitisedText) -> Markup:
     return Markup(markdown_page(text.markdown, text.attachments))
 
 
@@ -62,12 +62,12 @@ def _name(feedback: ExerciseFeedback) -> str:
 
 def _mark(feedback: ExerciseFeedback) -> str:
     if feedback.mark.waiting:
-        return f"to be graded, of {write_number(feedback.exercise.points)}"
-    return f"{write_number(feedback.mark.score)} of {write_number(feedback.exercise.points)}"
+        return f"to be graded, of {format_points(feedback.exercise.points)}"
+    return f"{format_points(feedback.mark.score)} of {format_points(feedback.exercise.points)}"
 
 
 def _score(lesson: LessonFeedback) -> str:
-    maximum = write_number(lesson.result.max_score)
+    maximum = format_points(lesson.result.max_score)
     if lesson.result.score is None:
         return f"{lesson.result.standing}, of {maximum}"
-    return f"{write_number(lesson.result.score)} of {maximum}"
+    return f"{format_points(lesson.result.score)} of {maximum}"

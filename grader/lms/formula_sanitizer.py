@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-NO_WIDTH = "\u200b"
+ZERO_WIDTH_SPACE = "\u200b"
 
 _LETTERS = """
 alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma tau
@@ -138,7 +138,7 @@ _FORMULA = re.compile(
 )
 
 
-def harmless_formulas(markdown: str) -> str:
+def sanitize_formulas(markdown: str) -> str:
     """Return Markdown in which MathJax finds only commands that draw mathematics.
 
     Returns
@@ -150,7 +150,7 @@ def harmless_formulas(markdown: str) -> str:
         return markdown
     text = _FORMULA.sub(_as_code_if_unknown, markdown)
     text = _COMMAND.sub(_split_if_unknown, text)
-    return _ENTITY.sub("&" + NO_WIDTH, text)
+    return _ENTITY.sub("&" + ZERO_WIDTH_SPACE, text)
 
 
 def _as_code_if_unknown(formula: re.Match) -> str:
@@ -162,7 +162,7 @@ def _as_code_if_unknown(formula: re.Match) -> str:
 
 
 def _split_if_unknown(command: re.Match) -> str:
-    return command[0] if _is_known(command) else f"\\{NO_WIDTH}{command[1]}"
+    return command[0] if _is_known(command) else f"\\{ZERO_WIDTH_SPACE}{command[1]}"
 
 
 def _is_known(command: re.Match) -> bool:

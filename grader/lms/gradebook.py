@@ -15,7 +15,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
-from grader.lms.results import GradebookUnreachable
+from grader.lms.results import GradebookUnavailable
 
 
 def open_gradebook(course: Course) -> Gradebook:
@@ -33,26 +33,26 @@ def open_gradebook(course: Course) -> Gradebook:
     try:
         return Gradebook(directory.db_url, directory.course_id)
     except ModuleNotFoundError as error:
-        raise GradebookUnreachable(
+        raise GradebookUnavailable(
             f"The gradebook needs the package {error.name}, which is not installed. For PostgreSQL "
             'write c.CourseDirectory.db_url = "postgresql+pg8000://USER:PASSWORD@HOST/DATABASE" '
             "into nbgrader_config.py, and run: pip install pg8000 -c constraints.txt"
         ) from error
     except SQLAlchemyError as error:
         reason = str(error).splitlines()[0].rstrip(".")
-        raise GradebookUnreachable(
+        raise GradebookUnavailable(
             f"The gradebook cannot be opened: {reason}. c.CourseDirectory.db_url in "
             "nbgrader_config.py says where it is."
         ) from error
 
 
-def is_there(course: Course) -> bool:
+def gradebook_exists(course: Course) -> bool:
     """Return whether a gradebook file exists; always True for a database on a server."""
     url = make_url(database_url(course))
     return url.drivername != "sqlite" or Path(url.database or "").is_file()
 
 
-def address(course: Course) -> str:
+def gradebook_location(course: Course) -> str:
     """Return the location of the gradebook without its password."""
     url = make_url(database_url(course))
     return url.database if url.drivername == "sqlite" else url.render_as_string(True)

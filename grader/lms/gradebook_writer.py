@@ -22,26 +22,26 @@ from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.judging.verdict import Verdict
-from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import graded_cells, judged_copy
-from grader.lms.copies import put_in_place, write_files
-from grader.lms.dates import enter_due_dates, extend
+from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
+from grader.lms.autograded import build_judged_copy, graded_cells
+from grader.lms.copies import replace_folder, write_draft
+from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry, entries_of
+from grader.lms.entries import StageEntry, group_entries
 from grader.lms.gradebook import open_gradebook
-from grader.lms.history import note_changes
-from grader.lms.penalties import late_penalties, penalty_of
+from grader.lms.history import log_changes
+from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.people import enrol
-from grader.lms.registration import register
+from grader.lms.registration import register_stages
 from grader.lms.submission_times import known_time
 from grader.lms.withdrawal import withdraw
 
 
-class GradebookTrouble(Exception):
+class GradebookError(Exception):
     """The gradebook does not contain everything it should; `str()` is the message to show."""
 
 
-def enter(
+def enter_verdicts(
     course: Course,
     judged: Sequence[tuple[Submission, Verdict]],
     stages: Iterable[str],
@@ -63,17 +63,17 @@ def enter(
 
     Raises
     ------
-    GradebookTrouble
+    GradebookError
         If some submissions could not be entered; all others have been entered by then.
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     unknown = unmatched_folders(course, roster) if roster else {}
-    entries, trouble = entries_of(course, judged, unknown)
+    entries, trouble = group_entries(course, judged, unknown)
     with open_gradebook(course) as book:
-        note_changes(course, book)  # log marks given by hand since the last run
-        late = late_penalties(course)
-        trouble += register(course, book, dict.fromkeys(stages))
+        log_changes(course, book)  # log marks given by hand since the last run
+        late = load_penalty_plugin(course)
+        trouble += register_stages(course, book, dict.fromkeys(stages))
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
@@ -87,9 +87,9 @@ def enter(
             (submission.student, submission.lesson.name): verdict.key
             for submission, verdict in judged
         }
-        note_changes(course, book, keys)
+        log_changes(course, book, keys)
     if trouble:
-        raise GradebookTrouble(
+        raise GradebookError(
             "The gradebook does not hold everything:\n" + "\n".join(dict.fromkeys(trouble))
         )
 
@@ -128,7 +128,7 @@ def _enter_one(
     copies, modules, trouble = {}, {}, []
     for submission, verdict in entry.judged:
         handed_in = submission.read_again(course, verdict.fingerprint)
-        copy, complaint = judged_copy(handed_in, submission.lesson, verdict)
+        copy, complaint = build_judged_copy(handed_in, submission.lesson, verdict)
         copies[submission.lesson.name] = copy
         if complaint:
             trouble.append(
@@ -140,15 +140,15 @@ def _enter_one(
             modules[path] = source.encode()
     folder = course.autograded / entry.student / entry.stage
     draft = folder.with_name(f".{folder.name}.part")
-    write_files(course, entry, copies, modules, draft)
-    old_answers = read_known(course, entry.student, entry.stage)
+    write_draft(course, entry, copies, modules, draft)
+    old_answers = read_fingerprints(course, entry.student, entry.stage)
     answers = {name: fingerprints(copy) for name, copy in copies.items()}
     with _one_transaction(book):
         book.update_or_create_student(entry.student)
         submission = book.update_or_create_submission(
             entry.stage, entry.student, timestamp=known_time(entry.places(course))
         )
-        extend(course, submission, deadlines)
+        set_extension(course, submission, deadlines)
         for notebook in submission.notebooks:
             copy = copies.get(notebook.name)
             if copy is None:
@@ -160,8 +160,8 @@ def _enter_one(
         book.db.expire_all()  # the database computes the sums
         for notebook in submission.notebooks:
             notebook.late_submission_penalty = penalty_of(submission, notebook, late)
-    put_in_place(draft, folder)
-    write_known(course, entry.student, entry.stage, answers)
+    replace_folder(draft, folder)
+    write_fingerprints(course, entry.student, entry.stage, answers)
     return trouble
 
 

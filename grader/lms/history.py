@@ -26,18 +26,18 @@ from nbgrader.api import (
 from sqlalchemy.orm import Query
 
 from grader.course.paths import Course
-from grader.lms.autograded import key_of_copy
+from grader.lms.autograded import verdict_key_of_copy
 
-CLOSE = 1e-6  # points are written with two decimal places
-LATENESS = "late penalty"  # used in place of an exercise name
+TOLERANCE = 1e-6  # points are written with two decimal places
+LATE_PENALTY = "late penalty"  # used in place of an exercise name
 A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
-GONE = "taken out of the gradebook"
+REMOVED = "taken out of the gradebook"
 
 Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
 
 
 @dataclass(frozen=True)
-class Change:
+class MarkChange:
     """One change of a mark.
 
     Attributes
@@ -46,7 +46,7 @@ class Change:
         Time at which the change was noticed, in ISO 8601.
     student, stage, lesson : str
     exercise : str
-        Name of the exercise, or `LATENESS`, whose points are a deduction.
+        Name of the exercise, or `LATE_PENALTY`, whose points are a deduction.
     before, after : float or None
         None if there is no mark.
     by : str
@@ -71,7 +71,7 @@ class Change:
         return self.student, self.stage, self.lesson, self.exercise
 
 
-def read_changes(course: Course) -> Iterator[Change]:
+def read_changes(course: Course) -> Iterator[MarkChange]:
     """Yield all changes, oldest first, skipping unreadable lines."""
     try:
         text = _path(course).read_text("utf-8", errors="surrogateescape")
@@ -82,12 +82,14 @@ def read_changes(course: Course) -> Iterator[Change]:
             fields = json.loads(line)
             by_hand = fields.pop("by_hand", None)
             before, after = fields.pop("from"), fields.pop("to")
-            yield Change(**fields, before=before, after=after, by_hand=by_hand and tuple(by_hand))
+            yield MarkChange(
+                **fields, before=before, after=after, by_hand=by_hand and tuple(by_hand)
+            )
         except (ValueError, TypeError, KeyError, AttributeError):
             continue
 
 
-def note_changes(
+def log_changes(
     course: Course, book: Gradebook, keys: Mapping[tuple[str, str], str] | None = None
 ) -> None:
     """Append a line for each mark that differs from the last line about it.
@@ -110,7 +112,7 @@ def note_changes(
         if _is_close(before, after):
             continue
         by = _cause(course, place, place in marks, by_hand != (last and last.by_hand), keys or {})
-        lines.append(_as_json_line(Change(now, *place, before, after, by, by_hand)))
+        lines.append(_as_json_line(MarkChange(now, *place, before, after, by, by_hand)))
     _append(course, lines)
 
 
@@ -123,13 +125,13 @@ def _cause(
 ) -> str:
     """Return the cause of a change: a verdict, a person, lateness or a removal."""
     student, stage, lesson, exercise = place
-    if exercise == LATENESS:
+    if exercise == LATE_PENALTY:
         return LATE
     if not exists:
-        return GONE
+        return REMOVED
     if changed_by_hand:
         return A_PERSON
-    key = keys.get((student, lesson)) or key_of_copy(course, student, stage, lesson)
+    key = keys.get((student, lesson)) or verdict_key_of_copy(course, student, stage, lesson)
     return f"{A_VERDICT} {key}" if key else A_VERDICT
 
 
@@ -171,7 +173,7 @@ def _penalties(book: Gradebook) -> dict[Place, tuple[float, None]]:
         SubmittedNotebook.late_submission_penalty,
     )
     return {
-        (*identity, LATENESS): (points, None)
+        (*identity, LATE_PENALTY): (points, None)
         for *identity, points in _query(book, columns)
         if points
     }
@@ -190,10 +192,10 @@ def _query(book: Gradebook, columns: tuple) -> Query:
 def _is_close(first: float | None, second: float | None) -> bool:
     if first is None or second is None:
         return first is second
-    return abs(first - second) < CLOSE
+    return abs(first - second) < TOLERANCE
 
 
-def _as_json_line(change: Change) -> str:
+def _as_json_line(change: MarkChange) -> str:
     fields = {
         "when": change.when,
         "student": change.student,

@@ -29,10 +29,10 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 f'write below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there takes it back."
             )
-    yield from not_on_the_roster(results)
+    yield from unlisted_notes(results)
 
 
-def not_on_the_roster(results: ClassResults) -> Iterator[str]:
+def unlisted_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each student with marks who is not on the roster."""
     for student in results.strangers:
         yield (

@@ -17,10 +17,10 @@ from grader.lms.results import (
     ClassResults,
     NotebookResult,
     StageResult,
-    write_number,
+    format_points,
 )
 
-JUDGE_FAILED = "the judge failed: grade again"
+JUDGE_FAILED_TEXT = "the judge failed: grade again"
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def marks_table(
     ]
     return MarksTable(
         tuple(lessons),
-        tuple(write_number(worth[lesson.name]) for lesson in lessons),
+        tuple(format_points(worth[lesson.name]) for lesson in lessons),
         tuple(rows),
         tuple(_sections(rows)),
         any(row.late.text for row in rows),
@@ -170,21 +170,21 @@ def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
 
 def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     if verdict and verdict.status != JUDGED:
-        return MarkCell("?", JUDGE_FAILED)
+        return MarkCell("?", JUDGE_FAILED_TEXT)
     if result is None or result.standing == MISSING:
         return MarkCell("–", "missing: nothing was handed in")
     if result.standing == EXCUSED and result.score is None:
         return MarkCell("exc.", "excused: nothing is expected")
     if result.score is None:
         return MarkCell("…", "handed in, and not yet entered")
-    text, notes = write_number(result.points), []
+    text, notes = format_points(result.points), []
     if result.standing == EXCUSED:
         text, notes = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
         text, notes = f"{text} …", ["a person has still to grade something in it"]
     if result.penalty:
         notes.append(
-            f"{write_number(result.score)} less {write_number(result.penalty)} for lateness"
+            f"{format_points(result.score)} less {format_points(result.penalty)} for lateness"
         )
     return MarkCell(text, "; ".join(notes), result.points)
 
@@ -199,9 +199,9 @@ def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"wait for a person": waiting, "missing": missing}
     explanation = ", ".join(f"{number} {label}" for label, number in kinds.items() if number)
-    maximum = write_number(sum(result.max_score for result in counted))
+    maximum = format_points(sum(result.max_score for result in counted))
     return MarkCell(
-        f"{write_number(total)} of {maximum}{' …' if waiting else ''}", explanation, total
+        f"{format_points(total)} of {maximum}{' …' if waiting else ''}", explanation, total
     )
 
 
@@ -210,7 +210,7 @@ def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]
     parts = [duration(late)] if late else []
-    parts += [f"−{write_number(penalty)}"] if penalty else []
+    parts += [f"−{format_points(penalty)}"] if penalty else []
     parts += ["undecided"] if undecided else []
     explanation = "; ".join(
         f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
@@ -235,9 +235,9 @@ def _judged_row(
         if verdict is None:
             cells.append(MarkCell("–", "missing: nothing was handed in"))
         elif verdict.status != JUDGED:
-            cells.append(MarkCell("?", JUDGE_FAILED))
+            cells.append(MarkCell("?", JUDGE_FAILED_TEXT))
         else:
-            cells.append(MarkCell(write_number(verdict.score), "", verdict.score))
+            cells.append(MarkCell(format_points(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
-    total = MarkCell(write_number(sum(scores)), "by the judge", sum(scores))
+    total = MarkCell(format_points(sum(scores)), "by the judge", sum(scores))
     return StudentRow(Person(id), not is_unknown, tuple(cells), MarkCell(""), total)

@@ -23,9 +23,9 @@ from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.submission import read_submitted_files
 from grader.judging.verdict import JUDGED
-from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import copy_apart, judged_copy
-from grader.lms.dates import enter_due_dates, extend
+from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
+from grader.lms.autograded import build_copy_in_process, build_judged_copy
+from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.submission_times import known_time
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
@@ -76,7 +76,7 @@ class Judge(NbGraderPreprocessor):
         if verdict.status != JUDGED:  # no mark is better than a wrong one
             raise RuntimeError(verdict.problems[0])
         handed_in = submission.read_again(course, verdict.fingerprint)
-        copy, complaint = judged_copy(handed_in, lesson, verdict)
+        copy, complaint = build_judged_copy(handed_in, lesson, verdict)
         if complaint:
             self.log.warning(complaint)
         return copy, resources
@@ -90,13 +90,13 @@ class SaveGrades(SaveAutoGrades):
         names = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
         _enter_dates(course, names)
-        answers = read_known(course, names["student"], names["assignment"])
+        answers = read_fingerprints(course, names["student"], names["assignment"])
         now = fingerprints(nb)
         before = answers.get(names["notebook"], {})
         self.unchanged = {name for name in now if before.get(name) == now[name]}
         nb, resources = super().preprocess(nb, resources)
         answers[names["notebook"]] = now
-        write_known(course, names["student"], names["assignment"], answers)
+        write_fingerprints(course, names["student"], names["assignment"], answers)
         return nb, resources
 
     def _add_score(self, cell: NotebookNode, resources: dict) -> None:
@@ -117,7 +117,7 @@ def _enter_dates(course: Course, names: dict) -> None:
         submission = book.find_submission(names["assignment"], names["student"])
         place = course.submitted / names["student"] / names["assignment"]
         submission.timestamp = known_time([place])
-        extend(course, submission, deadlines)
+        set_extension(course, submission, deadlines)
         book.db.commit()
 
 
@@ -134,6 +134,6 @@ class CopyExporter(NotebookExporter):
         """Convert a notebook file; see nbconvert."""
         path = Path(filename)
         lesson = find_lesson(path.stem)
-        copy, _ = copy_apart(read_submitted_files(path), lesson)
+        copy, _ = build_copy_in_process(read_submitted_files(path), lesson)
         resources = {"metadata": {"name": path.stem, "path": str(path.parent)}, **(resources or {})}
         return self.from_notebook_node(copy, resources=resources, **options)

@@ -9,7 +9,7 @@ from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 
 
-def late_penalties(course: Course) -> AssignLatePenalties:
+def load_penalty_plugin(course: Course) -> AssignLatePenalties:
     """Create nbgrader's preprocessor for late penalties with the course's plugin."""
     penalties = AssignLatePenalties(config=course_settings(course.root))
     penalties.init_plugin()

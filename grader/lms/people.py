@@ -21,7 +21,7 @@ def enrol(book: Gradebook, roster: Roster) -> None:
             book.update_or_create_student(person.id, **details)
 
 
-def people_in(book: Gradebook) -> list[Person]:
+def students_in_gradebook(book: Gradebook) -> list[Person]:
     """Return the students in a gradebook with the details that it stores."""
     return [
         Person(

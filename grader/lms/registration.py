@@ -16,7 +16,7 @@ from grader.lms.autograded import graded_cells
 from grader.lms.gradebook import database_url
 
 
-def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
     """Register stages in the gradebook, with the cells and points of the release.
 
     The release is only read. Lessons in the gradebook are compared with it, so that changed points

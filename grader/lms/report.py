@@ -35,11 +35,11 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import duration, marks_table
-from grader.lms.results import ClassResults, write_number
+from grader.lms.results import ClassResults, format_points
 
-NOBODY = ClassResults((), (), ())
+NO_RESULTS = ClassResults((), (), ())
 # Results of a lesson with fewer submissions could be traced to single students, even without names.
-FEWEST = 5
+MIN_SUBMISSIONS = 5
 
 Judged = Sequence[tuple[Submission, Verdict]]
 
@@ -67,7 +67,7 @@ class GradingRun:
 def write_report(
     course: Course,
     judged: Judged,
-    results: ClassResults = NOBODY,
+    results: ClassResults = NO_RESULTS,
     run: GradingRun | None = None,
     warning: str = "",
     left: Sequence[tuple[Path, str]] = (),
@@ -114,7 +114,7 @@ def write_report(
         "report.html",
         **common,
         coded=coded,
-        points=write_number,
+        points=format_points,
         duration=duration,
         zone=deadlines.zone if deadlines else None,
         script=Markup(script),
@@ -223,18 +223,18 @@ def _links(course: Course) -> list[tuple[str, str]]:
 def _anonymous(common: dict, counted: Sequence[Verdict]) -> str:
     """Render the page without names from numbers and check titles, never from student text."""
     handed_in = Counter(verdict.lesson for verdict in counted)
-    few = sorted(lesson for lesson, count in handed_in.items() if count < FEWEST)
+    few = sorted(lesson for lesson, count in handed_in.items() if count < MIN_SUBMISSIONS)
     shown = [verdict for verdict in counted if verdict.lesson not in few]
     content = {
         **common,
         "distributions": [
             distribution
             for distribution in common["distributions"]
-            if distribution.count >= FEWEST and distribution.name not in few
+            if distribution.count >= MIN_SUBMISSIONS and distribution.name not in few
         ],
         "hardest": [check for check in common["hardest"] if check.lesson not in few],
         "items": [(lesson, items) for lesson, items in common["items"] if lesson not in few],
         "not_started": not_started(shown),
     }
     stopped = sum(bool(out_of_time(verdict)) for verdict in shown)
-    return render("anonymous.html", **content, few=few, fewest=FEWEST, stopped=stopped)
+    return render("anonymous.html", **content, few=few, fewest=MIN_SUBMISSIONS, stopped=stopped)

@@ -18,7 +18,7 @@ WAITING = "waiting"  # a person has to grade a part, or the submission is not en
 MARKED = "marked"  # there is a mark, which may be 0
 
 
-class GradebookUnreachable(Exception):
+class GradebookUnavailable(Exception):
     """The gradebook cannot be opened; `str()` is the message to show."""
 
 
@@ -137,7 +137,7 @@ class ClassResults:
         return {(result.student, result.stage): result for result in self.stages}
 
 
-def standing_in_stage(lessons: Iterable[NotebookResult]) -> str:
+def combined_status(lessons: Iterable[NotebookResult]) -> str:
     """Combine the standings in the lessons of a stage into one."""
     present = {result.standing for result in lessons}
     return next(
@@ -145,7 +145,7 @@ def standing_in_stage(lessons: Iterable[NotebookResult]) -> str:
     )
 
 
-def write_number(points: float, decimal_mark: str = ".") -> str:
+def format_points(points: float, decimal_mark: str = ".") -> str:
     """Format points with at most two decimal places."""
     return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)
 

@@ -12,7 +12,7 @@ import base64
 import binascii
 import re
 
-from grader.lms.formula_sanitizer import NO_WIDTH, harmless_formulas
+from grader.lms.formula_sanitizer import ZERO_WIDTH_SPACE, sanitize_formulas
 
 PICTURES = ("image/png", "image/jpeg", "image/gif")
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
@@ -29,7 +29,7 @@ _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)
 _FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")
 
 
-def harmless(markdown: str) -> str:
+def sanitize_markdown(markdown: str) -> str:
     """Sanitize Markdown, so that no HTML, script or style in it has an effect.
 
     Pictures are shown only if they are attachments.
@@ -40,10 +40,10 @@ def harmless(markdown: str) -> str:
         Text that looks the same; harmless text is returned unchanged. The running time is linear in
         the length, because no pattern examines a character twice.
     """
-    text = harmless_formulas(markdown)
-    text = _TAG.sub("<" + NO_WIDTH, text)
-    text = _ADDRESS.sub("]" + NO_WIDTH, text)
-    text = _FETCHED.sub("!" + NO_WIDTH, text)
+    text = sanitize_formulas(markdown)
+    text = _TAG.sub("<" + ZERO_WIDTH_SPACE, text)
+    text = _ADDRESS.sub("]" + ZERO_WIDTH_SPACE, text)
+    text = _FETCHED.sub("!" + ZERO_WIDTH_SPACE, text)
     return _DIAGRAM.sub(r"\1text ", text)
 
 

@@ -12,7 +12,7 @@ from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_rows
-from grader.lms.people import people_in
+from grader.lms.people import students_in_gradebook
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -21,9 +21,9 @@ from grader.lms.results import (
     ClassResults,
     NotebookResult,
     StageResult,
-    standing_in_stage,
+    combined_status,
 )
-from grader.lms.submission_times import Undecided, handed_in_at
+from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 
 
 def class_results(course: Course) -> ClassResults:
@@ -34,7 +34,7 @@ def class_results(course: Course) -> ClassResults:
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
     with open_gradebook(course) as book:
-        rows, in_gradebook = read_rows(book), people_in(book)
+        rows, in_gradebook = read_rows(book), students_in_gradebook(book)
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     submitted = {
         (submission.student, submission.lesson.name): submission
@@ -139,13 +139,13 @@ def _stage(
     handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
     if not handed_in:
         try:
-            handed_in = handed_in_at({submission.place(course) for submission in files})
-        except Undecided as error:
+            handed_in = submission_time({submission.place(course) for submission in files})
+        except SubmissionTimeUnknown as error:
             undecided = str(error) if due else ""
     return StageResult(
         student,
         stage,
-        standing_in_stage(lessons),
+        combined_status(lessons),
         sum(scores) if scores else None,
         sum(result.max_score for result in lessons),
         sum(result.penalty for result in lessons),

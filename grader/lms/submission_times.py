@@ -14,11 +14,11 @@ from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
 
 
-class Undecided(Exception):
+class SubmissionTimeUnknown(Exception):
     """The time of submission is unknown; `str()` is the reason."""
 
 
-def handed_in_at(places: Iterable[Path]) -> datetime | None:
+def submission_time(places: Iterable[Path]) -> datetime | None:
     """Return the time at which a student's work for a stage was submitted.
 
     Parameters
@@ -44,8 +44,8 @@ def handed_in_at(places: Iterable[Path]) -> datetime | None:
 def known_time(places: Iterable[Path]) -> datetime | None:
     """Return the submission time as nbgrader stores it, naive in UTC; None if it is undecided."""
     try:
-        time = handed_in_at(places)
-    except Undecided:
+        time = submission_time(places)
+    except SubmissionTimeUnknown:
         return None
     return time and time.replace(tzinfo=None)
 
@@ -54,15 +54,15 @@ def _time(place: Path) -> datetime | None:
     path = place / "timestamp.txt"
     if not path.is_file():
         if reason := why_untimed(place):
-            raise Undecided(reason)
+            raise SubmissionTimeUnknown(reason)
         return None
     try:
         text = read_file(path).decode().strip()
         if not text:  # nbgrader leaves an empty file on a full disk
-            raise Undecided("timestamp.txt is empty")
+            raise SubmissionTimeUnknown("timestamp.txt is empty")
         return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise Undecided("timestamp.txt does not say a time that can be read") from error
+        raise SubmissionTimeUnknown("timestamp.txt does not say a time that can be read") from error
 
 
 def _with_known_zone(text: str) -> str:
@@ -78,5 +78,7 @@ def _with_known_zone(text: str) -> str:
     if re.fullmatch(r"[+-]\d\d:?\d\d", zone):
         return f"{date} {clock}{zone}"
     if gettz(zone) is None:
-        raise Undecided(f"timestamp.txt has a time zone that this machine does not know, {zone!r}")
+        raise SubmissionTimeUnknown(
+            f"timestamp.txt has a time zone that this machine does not know, {zone!r}"
+        )
     return f"{date} {clock} {zone}"

@@ -16,17 +16,17 @@ from grader.course.build import Origin
 from grader.course.lessons import Lesson, every_lesson
 from grader.course.standalone import refuse_to_give_away, standalone
 from grader.site import front_page, glossary, guides, mathjax, sections, site_checks
-from grader.site.errors import SiteTrouble
+from grader.site.errors import SiteError
 from grader.site.lesson import links_of, page_of
 from grader.site.live import write_live
 from grader.site.pictures import Pictures
 from grader.site.settings import conf
 
-OWN = Path(__file__).parent / "static"
+STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
-MARK = "searchindex.js"  # a folder with this file is recognised as a site
+SITE_MARKER = "searchindex.js"  # a folder with this file is recognised as a site
 EARLIEST = "315532800"  # 1 January 1980, so that a site does not depend on the clock
-MENDED = {
+REPLACEMENTS = {
     # The icons come from a font; this script of 1.5 MB would draw them a second time.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
     # Screen readers read the visible text instead of a label that differs from it.
@@ -35,11 +35,11 @@ MENDED = {
     re.compile(r'(<div id="pst-primary-sidebar")'): r'\1 role="region" aria-label="Course"',
 }
 """Patterns in the finished pages, and their replacements."""
-NEEDED = (
+REQUIRED_PACKAGES = (
     *("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline"),
     *("jupyterlite_core", "jupyterlite_pyodide_kernel"),
 )
-LEFT_OUT = (
+DELETED_PATTERNS = (
     "*.map",
     "*webpack-macros.html",
     "*.LICENSE.txt",
@@ -67,7 +67,7 @@ def write_site(
 
     Raises
     ------
-    SiteTrouble
+    SiteError
         If `folder` contains something else, if Sphinx reports a warning, or if a page reveals a
         solution, fetches from another host or has a dead link.
     """
@@ -84,7 +84,7 @@ def write_site(
         if live:
             write_live(pages, Path(place) / "live")
         if faults := site_checks.faults(pages):
-            raise SiteTrouble("\n".join(faults))
+            raise SiteError("\n".join(faults))
         if folder.exists():
             shutil.rmtree(folder)
         os.replace(pages, folder)
@@ -95,16 +95,16 @@ def ready(folder: Path) -> None:
 
     Raises
     ------
-    SiteTrouble
+    SiteError
         If a package is missing, or if `folder` contains something other than a site.
     """
-    if missing := [name for name in NEEDED if not importlib.util.find_spec(name)]:
-        raise SiteTrouble(
+    if missing := [name for name in REQUIRED_PACKAGES if not importlib.util.find_spec(name)]:
+        raise SiteError(
             f"For a site {', '.join(missing)} must be installed: "
             "pip install -r requirements-site.txt. `make site` does that by itself."
         )
-    if folder.exists() and any(folder.iterdir()) and not (folder / MARK).is_file():
-        raise SiteTrouble(f"{folder} holds something else than a site. Name another folder.")
+    if folder.exists() and any(folder.iterdir()) and not (folder / SITE_MARKER).is_file():
+        raise SiteError(f"{folder} holds something else than a site. Name another folder.")
 
 
 def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
@@ -121,7 +121,7 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
         notebook = standalone(lesson.released.read_bytes())
         refuse_to_give_away(lesson, notebook)
         sources[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
-    sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(OWN.iterdir())}
+    sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     sources["beside/.nojekyll"] = b""  # else GitHub Pages leaves out names beginning with `_`
     return sources | pictures.files | mathjax.files()
@@ -137,17 +137,17 @@ def _run_sphinx(source: Path, pages: Path) -> None:
         text=True,
     )
     if process.returncode:
-        raise SiteTrouble(f"Sphinx ended with {process.returncode}:\n{process.stderr[-3000:]}")
+        raise SiteError(f"Sphinx ended with {process.returncode}:\n{process.stderr[-3000:]}")
 
 
 def _finish(pages: Path) -> None:
     """Delete files that no reader needs, and fix details of the theme."""
-    for pattern in LEFT_OUT:
+    for pattern in DELETED_PATTERNS:
         for path in pages.rglob(pattern):
             shutil.rmtree(path) if path.is_dir() else path.unlink()
     for path in pages.rglob("*.html"):
         text = path.read_text("utf-8")
-        for regex, replacement in MENDED.items():
+        for regex, replacement in REPLACEMENTS.items():
             text = regex.sub(replacement, text)
         path.write_text(text, "utf-8")
     sections.write(pages)

@@ -1,5 +1,5 @@
 """Errors of the website builder."""
 
 
-class SiteTrouble(Exception):
+class SiteError(Exception):
     """The site was not written; `str()` is the message to show."""

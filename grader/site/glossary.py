@@ -23,7 +23,7 @@ def page() -> str:
     return "# Words of the course\n\n```{glossary}\n" + "\n\n".join(entries) + "\n```\n"
 
 
-def linked(markdown: str) -> str:
+def link_terms(markdown: str) -> str:
     """Redirect links in the text of a cell from the notebook's glossary to the page."""
     return LINK.sub(_link, markdown)
 

@@ -15,8 +15,8 @@ from nbformat.v4 import new_output
 from grader.site.pictures import Pictures
 from grader.site.widget_states import ANSWER, POSITION, QUESTION
 
-UP = "../"  # from the folder of a lesson's stage to the root of the site
-FILM = (
+TO_ROOT = "../"  # from the folder of a lesson's stage to the root of the site
+FILM_ALT = (
     "A film of what the cell above has drawn, frame by frame. The text around it says what moves."
 )
 DATA = re.compile(r'<img src="data:image/(?:png|gif);base64,([^"]+)"( alt="[^"]*")?[^>]*>')
@@ -34,7 +34,7 @@ TEMPLATES = jinja2.Environment(
 )
 
 
-def shown(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[NotebookNode]:
+def page_outputs(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[NotebookNode]:
     """Convert the outputs of a cell for the page.
 
     Parameters
@@ -77,11 +77,11 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
         return TEMPLATES.get_template("answer.html").render(
             data[ANSWER], key=key_of(data[ANSWER]["question"])
         )
-    for kind, alt in (("image/png", "A figure."), ("image/gif", FILM)):
+    for kind, alt in (("image/png", "A figure."), ("image/gif", FILM_ALT)):
         if kind in data:
             about = output.metadata.get(kind, {})
             content = base64.b64decode(data[kind])
-            return pictures.tag(content, about.get("alt", alt), UP, about.get("width"))
+            return pictures.tag(content, about.get("alt", alt), TO_ROOT, about.get("width"))
     if "text/html" in data:
         return _with_files(data["text/html"], pictures)
     return ""
@@ -101,14 +101,14 @@ def _with_files(html: str, pictures: Pictures) -> str:
         # The fallback is for readers without JavaScript; where scripts run, it would hide itself
         # anyway.
         return (
-            f'<iframe class="scene" src="{UP}{place}" title="{title}" loading="lazy" '
+            f'<iframe class="scene" src="{TO_ROOT}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
             f"<noscript>{DATA.sub(picture, fallback)}</noscript>"
         )
 
     def picture(match: re.Match) -> str:
         alt = unescape((match[2] or ' alt="A picture."')[6:-1])
-        return pictures.tag(base64.b64decode(match[1]), alt, UP)
+        return pictures.tag(base64.b64decode(match[1]), alt, TO_ROOT)
 
     return DATA.sub(picture, SCENE.sub(scene, html))
 

@@ -12,16 +12,16 @@ from nbformat import NotebookNode
 from grader.course.build import Origin
 from grader.course.lessons import Lesson
 from grader.site import glossary
-from grader.site.errors import SiteTrouble
-from grader.site.html_outputs import shown
+from grader.site.errors import SiteError
+from grader.site.html_outputs import page_outputs
 from grader.site.live import address_of
 from grader.site.pictures import Pictures
 from grader.site.widget_states import QUESTION
 
-FOLD = {"folded", "setup"}
+FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
-SETUP = "Brings the tools of the course"
-ASKING = "Asks for your guess"
+SETUP_TITLE = "Brings the tools of the course"
+ASKING_TITLE = "Asks for your guess"
 
 
 def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes:
@@ -39,7 +39,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
 
     Raises
     ------
-    SiteTrouble
+    SiteError
         If a cell of the student's notebook is not in the solved one.
     """
     notebook = nbformat.read(lesson.released, as_version=4)
@@ -48,22 +48,24 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
     for cell in notebook.cells:
         tags = set(cell.metadata.get("tags", ()))
         if cell.id not in solved:
-            raise SiteTrouble(
+            raise SiteError(
                 f"{lesson.name}: cell {cell.id} is not in the solved notebook. "
                 "Run: python -m grader build"
             )
         if "footer" in tags:
             continue  # the glossary has a page of its own
         if cell.cell_type == "code":
-            cell.outputs = [] if "setup" in tags else shown(solved[cell.id].outputs, pictures)
-            if FOLD & tags:
+            cell.outputs = (
+                [] if "setup" in tags else page_outputs(solved[cell.id].outputs, pictures)
+            )
+            if FOLDED_TAGS & tags:
                 _fold(cell, _title(cell))
             elif _only_asks(solved[cell.id]):
-                _fold(cell, ASKING)
+                _fold(cell, ASKING_TITLE)
         elif "badge" in tags:
             cell.source = links
         else:
-            cell.source = glossary.linked(cell.source)
+            cell.source = glossary.link_terms(cell.source)
             _extract_pictures(cell, pictures)
         cells.append(cell)
     notebook.cells = cells
@@ -73,7 +75,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
 
 def _title(cell: NotebookNode) -> str:
     match = TITLE.match(cell.source)
-    return match[1] if match else SETUP
+    return match[1] if match else SETUP_TITLE
 
 
 def _only_asks(cell: NotebookNode) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, every_lesson
 from grader.course.standalone import standalone
-from grader.site.errors import SiteTrouble
+from grader.site.errors import SiteError
 
 FOLDER = "live"
 EXTENSIONS = ("@jupyterlite/pyodide-kernel-extension", "@jupyter-widgets/jupyterlab-manager")
@@ -63,7 +63,7 @@ def write_live(pages: Path, place: Path) -> None:
 
     Raises
     ------
-    SiteTrouble
+    SiteError
         If JupyterLite fails.
     """
     (place / "contents").mkdir(parents=True)
@@ -87,4 +87,4 @@ def write_live(pages: Path, place: Path) -> None:
         text=True,
     )
     if process.returncode:
-        raise SiteTrouble(f"JupyterLite ended with {process.returncode}:\n{process.stderr[-3000:]}")
+        raise SiteError(f"JupyterLite ended with {process.returncode}:\n{process.stderr[-3000:]}")

@@ -6,7 +6,7 @@ import hashlib
 import io
 from html import escape
 
-PLACE = "_static/shown"
+FOLDER = "_static/shown"
 
 
 class Pictures:
@@ -17,7 +17,7 @@ class Pictures:
 
     def keep(self, content: bytes, suffix: str) -> str:
         """Store some content and return its path in the site, which depends only on the bytes."""
-        place = f"{PLACE}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
+        place = f"{FOLDER}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
         self.files[place] = content
         return place
 

@@ -14,20 +14,20 @@ from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 from grader.course.solutions import all_executed, executed_notebook
 
-KEPT = PROJECT / ".site"
+CACHE = PROJECT / ".site"
 """Cache of the executed notebooks."""
-RECORDING = Path(__file__).parent / "widget_states.py"
+RECORDER = Path(__file__).parent / "widget_states.py"
 
 
 def solved_runs(
     lessons: Iterable[Lesson], workers: int, progress: Callable[[int, int, object], None]
 ) -> dict[Lesson, bytes]:
     """Run solved notebooks and record what their pages show; see `grader.course.solutions`."""
-    show = functools.partial(executed_notebook, kept=KEPT, before=first_code())
+    show = functools.partial(executed_notebook, kept=CACHE, before=recorder_code())
     return all_executed(lessons, workers, progress, show)
 
 
-def not_installed(lesson: Lesson) -> list[str]:
+def missing_packages(lesson: Lesson) -> list[str]:
     """Return the packages that a lesson imports at any level but that are not installed."""
     packages = set()
     for node in ast.walk(ast.parse(lesson.text)):
@@ -38,11 +38,11 @@ def not_installed(lesson: Lesson) -> list[str]:
     return sorted(name for name in packages if importlib.util.find_spec(name) is None)
 
 
-def first_code() -> str:
+def recorder_code() -> str:
     """Return the code that runs before a lesson.
 
     It leaves no name in the notebook. It contains a digest of the recorder, so that a change of the
     recorder invalidates the cache.
     """
-    digest = hashlib.sha256(RECORDING.read_bytes()).hexdigest()[:16]
+    digest = hashlib.sha256(RECORDER.read_bytes()).hexdigest()[:16]
     return f"__import__('grader.site.widget_states').site.widget_states.record()  # {digest}"

@@ -135,12 +135,12 @@ def _describe_figures(shell: object) -> None:
         if content is None:  # the figure is empty
             return None
         data, about = content if isinstance(content, tuple) else (content, {})
-        return data, {**about, "alt": described(figure)}
+        return data, {**about, "alt": describe_figure(figure)}
 
     png.for_type(Figure, draw_with_description)
 
 
-def described(figure: Figure) -> str:
+def describe_figure(figure: Figure) -> str:
     """Describe a figure in words: its titles, axis labels and legends."""
     parts = [_text(figure.get_suptitle()), *map(_described_axes, figure.axes)]
     parts += [_legend(legend) for legend in figure.legends]

@@ -17,9 +17,9 @@ from grader.course.paths import Course
 from grader.intake import preflight
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
-from grader.lms.autograded import build_copy, write_into
+from grader.lms.autograded import build_copy, write_verdict
 from grader.lms.report import write_report
-from grader.lms.sanitizer import as_code, harmless
+from grader.lms.sanitizer import as_code, sanitize_markdown
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")
@@ -124,7 +124,7 @@ def text(letters, size):
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
 def test_markdown_is_looked_at_once(letters):
-    assert_linear(lambda size: text(letters, size), harmless)
+    assert_linear(lambda size: text(letters, size), sanitize_markdown)
     assert_linear(lambda size: text(letters, size), as_code)
 
 
@@ -148,7 +148,7 @@ def test_a_cell_is_looked_at_once(letters, kind):
     def show(draft):
         made = preflight.prepare(draft, LESSON)
         copy = build_copy(made)
-        write_into(copy, VERDICT)
+        write_verdict(copy, VERDICT)
 
     assert_linear(lambda size: handed_in([(kind, text(letters, size))]), show)
 
@@ -169,7 +169,7 @@ def test_a_verdict_is_looked_at_once(letters, tmp_path):
 
     def show(said):
         write_report(Course(tmp_path), [(SimpleNamespace(student="mallory"), said)])
-        write_into(build_copy(preflight.prepare(handed_in([]), LESSON)), said)
+        write_verdict(build_copy(preflight.prepare(handed_in([]), LESSON)), said)
 
     assert_linear(verdict, show)
 

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from grader.course.lessons import all_lessons
-from grader.lms.formula_sanitizer import COMMANDS, NO_WIDTH, harmless_formulas
-from grader.lms.sanitizer import harmless
+from grader.lms.formula_sanitizer import COMMANDS, ZERO_WIDTH_SPACE, sanitize_formulas
+from grader.lms.sanitizer import sanitize_markdown
 from tests import browser
 from tests.attacks.attack import tried
 from tests.prerequisites import MATHJAX
@@ -65,16 +65,16 @@ FINE = {
 
 @tried("text", ORDERS)
 def test_gives_an_order(text):
-    shown = harmless(text)
+    shown = sanitize_markdown(text)
     known = {*COMMANDS, "begin", "end", "color", "hspace"}
     assert {*re.findall(r"\\([A-Za-z]{2,})", shown)} <= known
     assert not re.search(r"\\(begin\{html|color\{red;|hspace\{-)|&(#92|bsol|#x0005C|#1)", shown)
-    assert harmless(shown) == shown
+    assert sanitize_markdown(shown) == shown
 
 
 @tried("text", {what: text for what, text in ORDERS.items() if "entity" not in what})
 def test_it_is_not_lost(text):
-    shown = harmless(text).replace(NO_WIDTH, "")
+    shown = sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "")
     assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
 
 
@@ -82,12 +82,12 @@ def test_it_is_shown_as_code():
     """But where programs differ on what the formula is: there the name alone is parted."""
     differ = ("a link in a text", "a link behind a backslash", "a link whose formula does not end")
     for what in ORDERS.keys() - differ - {what for what in ORDERS if "entity" in what}:
-        assert "`" in harmless(ORDERS[what]), what
+        assert "`" in sanitize_markdown(ORDERS[what]), what
 
 
 @tried("text", FINE)
 def test_an_honest_formula_stays_as_it_is(text):
-    assert harmless_formulas(text) == text
+    assert sanitize_formulas(text) == text
 
 
 @pytest.mark.parametrize("taught", all_lessons(), ids=lambda taught: taught.name)
@@ -96,7 +96,7 @@ def test_our_own_formulas_stay_as_they_are(taught):
         for cell in json.loads(path.read_text("utf-8"))["cells"]:
             if cell["cell_type"] == "markdown":
                 text = "".join(cell["source"])
-                assert harmless_formulas(text) == text
+                assert sanitize_formulas(text) == text
 
 
 class _Obeyed(html.parser.HTMLParser):
@@ -148,9 +148,11 @@ def test_a_browser_obeys_none_of_them(entry, tmp_path):
     ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
     raw, _, asked = browsed([*ORDERS.values()], entry, tmp_path / "raw")
     assert asked and len(set(raw) - set(ours)) > 2, "else the test could not fail"
-    found, code, asked = browsed([harmless(text) for text in ORDERS.values()], entry, tmp_path)
+    found, code, asked = browsed(
+        [sanitize_markdown(text) for text in ORDERS.values()], entry, tmp_path
+    )
     assert (set(found) - set(ours), asked) == (set(), [])
-    assert r"\href{javascript:alert(1)}{x}" in code.replace(NO_WIDTH, "")
+    assert r"\href{javascript:alert(1)}{x}" in code.replace(ZERO_WIDTH_SPACE, "")
 
 
 @pytest.mark.proof
@@ -162,6 +164,6 @@ def test_no_command_that_is_known_leads_anywhere(entry, tmp_path):
     texts = [
         rf"$\{name}{{{link}}}[{link}]{{\{name} javascript:alert(1)}}$" for name in sorted(COMMANDS)
     ]
-    assert [harmless(text).replace(NO_WIDTH, "") for text in texts] == texts
-    found, _, asked = browsed([harmless(text) for text in texts], entry, tmp_path)
+    assert [sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "") for text in texts] == texts
+    found, _, asked = browsed([sanitize_markdown(text) for text in texts], entry, tmp_path)
     assert (set(found) - set(ours), asked) == (set(), [])

@@ -61,7 +61,7 @@ def test_the_judge_reads_what_is_shown():
     given = handed_in("$a$ \udcff \U0001f697")
     here, there = preflight.prepare(given, LESSON), preflight.prepare_to_judge(given, LESSON)
     assert (there.code, there.notes, there.versions) == (here.code, here.notes, here.versions)
-    copy, complaint = autograded.copy_apart(given, LESSON)
+    copy, complaint = autograded.build_copy_in_process(given, LESSON)
     assert (copy, complaint) == (autograded.build_copy(here), "")
 
 
@@ -97,7 +97,7 @@ def test_what_no_page_could_be_made_of_is_not_shown(soon):
     """The Markdown of feedback and Formgrader looks at this for minutes."""
     given = handed_in("\\\\( \\) " * 60_000)
     assert preflight.prepare_to_judge(given, LESSON).code
-    copy, complaint = autograded.copy_apart(given, LESSON)
+    copy, complaint = autograded.build_copy_in_process(given, LESSON)
     assert "takes more than 1 seconds" in complaint
     assert len(str(copy)) < 100_000
 
@@ -105,7 +105,7 @@ def test_what_no_page_could_be_made_of_is_not_shown(soon):
 @pytest.mark.slow
 def test_a_long_text_is_shown():
     essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
-    copy, complaint = autograded.copy_apart(handed_in(essay), LESSON)
+    copy, complaint = autograded.build_copy_in_process(handed_in(essay), LESSON)
     assert not complaint
     assert essay in [cell.source for cell in copy.cells]
 
@@ -131,7 +131,8 @@ def grade(course, sandbox, monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("module", "name", "score"), [(preflight, "_defines", 0.0), (autograded, "harmless", 25.0)]
+    ("module", "name", "score"),
+    [(preflight, "_defines", 0.0), (autograded, "sanitize_markdown", 25.0)],
 )
 def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypatch, capsys):
     """In preflight it costs the points; where the copy is made, what people are shown."""

@@ -18,7 +18,7 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
 from grader.intake.submission import read_submitted_files
-from grader.lms.gradebook_writer import enter
+from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from grader.sandbox import choose_sandbox
 from tests.postgresql import NotInstalled, server
@@ -60,9 +60,9 @@ def measure(name, course, verdicts, students, step):
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]
         judged += hand_in(course, verdicts, names)
-        before = seconds(enter, course, judged[: -step * len(verdicts)], [STAGE], told)
-        both = seconds(enter, course, judged, [STAGE], told)
-        again = seconds(enter, course, judged, [STAGE], told)
+        before = seconds(enter_verdicts, course, judged[: -step * len(verdicts)], [STAGE], told)
+        both = seconds(enter_verdicts, course, judged, [STAGE], told)
+        again = seconds(enter_verdicts, course, judged, [STAGE], told)
         count = len(judged) // len(verdicts)
         print(
             f"{name:12} {count:9,} {1000 * (both - before) / step:22.0f} "

@@ -38,8 +38,8 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
 from grader.lms.gradebook import open_gradebook
-from grader.lms.gradebook_writer import enter
-from grader.lms.registration import register
+from grader.lms.gradebook_writer import enter_verdicts
+from grader.lms.registration import register_stages
 from grader.sandbox import choose_sandbox
 from tests.benchmarks.racing import write_down
 
@@ -123,7 +123,7 @@ def time_ours(lessons, folder):
     memory.append(megabytes())
     middle = time.perf_counter()
     assert all(verdict.score == verdict.max_score for _, verdict in judged)
-    enter(course, judged, stages_of(lessons), lambda *news: None)
+    enter_verdicts(course, judged, stages_of(lessons), lambda *news: None)
     end = time.perf_counter()
     return Times(
         min(min(times) for times in seen.values()) - begin,
@@ -177,7 +177,7 @@ def time_theirs(lessons, folder, students):
     """Seconds of nbgrader as it comes, from a gradebook that knows the stage."""
     stage, course = lessons[0].stage, make_course(folder, students, lessons)
     with open_gradebook(course) as book:
-        register(course, book, [stage])
+        register_stages(course, book, [stage])
     (folder / "nbgrader_config.py").write_text(PLAIN)
     seconds = command_line(folder, "nbgrader", "autograde", stage)
     assert_full_marks(folder, stage, students * len(lessons))

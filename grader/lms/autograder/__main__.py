@@ -11,9 +11,9 @@ from pathlib import Path
 
 from grader.judging.verdict import write_atomically
 from grader.lms.autograder import jails
-from grader.lms.autograder.isolation import NotClosed, close, walls_here
+from grader.lms.autograder.isolation import IsolationFailed, restrict_access, strongest_sandbox
 from grader.lms.autograder.judging import JudgeFailed, judge_submission
-from grader.lms.autograder.results import results_of
+from grader.lms.autograder.results import build_results
 from grader.sandbox import SandboxUnavailable
 
 
@@ -22,13 +22,13 @@ def main(root: Path) -> int:
     results = root / "results" / "results.json"
     results.unlink(missing_ok=True)
     try:
-        close(root)
-        jails.offer(root / "source")
-        sandbox = walls_here()
+        restrict_access(root)
+        jails.register_jails(root / "source")
+        sandbox = strongest_sandbox()
         print(f"Walls: {sandbox.name}: {sandbox.walls()}. Built by {sandbox.label()}.")
         judged = judge_submission(root / "submission", root / "source", sandbox)
-        write_atomically(json.dumps(results_of(judged), indent=1), results)
-    except (NotClosed, SandboxUnavailable, JudgeFailed) as error:
+        write_atomically(json.dumps(build_results(judged), indent=1), results)
+    except (IsolationFailed, SandboxUnavailable, JudgeFailed) as error:
         print(f"Nothing was judged, and nobody has a mark by it.\n{error}")
         return 1
     except Exception:

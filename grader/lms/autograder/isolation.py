@@ -8,17 +8,17 @@ from pathlib import Path
 
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
-KINDS = ("bubblewrap", "chroot")
+PREFERRED_SANDBOXES = ("bubblewrap", "chroot")
 """Sandboxes in order of preference, strongest first; a container judges one submission only."""
-OURS_ALONE = ("source", "submission", "submission_metadata.json", "run_autograder")
-NEVER_THEIRS = (".", "results")
+ROOT_ONLY = ("source", "submission", "submission_metadata.json", "run_autograder")
+NOT_WRITABLE = (".", "results")
 
 
-class NotClosed(Exception):
+class IsolationFailed(Exception):
     """Users other than root could access tests, seed or results; `str()` is the remedy."""
 
 
-def close(root: Path) -> None:
+def restrict_access(root: Path) -> None:
     """Restrict Gradescope's folders to root, and verify the permissions.
 
     Parameters
@@ -32,11 +32,11 @@ def close(root: Path) -> None:
         If the process is not run by root, or if the permissions cannot be changed.
     """
     if os.geteuid() != 0:
-        raise NotClosed(
+        raise IsolationFailed(
             "This autograder must be run by root, as Gradescope does: else student code would be "
             "the same user as what judges it. Leave setup.sh and run_autograder as they are."
         )
-    for names, forbidden_bits in ((OURS_ALONE, 0o077), (NEVER_THEIRS, 0o022)):
+    for names, forbidden_bits in ((ROOT_ONLY, 0o077), (NOT_WRITABLE, 0o022)):
         for path in filter(os.path.lexists, (root / name for name in names)):
             _restrict(path, forbidden_bits)
 
@@ -46,13 +46,13 @@ def _restrict(path: Path, forbidden_bits: int) -> None:
         os.chown(path, 0, 0, follow_symlinks=False)
         path.chmod(stat.S_IMODE(path.lstat().st_mode) & ~forbidden_bits)
     except OSError as error:
-        raise NotClosed(f"{path} cannot be closed to others: {error.strerror}.") from None
+        raise IsolationFailed(f"{path} cannot be closed to others: {error.strerror}.") from None
     status = path.lstat()
     if status.st_uid or status.st_mode & forbidden_bits or stat.S_ISLNK(status.st_mode):
-        raise NotClosed(f"{path} stays open to others than root.")
+        raise IsolationFailed(f"{path} stays open to others than root.")
 
 
-def walls_here() -> Sandbox:
+def strongest_sandbox() -> Sandbox:
     """Return the strongest sandbox that works on this machine.
 
     Raises
@@ -61,7 +61,7 @@ def walls_here() -> Sandbox:
         If none works.
     """
     complaints = []
-    for name in KINDS:
+    for name in PREFERRED_SANDBOXES:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:

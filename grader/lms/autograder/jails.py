@@ -12,24 +12,24 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.judging.judge import program_for
-from grader.lms.autograder.judging import assigned
+from grader.lms.autograder.judging import assigned_lessons
 from grader.sandbox import chroot, jail
 
-SMALLEST: chroot.Kind = ((), ())
+SMALLEST_KIND: chroot.Kind = ((), ())
 """Kind of folder with which the availability of the sandbox is tested."""
 
 
-def prepare(source: Path) -> None:
+def build_jails(source: Path) -> None:
     """Build a folder for each kind of worker that the assignment needs, and list them in a file."""
     folder = source / "jails"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700)
-    kinds = dict.fromkeys([SMALLEST, *map(_kind, assigned(source))])
+    kinds = dict.fromkeys([SMALLEST_KIND, *map(_kind, assigned_lessons(source))])
     built = [(kind, jail.build(*kind, within=folder).name) for kind in kinds]
     (folder / "list.json").write_text(json.dumps(built), "utf-8")
 
 
-def offer(source: Path) -> None:
+def register_jails(source: Path) -> None:
     """Make the prepared folders available to the sandbox, if there are any."""
     folder = source / "jails"
     if (folder / "list.json").exists():
@@ -44,6 +44,6 @@ def _kind(lesson: Lesson) -> chroot.Kind:
 
 if __name__ == "__main__":
     try:
-        prepare(Path(sys.argv[1]))
+        build_jails(Path(sys.argv[1]))
     except OSError as error:
         print(f"The image keeps no folders for student code: {error}")

@@ -23,7 +23,7 @@ from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook
 
-WHOSE = "submission"  # placeholder for the student ID, which the judge does not need
+PLACEHOLDER_STUDENT = "submission"  # placeholder for the student ID, which the judge does not need
 
 
 class JudgeFailed(Exception):
@@ -50,7 +50,7 @@ class JudgedLesson:
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedSubmission:
     """A judged submission: lessons in order, and one sentence for each file not judged."""
 
     lessons: tuple[JudgedLesson, ...]
@@ -62,12 +62,12 @@ def lessons_of(assignment: str) -> tuple[Lesson, ...]:
     return tuple(lesson for lesson in all_lessons() if assignment in (lesson.stage, lesson.name))
 
 
-def assigned(source: Path) -> tuple[Lesson, ...]:
+def assigned_lessons(source: Path) -> tuple[Lesson, ...]:
     """Return the lessons of the assignment for which this autograder was built."""
     return lessons_of((source / "assignment").read_text("utf-8").strip())
 
 
-def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
+def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> JudgedSubmission:
     """Judge all notebooks of the assignment.
 
     Parameters
@@ -83,11 +83,11 @@ def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
     JudgeFailed
         If the judge failed on a lesson.
     """
-    lessons = assigned(source)
+    lessons = assigned_lessons(source)
     seed = course_seed(Course(source / "course"))
     with tempfile.TemporaryDirectory() as folder:
         course = Course(Path(folder))
-        place = course.submitted / WHOSE / lessons[0].stage
+        place = course.submitted / PLACEHOLDER_STUDENT / lessons[0].stage
         shutil.copytree(handed_in, place, symlinks=True, ignore=_special_files)
         submissions = {
             submission.lesson: submission
@@ -96,7 +96,7 @@ def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
         judged = tuple(
             _judge(course, lesson, submissions.get(lesson), seed, sandbox) for lesson in lessons
         )
-        return Judged(judged, tuple(_explain_unjudged(place, lessons)))
+        return JudgedSubmission(judged, tuple(_explain_unjudged(place, lessons)))
 
 
 def _special_files(folder: str, names: list[str]) -> list[str]:

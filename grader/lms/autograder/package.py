@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 PROGRAMS = ("setup.sh", "run_autograder")
 
 
-def packed_autograder(assignment: str, seed: int) -> bytes:
+def build_autograder_zip(assignment: str, seed: int) -> bytes:
     """Build the zip; the same course, assignment and seed give the same bytes.
 
     Parameters

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from grader.judging.points import total
 from grader.judging.verdict import ExerciseResult
-from grader.lms.autograder.judging import Judged, JudgedLesson
+from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
 
 NOW, AFTERWARDS = "visible", "after_published"
 """Visibility of a result. Students may submit repeatedly, so the results of hidden tests are shown
@@ -17,7 +17,7 @@ only after the last submission."""
 MISSING = "Nothing was handed in for this lesson."
 
 
-def results_of(judged: Judged) -> dict:
+def build_results(judged: JudgedSubmission) -> dict:
     """Build the content of ``results.json``."""
     tests = [test for lesson in judged.lessons for test in _tests(lesson)]
     score = total([lesson.verdict.score for lesson in judged.lessons if lesson.verdict])

@@ -1,6 +1,7 @@
 """Export formats for the marks of a class: ``python -m grader export --format NAME``.
 
-To add a format, write a module with a function from `Order` to `Exported`, and add it to the table.
+To add a format, write a module with a function from `ExportOptions` to `ExportResult`, and add it
+to the table.
 """
 
 from collections.abc import Callable
@@ -9,10 +10,10 @@ from dataclasses import dataclass
 from grader.lms.exporters.canvas import canvas
 from grader.lms.exporters.gradescope import gradescope
 from grader.lms.exporters.moodle import moodle
-from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
+from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.scores_csv import scores_csv
 
-__all__ = ["EXPORTERS", "ExportTrouble", "Exported", "Exporter", "Order"]
+__all__ = ["EXPORTERS", "ExportError", "ExportResult", "Exporter", "ExportOptions"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Exporter:
     Attributes
     ----------
     write : callable
-        Takes an `Order` and returns an `Exported`; raises `ExportTrouble`.
+        Takes `ExportOptions` and returns an `ExportResult`; raises `ExportError`.
     ending : str
         End of the file's name.
     fills : str
@@ -31,7 +32,7 @@ class Exporter:
         Instructions for uploading the file.
     """
 
-    write: Callable[[Order], Exported]
+    write: Callable[[ExportOptions], ExportResult]
     ending: str
     fills: str = ""
     next_step: str = ""

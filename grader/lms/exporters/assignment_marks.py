@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from grader.course.roster import Person
-from grader.lms.exporters.protocol import ExportTrouble, Order
-from grader.lms.instructor_notes import not_on_the_roster
+from grader.lms.exporters.protocol import ExportError, ExportOptions
+from grader.lms.instructor_notes import unlisted_notes
 from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, NotebookResult
 
-WITHOUT = {
+UNMARKED_TITLES = {
     EXCUSED: "Without a mark, because they are excused",
     MISSING: "Without a mark, because they handed in nothing",
     WAITING: "Without a mark, because what they handed in is not entered yet",
@@ -46,7 +46,7 @@ class Marks:
     without : dict of str to tuple of grader.course.roster.Person
         Students without a mark, by standing.
     lost, notes : tuple of str
-        Same meaning as in `Exported`.
+        Same meaning as in `ExportResult`.
     """
 
     assignment: str
@@ -68,12 +68,12 @@ class Marks:
         return (*(mark.person for mark in self.marks), *others)
 
 
-def marks_of(order: Order) -> Marks:
+def collect_marks(order: ExportOptions) -> Marks:
     """Collect the marks to export.
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the assignment does not exist, or if a mark is still waiting and the order does not allow
         provisional marks.
     """
@@ -85,18 +85,18 @@ def marks_of(order: Order) -> Marks:
         names = dict.fromkeys(
             name for result in results.notebooks for name in (result.stage, result.lesson)
         )
-        raise ExportTrouble(
+        raise ExportError(
             f"Say with --assignment which stage or lesson these marks are of. Handed in was: "
             f"{', '.join(sorted(names))}."
         )
     waiting = [result for result in notebooks if result.standing == WAITING]
     if waiting and not order.provisional:
-        raise ExportTrouble(
+        raise ExportError(
             f"{'; '.join(_by_lesson(waiting))}: waiting. Grade in Formgrader what a person grades, "
             "and run `python -m grader grade` for what is not entered yet; --provisional exports "
             "the points that there are so far."
         )
-    marks, without = [], {standing: [] for standing in WITHOUT}
+    marks, without = [], {standing: [] for standing in UNMARKED_TITLES}
     for person in results.people:
         standing, points = _standing(results, person, assignment)
         if standing == MARKED or (standing == WAITING and points is not None):
@@ -108,7 +108,7 @@ def marks_of(order: Order) -> Marks:
         {result.lesson: result.max_score for result in notebooks},
         tuple(marks),
         {standing: tuple(people) for standing, people in without.items()},
-        tuple(not_on_the_roster(results)),
+        tuple(unlisted_notes(results)),
         tuple(filter(None, _notes(results, notebooks, marks, without))),
     )
 
@@ -130,14 +130,16 @@ def _notes(
         for result in results.stages
         if result.undecided and result.stage == stage and result.student in ids
     ]
-    yield listed("Provisional, with what waits for a person still to come", _by_lesson(waiting))
-    yield listed("Counted as 0, because nothing was handed in", _by_lesson(zeros))
-    yield listed("Nothing taken off, as whether they were late is undecided", undecided)
+    yield list_sentence(
+        "Provisional, with what waits for a person still to come", _by_lesson(waiting)
+    )
+    yield list_sentence("Counted as 0, because nothing was handed in", _by_lesson(zeros))
+    yield list_sentence("Nothing taken off, as whether they were late is undecided", undecided)
     for standing, people in without.items():
-        yield listed(WITHOUT[standing], (person.called for person in people))
+        yield list_sentence(UNMARKED_TITLES[standing], (person.called for person in people))
 
 
-def listed(title: str, names: Iterable[str]) -> str:
+def list_sentence(title: str, names: Iterable[str]) -> str:
     """Join a title and all names into one sentence; empty if there are no names."""
     names = list(names)
     return f"{title}: {'; '.join(names)}." if names else ""

@@ -10,15 +10,21 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from grader.lms.exporters.assignment_marks import marks_of
-from grader.lms.exporters.column_writer import Column, RowPlace, factor, fill, guess
-from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
+from grader.lms.exporters.assignment_marks import collect_marks
+from grader.lms.exporters.column_writer import (
+    Column,
+    RowPlace,
+    fill_column,
+    find_column,
+    scale_factor,
+)
+from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.row_matching import PersonRow
 from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))
-LAST = "Section"  # last of the columns that identify a student
-TOTAL = re.compile(
+LAST_PEOPLE_COLUMN = "Section"  # last of the columns that identify a student
+COMPUTED_COLUMN = re.compile(
     "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # these are never imported
 )
 POINTS_POSSIBLE = "Points Possible"
@@ -30,41 +36,44 @@ CLAIMS = (
 )
 
 
-def canvas(order: Order) -> Exported:
+def canvas(order: ExportOptions) -> ExportResult:
     """Fill in the assignment's column of a gradebook that Canvas exported.
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the file is not a gradebook of Canvas, or if the points differ. Nothing is written then.
     """
-    marks, sheet = marks_of(order), read_worksheet(order.into)
+    marks, sheet = collect_marks(order), read_worksheet(order.into)
     people = _people_columns(sheet)
     column = _column(sheet, len(people), marks.assignment, order.column)
     possible = [row for row in sheet.rows if POINTS_POSSIBLE in row[0]]
     if not possible:
-        raise ExportTrouble(
+        raise ExportError(
             f"{sheet.name} has no row {POINTS_POSSIBLE!r}, so that nobody can compare the points. "
             "Export the gradebook again."
         )
     most = read_number(possible[0][column])
-    scale_factor = factor(marks, most, sheet.head[column], order.scale)
+    factor = scale_factor(marks, most, sheet.head[column], order.scale)
     places = []
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
             places.append(RowPlace(row, _row(sheet, row, name)))
     mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
-    filled = fill(marks, places, Column(column, scale_factor, mark, EXCUSED), _refusal(column))
+    filled = fill_column(marks, places, Column(column, factor, mark, EXCUSED), _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
-    return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
+    return ExportResult(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
 def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
     """Return the titles of the columns that identify a student."""
-    if any(sheet.head[: len(names)] == names for names in NAMES) and LAST in sheet.head:
-        return sheet.head[: sheet.head.index(LAST) + 1]
-    raise ExportTrouble(
+    if (
+        any(sheet.head[: len(names)] == names for names in NAMES)
+        and LAST_PEOPLE_COLUMN in sheet.head
+    ):
+        return sheet.head[: sheet.head.index(LAST_PEOPLE_COLUMN) + 1]
+    raise ExportError(
         f"{sheet.name} is no gradebook of Canvas: that begins with Student or LastName, and has a "
         "column Section. In Canvas: Grades, Export, Export Entire Gradebook."
     )
@@ -74,11 +83,11 @@ def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | No
     titles = {
         place: title
         for place, title in enumerate(sheet.head)
-        if place >= first and not TOTAL.search(title)
+        if place >= first and not COMPUTED_COLUMN.search(title)
     }
     if wanted is None:
         titles = {place: title for place, title in titles.items() if _title(title) != title}
-    return guess(titles, assignment, wanted, sheet.name, _title)
+    return find_column(titles, assignment, wanted, sheet.name, _title)
 
 
 def _title(title: str) -> str:

@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from grader.course.roster import letters
-from grader.lms.exporters.assignment_marks import Marks, listed
-from grader.lms.exporters.protocol import ExportTrouble
-from grader.lms.exporters.row_matching import PersonRow, join
+from grader.lms.exporters.assignment_marks import Marks, list_sentence
+from grader.lms.exporters.protocol import ExportError
+from grader.lms.exporters.row_matching import PersonRow, match_rows
 from grader.lms.exporters.worksheet import read_number
-from grader.lms.results import EXCUSED, write_number
+from grader.lms.results import EXCUSED, format_points
 
-CLOSE = 0.005  # points are written with two decimal places
+TOLERANCE = 0.005  # points are written with two decimal places
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class RowPlace:
 
 
 @dataclass(frozen=True)
-class Filled:
-    """Result of filling a column; `lost` and `notes` have the same meaning as in `Exported`."""
+class FilledColumn:
+    """Result of filling a column; `lost` and `notes` have the same meaning as in `ExportResult`."""
 
     rows: tuple[tuple[str, ...], ...]
     placed: int
@@ -58,12 +58,12 @@ class Column:
     excused: str = ""
 
 
-def fill(
+def fill_column(
     marks: Marks,
     places: Sequence[RowPlace],
     column: Column,
     refusal: Callable[[tuple[str, ...], float], str],
-) -> Filled:
+) -> FilledColumn:
     """Write each mark into the row of its owner.
 
     Parameters
@@ -75,7 +75,7 @@ def fill(
         Takes a row and its points. Returns the reason why the LMS would reject them, or an empty
         string.
     """
-    joined = join([place.who for place in places], marks.people)
+    joined = match_rows([place.who for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
     lost, replaced = [], []
     for mark in marks.marks:
@@ -87,9 +87,9 @@ def fill(
             else refusal(places[place].row, points)
         )
         if reason:
-            lost.append(f"{mark.person.called}, {write_number(points)} points: {reason}.")
+            lost.append(f"{mark.person.called}, {format_points(points)} points: {reason}.")
         else:
-            row, cell = places[place].row, write_number(points, column.decimal_mark)
+            row, cell = places[place].row, format_points(points, column.decimal_mark)
             rows[place] = _with_cell(row, column, cell)
             if not _is_unchanged(row[column.place], points):
                 replaced.append(f"{mark.person.called} {row[column.place].strip()} by {cell}")
@@ -115,47 +115,47 @@ def fill(
     }
     notes = (
         *marks.notes,
-        listed("Marks that the file had, and that are replaced", replaced),
-        listed("Excused, and not written", unexcused),
-        listed("Found by their name alone", joined.by_name),
-        listed("Under another name in the file", joined.renamed),
-        listed("In the file, and not on the roster", joined.strangers),
-        listed(
+        list_sentence("Marks that the file had, and that are replaced", replaced),
+        list_sentence("Excused, and not written", unexcused),
+        list_sentence("Found by their name alone", joined.by_name),
+        list_sentence("Under another name in the file", joined.renamed),
+        list_sentence("In the file, and not on the roster", joined.strangers),
+        list_sentence(
             "On the roster, and not in the file",
             [name for id, name in absent.items() if id not in joined.doubts],
         ),
         *(f"{name}: {joined.doubts[id]}." for id, name in absent.items() if id in joined.doubts),
     )
     in_order = tuple(rows[place] for place in sorted(rows))
-    return Filled(in_order, placed, (*marks.lost, *lost), tuple(filter(None, notes)))
+    return FilledColumn(in_order, placed, (*marks.lost, *lost), tuple(filter(None, notes)))
 
 
-def factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
+def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
     """Return the factor that converts our points into the points of the LMS.
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the LMS states no points, or if its points differ and `scale` is False.
     """
     if not most:
-        raise ExportTrouble(
+        raise ExportError(
             f"The platform says no points for {title!r}. Give the assignment "
-            f"{write_number(marks.most)} points there, and download the file again."
+            f"{format_points(marks.most)} points there, and download the file again."
         )
-    if abs(most - marks.most) < CLOSE:
+    if abs(most - marks.most) < TOLERANCE:
         return 1.0
     if scale:
         return most / marks.most
-    worth = ", ".join(f"{name} {write_number(points)}" for name, points in marks.worth.items())
-    raise ExportTrouble(
-        f"{marks.assignment} is worth {write_number(marks.most)} points here ({worth}), and "
-        f"{title!r} is worth {write_number(most)} there. Change the points there and download the "
+    worth = ", ".join(f"{name} {format_points(points)}" for name, points in marks.worth.items())
+    raise ExportError(
+        f"{marks.assignment} is worth {format_points(marks.most)} points here ({worth}), and "
+        f"{title!r} is worth {format_points(most)} there. Change the points there and download the "
         "file again, or let --scale convert each mark."
     )
 
 
-def guess(
+def find_column(
     titles: dict[int, str], assignment: str, wanted: str | None, file: str, plain: Callable
 ) -> int:
     """Find the column of an assignment by its title.
@@ -164,7 +164,7 @@ def guess(
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If no column or more than one matches; the message lists all titles.
     """
     if wanted is not None:
@@ -177,7 +177,7 @@ def guess(
     if len(hits) == 1:
         return hits[0]
     available = ", ".join(repr(title) for title in titles.values()) or "none for marks"
-    raise ExportTrouble(
+    raise ExportError(
         f"{file} has {'no' if not hits else 'more than one'} {target}. Name the one that is meant "
         f"with --column; there is: {available}."
     )
@@ -186,7 +186,7 @@ def guess(
 def _is_unchanged(before: str, points: float) -> bool:
     """Return whether a cell is blank or already contains these points."""
     number = read_number(before)
-    return not before.strip() or (number is not None and abs(number - points) < CLOSE)
+    return not before.strip() or (number is not None and abs(number - points) < TOLERANCE)
 
 
 def _with_cell(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:

@@ -6,10 +6,10 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
-from grader.lms.exporters.protocol import ExportTrouble
+from grader.lms.exporters.protocol import ExportError
 
 
-def place(
+def write_export(
     content: bytes, wish: Path | None, usual: Path, given: Path | None
 ) -> tuple[Path, Path | None]:
     """Write a file, completely or not at all.
@@ -31,19 +31,19 @@ def place(
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the destination exists and must be kept, or if it cannot be written.
     """
     path = wish / usual.name if wish and wish.is_dir() else wish or usual
     if given and path.exists() and path.samefile(given):
-        raise ExportTrouble(
+        raise ExportError(
             f"{path} is the file that is filled in, and stays as it is. Name another with --to."
         )
     try:
         before = None
         if path.exists() and path.read_bytes() != content:
             if path != usual:
-                raise ExportTrouble(f"{path} is there already. Name another file, or remove it.")
+                raise ExportError(f"{path} is there already. Name another file, or remove it.")
             before = _unused_path(path)
             path.rename(before)
         try:
@@ -53,7 +53,7 @@ def place(
                 before.rename(path)
             raise
     except OSError as error:
-        raise ExportTrouble(f"{path} cannot be written: {error.strerror}.") from error
+        raise ExportError(f"{path} cannot be written: {error.strerror}.") from error
     return path, before
 
 

@@ -16,16 +16,16 @@ from grader.classroom.submissions import Replaced, Submission, find_submissions
 from grader.course.archives import zipped
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
-from grader.lms.exporters.assignment_marks import Mark, marks_of
+from grader.lms.exporters.assignment_marks import Mark, collect_marks
 from grader.lms.exporters.inside_gradescope import digest, files_of
-from grader.lms.exporters.protocol import Exported, Order
-from grader.lms.results import MISSING, NotebookResult, write_number
+from grader.lms.exporters.protocol import ExportOptions, ExportResult
+from grader.lms.results import MISSING, NotebookResult, format_points
 
 SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
-PROGRAMS = ("setup.sh", "run_autograder")
+EXECUTABLES = ("setup.sh", "run_autograder")
 
 
-def gradescope(order: Order) -> Exported:
+def gradescope(order: ExportOptions) -> ExportResult:
     """Build an autograder that can be uploaded to Gradescope unchanged.
 
     Returns
@@ -35,10 +35,10 @@ def gradescope(order: Order) -> Exported:
 
     Raises
     ------
-    ExportTrouble
-        If the marks cannot be exported; see `marks_of`.
+    ExportError
+        If the marks cannot be exported; see `collect_marks`.
     """
-    marks = marks_of(order)
+    marks = collect_marks(order)
     submitted: dict[str, list[Submission]] = {}
     for submission in find_submissions(order.course):
         if order.assignment in (submission.lesson.stage, submission.lesson.name):
@@ -54,14 +54,14 @@ def gradescope(order: Order) -> Exported:
                 raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
             entries[email] = _entry(order, mark, submitted.get(mark.person.id, ()))
         except _NoEntry as error:
-            lost.append(f"{mark.person.called}, {write_number(mark.points)} points: {error}")
+            lost.append(f"{mark.person.called}, {format_points(mark.points)} points: {error}")
     files = {
         "setup.sh": SETUP,
         "run_autograder": Path(inside_gradescope.__file__).read_text("utf-8"),
         "marks.json": json.dumps(entries, indent=1, sort_keys=True),
     }
-    content = zipped({name: text.encode() for name, text in files.items()}, PROGRAMS)
-    return Exported(content, len(entries), tuple(lost), marks.notes)
+    content = zipped({name: text.encode() for name, text in files.items()}, EXECUTABLES)
+    return ExportResult(content, len(entries), tuple(lost), marks.notes)
 
 
 class _NoEntry(Exception):
@@ -73,7 +73,7 @@ def _email(mark: Mark) -> str:
     return mark.person.email.strip().casefold()
 
 
-def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
+def _entry(order: ExportOptions, mark: Mark, submissions: Sequence[Submission]) -> dict:
     """Build the results of one student, with digests that identify the judged submission."""
     course = order.course
     if not submissions:
@@ -110,12 +110,12 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
 
 def _summary(results: Sequence[NotebookResult]) -> str:
     lines = [
-        f"{row.lesson}: {write_number(row.score or 0.0)} of {write_number(row.max_score)} points"
+        f"{row.lesson}: {format_points(row.score or 0.0)} of {format_points(row.max_score)} points"
         for row in results
     ]
     penalty = sum(row.penalty for row in results)
     if penalty:
-        lines.append(f"Taken off for lateness: {write_number(penalty)} points")
+        lines.append(f"Taken off for lateness: {format_points(penalty)} points")
     return "\n".join(lines)
 
 

@@ -10,12 +10,19 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from grader.lms.exporters.assignment_marks import marks_of
-from grader.lms.exporters.column_writer import CLOSE, Column, RowPlace, factor, fill, guess
-from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
+from grader.lms.exporters.assignment_marks import collect_marks
+from grader.lms.exporters.column_writer import (
+    TOLERANCE,
+    Column,
+    RowPlace,
+    fill_column,
+    find_column,
+    scale_factor,
+)
+from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.row_matching import PersonRow
 from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
-from grader.lms.results import write_number
+from grader.lms.results import format_points
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
 # Values of the column "Grade can be changed" for a locked grade, in various languages.
@@ -51,7 +58,7 @@ HOW_TO_DOWNLOAD = (
 )
 
 
-def moodle(order: Order) -> Exported:
+def moodle(order: ExportOptions) -> ExportResult:
     """Fill in the grades of a worksheet that Moodle wrote.
 
     Parameters
@@ -61,19 +68,19 @@ def moodle(order: Order) -> Exported:
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the file is not a grading worksheet, or if the points differ. Nothing is written then.
     """
-    marks, sheet = marks_of(order), read_worksheet(order.into)
+    marks, sheet = collect_marks(order), read_worksheet(order.into)
     column = _grade_column(sheet, order.column)
     most = read_number(sheet.rows[0][column + 1])
-    scale_factor = factor(marks, most, sheet.head[column], order.scale)
+    factor = scale_factor(marks, most, sheet.head[column], order.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
     places = [RowPlace(row, _row(row, column, hidden)) for row in sheet.rows]
-    filled = fill(marks, places, Column(column, scale_factor, mark), _refusal(column, most))
+    filled = fill_column(marks, places, Column(column, factor, mark), _refusal(column, most))
     text = sheet.text(range(len(sheet.head)), filled.rows)
-    return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
+    return ExportResult(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
 def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
@@ -83,13 +90,13 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
     }
     participants = all(PARTICIPANT.fullmatch(row[0].strip()) for row in sheet.rows)
     if not participants or not titles:
-        raise ExportTrouble(
+        raise ExportError(
             f"{sheet.name} is no offline grading worksheet of Moodle, or its grades are words of a "
             f"scale. {HOW_TO_DOWNLOAD}"
         )
     if len(titles) == 1 and wanted is None:
         return min(titles)
-    return guess(titles, "the grade", wanted, sheet.name, str)
+    return find_column(titles, "the grade", wanted, sheet.name, str)
 
 
 def _is_grade(sheet: MarksTableFile, place: int) -> bool:
@@ -126,8 +133,8 @@ def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
 
 def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
-        if points > most + CLOSE:
-            return f"Moodle skips marks above {write_number(most)} without a word"
+        if points > most + TOLERANCE:
+            return f"Moodle skips marks above {format_points(most)} without a word"
         if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
             return "their grade is locked in Moodle, which would skip the mark without a word"
         return ""

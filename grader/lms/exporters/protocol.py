@@ -9,12 +9,12 @@ from grader.course.paths import Course
 from grader.lms.results import ClassResults
 
 
-class ExportTrouble(Exception):
+class ExportError(Exception):
     """The export is not possible; `str()` is the message to show, with a remedy."""
 
 
 @dataclass(frozen=True)
-class Order:
+class ExportOptions:
     """An order for an export.
 
     Attributes
@@ -43,7 +43,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Exported:
+class ExportResult:
     """An exported file and the messages about it.
 
     Attributes

@@ -39,7 +39,7 @@ class PersonRow:
 
 
 @dataclass(frozen=True)
-class Joined:
+class RowMatches:
     """Result of matching rows with students.
 
     Attributes
@@ -63,7 +63,7 @@ class Joined:
     renamed: tuple[str, ...]
 
 
-def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
+def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatches:
     """Find the row of each student."""
     matched: dict[str, int] = {}
     doubts: dict[str, str] = {}
@@ -102,7 +102,7 @@ def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
         if person.id in matched and not _name_may_match(rows[matched[person.id]].name, person)
     )
     by_name = [rows[place].label for place in by_name]
-    return Joined(matched, strangers, doubts, tuple(by_name), renamed)
+    return RowMatches(matched, strangers, doubts, tuple(by_name), renamed)
 
 
 def _passes(

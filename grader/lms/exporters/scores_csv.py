@@ -9,23 +9,23 @@ from datetime import UTC, timedelta
 
 from grader.course.roster import Person
 from grader.course.tables import harmless_cell
-from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
-from grader.lms.instructor_notes import not_on_the_roster
+from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
+from grader.lms.instructor_notes import unlisted_notes
 from grader.lms.results import (
     EXCUSED,
     MISSING,
     WAITING,
     NotebookResult,
     StageResult,
-    standing_in_stage,
-    write_number,
+    combined_status,
+    format_points,
 )
 
 ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
 ABOUT_STAGE = ("handed in", "days late", "late penalty", "standing")
 
 
-def scores_csv(order: Order) -> Exported:
+def scores_csv(order: ExportOptions) -> ExportResult:
     """Write the scores of a class, limited to one stage or lesson if the order names it.
 
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
@@ -39,7 +39,7 @@ def scores_csv(order: Order) -> Exported:
         if order.assignment in (None, result.stage, result.lesson)
     ]
     if not notebooks:
-        raise ExportTrouble(f"Nobody has handed in anything for {order.assignment}.")
+        raise ExportError(f"Nobody has handed in anything for {order.assignment}.")
     stages: dict[str, dict[str, float]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
@@ -56,7 +56,7 @@ def scores_csv(order: Order) -> Exported:
         for result in notebooks
         if result.standing != EXCUSED and result.score is not None
     }
-    return Exported(content, len(marked), tuple(not_on_the_roster(order.results)))
+    return ExportResult(content, len(marked), tuple(unlisted_notes(order.results)))
 
 
 def _head(stages: dict[str, dict[str, float]]) -> list[str]:
@@ -69,13 +69,13 @@ def _head(stages: dict[str, dict[str, float]]) -> list[str]:
 def _out_of(stages: dict[str, dict[str, float]]) -> list[str]:
     cells = ["out of", *[""] * (len(ABOUT_PERSON) - 1)]
     for lessons in stages.values():
-        cells += [*map(write_number, lessons.values()), *[""] * len(ABOUT_STAGE)]
+        cells += [*map(format_points, lessons.values()), *[""] * len(ABOUT_STAGE)]
     most = sum(sum(lessons.values()) for lessons in stages.values())
-    return [*cells, write_number(most), write_number(most)]
+    return [*cells, format_points(most), format_points(most)]
 
 
 def _row(
-    order: Order,
+    order: ExportOptions,
     person: Person,
     own: Sequence[NotebookResult],
     stages: dict[str, dict[str, float]],
@@ -88,13 +88,17 @@ def _row(
         cells += _about_stage(order.results.stage(person.id, stage), in_stage)
     counted = [result for result in own if result.standing != EXCUSED]
     total = sum(result.points or 0.0 for result in counted)
-    return [*cells, write_number(total), write_number(sum(result.max_score for result in counted))]
+    return [
+        *cells,
+        format_points(total),
+        format_points(sum(result.max_score for result in counted)),
+    ]
 
 
 def _score(result: NotebookResult) -> str:
     if result.standing == EXCUSED or result.score is None:
         return ""
-    return write_number(result.score)
+    return format_points(result.score)
 
 
 def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[str]:
@@ -102,7 +106,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
     return [
         handed_in.strftime("%Y-%m-%d %H:%M:%S UTC") if handed_in else "",
         _days_late(stage),
-        write_number(sum(result.penalty for result in lessons if result.standing != EXCUSED)),
+        format_points(sum(result.penalty for result in lessons if result.standing != EXCUSED)),
         _standing(lessons),
     ]
 
@@ -112,12 +116,12 @@ def _days_late(stage: StageResult) -> str:
         return "undecided"
     if stage.due is None or stage.handed_in is None:
         return ""
-    return write_number(stage.late / timedelta(days=1))
+    return format_points(stage.late / timedelta(days=1))
 
 
 def _standing(lessons: Sequence[NotebookResult]) -> str:
     """Return the standing in a stage or lesson, followed by the lessons that deviate from it."""
-    combined = standing_in_stage(lessons)
+    combined = combined_status(lessons)
     words = [] if combined == WAITING else [combined]
     if combined not in (EXCUSED, MISSING):
         for standing in (WAITING, MISSING):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.tables import separated
-from grader.lms.exporters.protocol import ExportTrouble
+from grader.lms.exporters.protocol import ExportError
 
 NUMBER = re.compile(r"-?[0-9][0-9.,]*")
 FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
@@ -65,17 +65,17 @@ def read_worksheet(path: Path) -> MarksTableFile:
 
     Raises
     ------
-    ExportTrouble
+    ExportError
         If the file cannot be read as a table of students.
     """
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise ExportTrouble(f"{path} cannot be read: {error.strerror}.") from error
+        raise ExportError(f"{path} cannot be read: {error.strerror}.") from error
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ExportTrouble(
+        raise ExportError(
             f"{path.name} is not a CSV file in UTF-8. Give the file as the platform wrote it; if a "
             "spreadsheet has saved it since, save it as CSV UTF-8."
         ) from error
@@ -84,15 +84,13 @@ def read_worksheet(path: Path) -> MarksTableFile:
     try:
         separator, rows = separated(text)
     except csv.Error as error:
-        raise ExportTrouble(
-            f"{path.name} is not a CSV file: {error}. Download it again."
-        ) from error
+        raise ExportError(f"{path.name} is not a CSV file: {error}. Download it again.") from error
     if len(rows) < 2 or len(rows[0]) < 2:
-        raise ExportTrouble(f"{path.name} holds no table with students.")
+        raise ExportError(f"{path.name} holds no table with students.")
     width = len(rows[0])
     for row in rows:
         if len(row) > width and any(row[width:]):
-            raise ExportTrouble(
+            raise ExportError(
                 f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, and the "
                 f"head {width}. Download the file again."
             )
