@@ -229,7 +229,7 @@ def test_a_fault_of_ours_is_nobodys_nought(root, open_walls, monkeypatch, capsys
 
 def test_without_walls_nothing_runs(root, monkeypatch, capsys):
     def unavailable(self):
-        raise SandboxUnavailable("It is a drill. Student code is only run inside a sandbox.")
+        raise SandboxUnavailable("It is a drill.", "Add: --sandbox process")
 
     monkeypatch.setattr(program, "restrict_access", lambda root: None)
     for name in isolation.PREFERRED_SANDBOXES:

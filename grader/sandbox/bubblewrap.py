@@ -95,8 +95,9 @@ def _program() -> bwrap.Executable:
     program, complaint = _search()
     if not program:
         raise SandboxUnavailable(
-            f"{complaint} Student code is only run inside a sandbox. To grade code that you "
-            "trust without one, add: --sandbox process"
+            complaint,
+            "Student code is only run inside a sandbox. To grade code that you trust without one, "
+            "add: --sandbox process",
         )
     return program
 

@@ -14,7 +14,22 @@ MEBIBYTE = 2**20
 
 
 class SandboxUnavailable(Exception):
-    """The sandbox that was asked for cannot be built on this machine."""
+    """The requested sandbox cannot be built on this machine.
+
+    Parameters
+    ----------
+    reason : str
+        Sentences that say why.
+    advice : str
+        What to do on a machine of one's own; ``str()`` shows it after the reason.
+    """
+
+    def __init__(self, reason: str, advice: str = "") -> None:
+        super().__init__(reason, advice)
+        self.reason, self.advice = reason, advice
+
+    def __str__(self) -> str:
+        return f"{self.reason} {self.advice}".rstrip()
 
 
 @dataclass(frozen=True)

@@ -65,9 +65,8 @@ def strongest_sandbox() -> Sandbox:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:
-            # The rest of the message suggests running trusted code without a sandbox, which is not
-            # allowed here.
-            complaints.append(f"{name}: {str(error).split(' Student code')[0]}")
+            # The advice suggests running trusted code without a sandbox, which is not allowed here.
+            complaints.append(f"{name}: {error.reason}")
         else:
             return SANDBOXES[name]
     raise SandboxUnavailable(
