@@ -87,6 +87,7 @@ def notebooks(right, few):
             )
 
 
+@pytest.mark.slow
 def test_solution_earns_everything(lesson, sandbox):
     verdict = judge(lesson.solved, 1, sandbox)
     assert [
@@ -157,6 +158,7 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
     assert faults_on_other_seeds(path, lesson, sandbox) == []
 
 
+@pytest.mark.slow
 def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
     for_colab.write_bytes(standalone(lesson.released.read_bytes()))
@@ -299,6 +301,7 @@ def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
     assert judge(path, 1, sandbox).score == 30
 
 
+@pytest.mark.slow
 def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     good = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
@@ -326,6 +329,7 @@ def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox
     assert judge(path, 1, sandbox).score == 20
 
 
+@pytest.mark.slow
 def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path, monkeypatch):
     lesson, asked = find_lesson("09_filter_clusters"), []
     right, wrong = (

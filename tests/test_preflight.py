@@ -297,6 +297,7 @@ def test_what_cannot_be_read_is_shown_as_released(change, says):
     assert len(graded_cells(made)) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "notebook, says",
     [

@@ -42,6 +42,7 @@ def test_the_slider_reaches_the_default_and_clears_the_road(shown):
     assert value < shown.size_of_puff.max() < 100 < high, "not clear before the first move"
 
 
+@pytest.mark.slow
 def test_pictures_that_are_thinned_count_all_noise(shown):
     for minimum in (5, 10, 100, 500, 600):
         noise = (shown.filter_clusters(shown.cluster_labels, minimum) == 0).sum()

@@ -211,6 +211,7 @@ def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obsta
     assert small.max() < joined < large.max()
 
 
+@pytest.mark.slow
 def test_one_thing_in_five_tears_where_only_the_next_cells_are_looked_at(obstacles, right):
     cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
     pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
