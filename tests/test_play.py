@@ -1,5 +1,6 @@
 """Every scenario is played, on a machine without a screen and, pretended, on one with."""
 
+import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -80,8 +81,15 @@ def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, c
     assert "so the film goes into highway.mp4" in capsys.readouterr().out
 
 
-def test_where_no_mp4_can_be_written_that_film_is_a_gif(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(writers.importlib.util, "find_spec", lambda name: None)
+def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
+    # All other packages are found: whether PyVista is there is asked once and remembered.
+    find_spec = importlib.util.find_spec
+    hidden = {"imageio_ffmpeg"}
+    monkeypatch.setattr(
+        writers.importlib.util,
+        "find_spec",
+        lambda name, *package: None if name in hidden else find_spec(name, *package),
+    )
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert Image.open(tmp_path / "highway.gif").n_frames == 2
     assert "so the film goes into highway.gif" in capsys.readouterr().out
