@@ -1,6 +1,6 @@
-"""Checks that a student sees: ``check(my_function)`` in a notebook.
+"""The visible checks, which a student runs in a notebook with ``check(my_function)``.
 
-The same checks run unchanged in the judge, where the function is a proxy into the sandbox.
+The judge runs the same checks, unchanged, on a proxy for the function in the sandbox.
 """
 
 from utils.checks.assertions import CheckFailed

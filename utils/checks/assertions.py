@@ -1,11 +1,11 @@
-"""The assertions that checks are written with.
+"""Assertions shared by the checks of many exercises.
 
-Each compares an answer with what is expected and fails with a sentence about the answer:
-what differs, where, and, where a picture helps, how to draw it. Answers are accepted in any
-reasonable form: lists for arrays, float32, other numbers for the same clusters.
+Each assertion compares an answer with the expected one. Its failure says what differs and where,
+and how to draw the difference if a picture helps. Answers are accepted in any reasonable form:
+lists instead of arrays, float32, or other labels for the same clusters.
 
-Checks write `utils.plots` in full: it is loaded when the first picture is drawn, as matplotlib
-is slow to import and the judge has no use for it.
+Checks write `utils.plots` in full, so that it is loaded only when the first picture is drawn.
+Importing matplotlib is slow, and the judge does not need it.
 """
 
 import contextlib
@@ -22,18 +22,18 @@ from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fi
 from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, in_few_words
 from utils.remote_objects import Observed, Remote
 
-# A right answer in single precision differs by less than this at the range of a LiDAR (m).
+# Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
 TOLERANCE = 1e-3
 
 
 @contextlib.contextmanager
 def needs(basic: str) -> Iterator[None]:
-    """What a property rests on: where it does not hold, the property cannot be looked at.
+    """Turn failures in the context into `NotYet`: a precondition of the property does not hold.
 
     Parameters
     ----------
     basic : str
-        What has to hold first, as a clause: "the right points are left".
+        The precondition, as a clause: "the right points are left".
     """
     try:
         yield
@@ -44,17 +44,17 @@ def needs(basic: str) -> Iterator[None]:
 
 
 def frozen(value: object) -> object:
-    """A constant that nobody changes by accident: arrays become read-only copies.
+    """Return a read-only copy, so that a constant cannot be changed by accident.
 
     Parameters
     ----------
     value : object
-        An array, or a tuple of them.
+        An array, or a tuple of arrays.
 
     Returns
     -------
     object
-        Of the same kind.
+        A read-only array, or a tuple of them.
     """
     if isinstance(value, tuple):
         return tuple(frozen(item) for item in value)
@@ -64,39 +64,39 @@ def frozen(value: object) -> object:
 
 
 def brief(value: object) -> str:
-    """A value in at most 90 characters; a short row of numbers as it is."""
+    """Return a value as text of at most 90 characters; rows of up to 20 numbers stay complete."""
     if isinstance(value, np.generic):
         value = value.item()  # 2, not np.int64(2)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
-        # Of many dimensions even the corners are many.
+        # NumPy shows the corners of each dimension, and their number doubles with each.
         shown = value if value.ndim <= 3 else value.reshape(-1)
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
     else:
-        text = in_few_words(value)  # a list may be long, and hold longer ones
+        text = in_few_words(value)  # a list may be long and contain longer lists
     return text if len(text) <= 90 else text[:87] + "..."
 
 
 def point_text(point: ArrayLike) -> str:
-    """A point as text, (x, y) or (x, y, z), to the centimetre.
+    """Return a point as text, (x, y) or (x, y, z), rounded to the centimetre.
 
     Parameters
     ----------
     point : array_like, shape (2,), (3,) or (4,)
-        A fourth number is left out.
+        A fourth number is ignored.
     """
     return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
 
 def points_text(points: np.ndarray) -> str:
-    """Some points as text, (x, y, z), (x, y, z), with as few digits as they need.
+    """Return points as text, (x, y, z), (x, y, z), rounded to the centimetre.
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
-        A fourth column is left out.
+        A fourth column is ignored.
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -109,23 +109,24 @@ def as_array(
     most: int = MOST_NUMBERS,
     each: str = "point",
 ) -> np.ndarray:
-    """An answer as a numeric array.
+    """Convert an answer to a numeric array.
 
     Parameters
     ----------
     answer : object
     columns : int, optional
-        Demand shape (n, columns).
+        Require shape (n, columns).
     what : str
-        The kind of thing that was expected, for the message.
+        The expected kind of answer, for the message.
     most : int
         As for `utils.checks.size_limits.as_numbers`.
     each : str
-        What a row stands for.
+        The thing that one row describes, for the message.
 
     Raises
     ------
     WrongForm
+        If the answer is None, not numeric, too large or of another shape.
     """
     if answer is None:
         raise WrongForm(
@@ -138,8 +139,8 @@ def as_array(
     except TooLarge as error:
         raise FarTooMuch(str(error), yours=brief(answer), expected=what) from None
     except NotNumbers:
-        # In the judge an object of another kind arrives as a stand-in that knows its name. The
-        # student chose it, so it is no part of the message.
+        # In the judge, objects of other types arrive as stand-ins with a `type_name`. The student
+        # chose that name, so it must not be part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
         raise WrongForm(
             f"The function returned something else, expected {what}.",
@@ -159,9 +160,9 @@ def as_array(
 
 
 def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
-    """What an array is that should have been rows of the cloud, or of other things."""
-    of_the_cloud = each == "point"
-    if of_the_cloud and array.dtype.kind == "b" and array.ndim == 1:
+    """Explain why an array does not have one row per point, or per other thing."""
+    is_cloud = each == "point"
+    if is_cloud and array.dtype.kind == "b" and array.ndim == 1:
         return "This is a mask, True or False for each point: return the rows, cloud[mask]."
     if array.ndim == 2 and array.shape[0] == columns:
         return (
@@ -169,25 +170,25 @@ def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
             f"{each}, {columns} columns."
         )
     return f"The shape is {array.shape}, expected {columns} columns: one row per {each}" + (
-        ", the columns of the input." if of_the_cloud else "."
+        ", the columns of the input." if is_cloud else "."
     )
 
 
 def in_shape(
     yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
 ) -> np.ndarray:
-    """An answer in its shape; where it has another, say which everyday slip gives that one.
+    """Return an answer in the expected shape, or explain which common slip gives another shape.
 
-    Where there is nothing to answer, no rows of any length will do.
+    If no rows are expected, any array without rows is accepted.
 
     Parameters
     ----------
     yours : numpy.ndarray
     expected : tuple of int
     each : str
-        What there must be, as "one distance for each of the 5 points".
+        The required content, such as "one distance for each of the 5 points".
     columns : int
-        Of the cloud that the function was given, if it was given one.
+        Number of columns of the input cloud; 0 if the input is not a cloud.
 
     Returns
     -------
@@ -196,6 +197,7 @@ def in_shape(
     Raises
     ------
     WrongForm
+        If the shape is another one.
     """
     if yours.shape == expected or (yours.shape[:1] == (0,) == expected[:1]):
         return yours.reshape(expected)
@@ -222,7 +224,7 @@ def in_shape(
 
 
 def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str = "side") -> None:
-    """The answer is exactly the rows ``cloud[keep]``, in order.
+    """Assert that the answer is exactly the rows ``cloud[keep]``, in order.
 
     Parameters
     ----------
@@ -231,7 +233,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
     keep : numpy.ndarray of bool, shape (n,)
         The rows that a right answer keeps.
     view : {"side", "above"}
-        Where the picture looks from.
+        Viewpoint of the picture.
     """
     yours = as_array(answer, columns=cloud.shape[1], what="an array of rows of the cloud")
     expected = cloud[keep]
@@ -276,21 +278,23 @@ def assert_places(
     given: str | None = None,
     show: Callable[[np.ndarray], str] | None = None,
 ) -> None:
-    """The answer holds the places of ``cloud[keep]``; in which order, and what else, is not asked.
+    """Assert that the answer contains the points of ``cloud[keep]``, in any order.
+
+    Only x, y and z are compared.
 
     Parameters
     ----------
     answer : object
-        Rows of three columns or of as many as the cloud has.
+        Rows of three columns, or of as many as the cloud has.
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     keep : numpy.ndarray of bool, shape (n,)
         The rows that a right answer keeps.
     view : {"side", "above"}
-        Where the picture looks from.
+        Viewpoint of the picture.
     given : str, optional
-        What the function was given, for the message.
+        The arguments of the call, for the message.
     show : callable, optional
-        Takes some places, shape (m, 3); returns them as a short text. By default their number.
+        Takes points, shape (m, 3), and returns a short text. By default, the text is their number.
     """
     yours, places = _places(answer, cloud), cloud[:, :3]
     expected = places[keep]
@@ -309,32 +313,32 @@ def assert_places(
 
 
 def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
-    """The rows of ``cloud[keep]`` come in the order that they had.
+    """Assert that the rows of ``cloud[keep]`` keep their order.
 
     Parameters
     ----------
     answer, cloud, keep : object
-        As in `assert_places`.
+        As for `assert_places`.
     """
     with needs("the right points are left"):
         assert_places(answer, cloud, keep)
     yours, expected = _places(answer, cloud), cloud[keep, :3]
     if not _close(yours, expected):
-        place = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
+        row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
         raise CheckFailed(
             "These are the right rows in another order.",
-            yours=f"row {place} is {point_text(yours[place])}",
-            expected=f"row {place} is {point_text(expected[place])}",
+            yours=f"row {row} is {point_text(yours[row])}",
+            expected=f"row {row} is {point_text(expected[row])}",
         )
 
 
 def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
-    """The rows of ``cloud[keep]`` are whole: each has its intensity, too.
+    """Assert that the rows of ``cloud[keep]`` have all their columns, including intensity.
 
     Parameters
     ----------
     answer, cloud, keep : object
-        As in `assert_places`.
+        As for `assert_places`.
     """
     with needs("the right points are left"):
         assert_places(answer, cloud, keep)
@@ -354,15 +358,16 @@ def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> N
 
 
 def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None:
-    """The answer is a table without rows, which has its columns all the same.
+    """Assert that the answer is a table with columns but without rows.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
-        What the function was given.
+        The input of the function.
     columns : int
-        Of an answer that has rows: whether these are all of them is another property.
+        Number of columns that the function returns when it keeps rows. Another check tests
+        whether that number is right.
     """
     what = "an array without rows"
     yours = as_array(answer, what=what)
@@ -377,7 +382,7 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
 
 
 def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
-    """x, y and z of an answer that holds rows of a cloud; the other columns may be gone."""
+    """Return x, y and z of an answer made of rows of a cloud, which may lack the other columns."""
     what = "an array of rows of the cloud"
     yours = as_array(answer, what=what)
     if yours.ndim == 2 and yours.shape[1] == 3:
@@ -386,7 +391,7 @@ def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
 
 
 def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
-    """The answer holds the rows of `expected`, in any order.
+    """Assert that the answer consists of the rows of `expected`, in any order.
 
     Parameters
     ----------
@@ -407,12 +412,12 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     from scipy.spatial import cKDTree
 
     distances, partners = cKDTree(expected).query(yours)
-    partners = np.minimum(partners, len(expected) - 1)  # so far away that no right one is nearest
-    strangers = np.flatnonzero(distances > TOLERANCE)
-    if len(strangers):
-        row, partner = yours[strangers[0]], expected[partners[strangers[0]]]
+    partners = np.minimum(partners, len(expected) - 1)  # the tree gives n if the distance overflows
+    extra = np.flatnonzero(distances > TOLERANCE)
+    if len(extra):
+        row, partner = yours[extra[0]], expected[partners[extra[0]]]
         raise CheckFailed(
-            f"{_count(strangers)} should not be there; beside the nearest right one:",
+            f"{_count(extra)} should not be there; beside the nearest right one:",
             yours=brief(row),
             expected=brief(partner),
         )
@@ -421,7 +426,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
 
 
 def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
-    """An answer as whole-numbered labels.
+    """Convert an answer to whole-numbered labels.
 
     Parameters
     ----------
@@ -429,7 +434,7 @@ def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
     n : int
         Number of points.
     of : str
-        What has a label, if these are not points.
+        The labelled things, if they are not points, for the message.
 
     Returns
     -------
@@ -448,7 +453,7 @@ def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
 
 
 def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
-    """How many groups of one partition share points with how many of another.
+    """Count the groups of two partitions, and the pairs of groups that share points.
 
     Parameters
     ----------
@@ -457,18 +462,18 @@ def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
     Returns
     -------
     tuple of int
-        Pairs of groups that share points, groups of the one, and of the other: three times the
-        same number if they group the points alike.
+        Number of pairs that share points, of groups in `labels`, and of groups in `others`. The
+        three are equal if and only if both partitions group the points in the same way.
     """
-    names, mine = np.unique(labels, return_inverse=True)
-    other_names, theirs = np.unique(others, return_inverse=True)
-    # One number for a pair: sorting numbers is ten times as quick as sorting pairs.
-    pairs = np.unique(mine * len(other_names) + theirs)
-    return len(pairs), len(names), len(other_names)
+    groups, mine = np.unique(labels, return_inverse=True)
+    other_groups, theirs = np.unique(others, return_inverse=True)
+    # Sorting one number per pair is ten times as fast as sorting pairs.
+    pairs = np.unique(mine * len(other_groups) + theirs)
+    return len(pairs), len(groups), len(other_groups)
 
 
 def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
-    """The answer groups the points as `expected` does, under whatever numbers.
+    """Assert that the answer groups the points as `expected` does, under any labels.
 
     Parameters
     ----------
@@ -482,13 +487,13 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
         return
     split = shared > number_expected
     merged = shared > number_yours
-    what = {
+    message = {
         (True, True): "Some clusters are torn apart and others run together.",
         (True, False): "Points that belong together have different labels.",
         (False, True): "Points of different clusters have the same label.",
     }[split, merged]
     raise CheckFailed(
-        what,
+        message,
         yours=f"{number_yours} clusters",
         expected=f"{number_expected} clusters",
         draw=lambda: utils.plots.worst(cloud, yours, expected),
@@ -498,15 +503,16 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
 def assert_close(
     answer: object, expected: ArrayLike, what: str, tolerance: float = TOLERANCE
 ) -> None:
-    """The answer is an array of the expected shape and of nearly the expected values.
+    """Assert that the answer has the expected shape and, within a tolerance, the expected values.
 
     Parameters
     ----------
     answer : object
     expected : array_like
     what : str
-        What the numbers are, in the plural: "distances".
+        Plural noun for the numbers in the message, such as "distances".
     tolerance : float
+        Largest absolute difference that is accepted.
     """
     expected = np.asarray(expected)
     yours = as_array(answer, what=f"an array of {what}")
@@ -523,9 +529,9 @@ def assert_close(
 
 
 def observe(function: Callable, *arguments: object) -> Observed:
-    """Call a function on copies of its arguments, and look at what it did.
+    """Call a function on copies of its arguments; return its result and the arguments afterwards.
 
-    A function that lives elsewhere observes itself: in the judge it is in the sandbox.
+    In the judge, the function is in the sandbox, and the call is observed there.
     """
     if isinstance(function, Remote):
         return function.observe(*arguments)
@@ -542,9 +548,9 @@ def observe(function: Callable, *arguments: object) -> Observed:
 
 
 def timed(function: Callable, *arguments: object) -> tuple[object, float]:
-    """What a function answers to copies of its arguments, and seconds of processor time for that.
+    """Call a function on copies of its arguments; return the answer and the seconds it took.
 
-    One that lives elsewhere is timed there.
+    The time is processor time. A function in the sandbox is timed there.
     """
     if isinstance(function, Remote):
         return function.timed(*arguments)
@@ -555,10 +561,10 @@ def timed(function: Callable, *arguments: object) -> tuple[object, float]:
 
 
 def call_each(function: Callable, calls: Iterable[tuple]) -> list:
-    """Call a function on copies of each of these arguments; returns what it returned.
+    """Call a function once on copies of each set of arguments; return the list of answers.
 
-    One that lives elsewhere gets them all in one message. They share the time of a call, so this
-    is for many that take next to none.
+    A function in the sandbox receives all calls in one message. They share the time limit of one
+    call, so use this for many fast calls.
     """
     if isinstance(function, Remote):
         return function.each(list(calls))
@@ -566,19 +572,19 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
 
 
 def reach(value: object, names: Sequence[str]) -> object:
-    """Where a way along attributes leads, as `value.first.second`; elsewhere in one message."""
+    """Follow a chain of attributes, as in `value.first.second`; one message for a remote value."""
     if isinstance(value, Remote):
         return value.reach(names)
     return attrgetter(".".join(names))(value)
 
 
 def assert_untouched(function: Callable, *arguments: object) -> None:
-    """The function leaves its arguments as they are; what it returns is another property."""
+    """Assert that the function does not change its arguments, whatever it returns."""
     assert_left_alone(observe(function, *arguments), *arguments)
 
 
 def assert_left_alone(seen: Observed, *arguments: object) -> None:
-    """A call that was looked at left its arguments as they were."""
+    """Assert that an observed call did not change its arguments."""
     for before, after in zip(arguments, seen.arguments, strict=False):
         if not _unchanged(before, after):
             raise CheckFailed(
@@ -588,12 +594,12 @@ def assert_left_alone(seen: Observed, *arguments: object) -> None:
 
 
 def _first_change(before: object, after: object) -> dict[str, str]:
-    """What stands where an argument was changed first, afterwards and before."""
+    """Return the first changed row of an argument, or all of it, as `yours` and `expected`."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
         return {"yours": brief(after), "expected": brief(before)}
     rows = zip(before, after, strict=True)
-    row = next((row for row, (one, other) in enumerate(rows) if not _unchanged(one, other)), 0)
+    row = next((row for row, (old, new) in enumerate(rows) if not _unchanged(old, new)), 0)
     return {
         "yours": f"afterwards row {row} is {brief(after[row])}",
         "expected": f"as before, {brief(before[row])}",
@@ -601,7 +607,7 @@ def _first_change(before: object, after: object) -> dict[str, str]:
 
 
 def assert_new_array(function: Callable, *arguments: object) -> None:
-    """The function returns an array of its own: whoever changes it changes no argument."""
+    """Assert that the result does not share memory with an argument."""
     if observe(function, *arguments).shared:
         raise CheckFailed(
             "The result is the input itself, or a part of it: whoever changes one changes both. "
@@ -610,9 +616,9 @@ def assert_new_array(function: Callable, *arguments: object) -> None:
 
 
 def _unchanged(before: object, after: object) -> bool:
-    """True where two values are the same; the second is a claim and may be anything."""
+    """Return whether two values are equal; the second is untrusted and may be of any type."""
     if isinstance(before, np.random.Generator):
-        return True  # to draw from it is what it is for
+        return True  # drawing from a generator changes its state, and is allowed
     if isinstance(before, (list, tuple)):
         return (
             type(before) is type(after)
@@ -632,7 +638,7 @@ def _close(yours: np.ndarray, expected: np.ndarray) -> bool:
 
 
 def _membership(cloud: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
-    """Which rows of `cloud` occur among `rows`; None where `rows` holds others too."""
+    """Return a mask of the rows of `cloud` that occur in `rows`; None if `rows` has others."""
     known = {row.tobytes(): [] for row in _rounded(cloud)}
     for position, row in enumerate(_rounded(cloud)):
         known[row.tobytes()].append(position)

@@ -1,6 +1,7 @@
-"""Assertions about boxes: eight corners each, in any order, the boxes in ascending label order.
+"""Assertions about the boxes around labelled clusters, each for one property.
 
-Each looks at one property. A box is drawn with the points of its cluster.
+A box has eight corners in any order; the boxes are in ascending order of their labels. Pictures
+show a box together with the points of its cluster.
 """
 
 import math
@@ -21,18 +22,17 @@ from utils.checks.assertions import (
 )
 from utils.checks.failures import fixed
 
-# A point may stick out this far (m): less than any scanner measures, more than rounding does.
+# Metres that a point may be outside its box: more than rounding, less than a scanner can measure.
 _SLACK = 2 * TOLERANCE
-# A rectangle turned badly is at least so many times as large as the smallest one. Principal axes
-# and the smallest rectangle differ on what a scanner sees of a car, but stay below it.
+# A box is loose if its area exceeds this multiple of the smallest one. On the visible sides of a
+# car, a box along the principal axes is larger than the smallest box, but below this limit.
 LOOSE = 1.5
-# How far (degrees) a box may be turned against the block that it stands around: a search in steps
-# of five degrees is allowed.
+# Degrees between the sides of a box and those of its block: a search in steps of 5° must pass.
 _CROOKED = 6.0
 
 
 def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
-    """An answer as boxes, one for each label above 0.
+    """Convert an answer to boxes, one for each label above 0.
 
     Parameters
     ----------
@@ -43,9 +43,9 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     -------
     numpy.ndarray, shape (N, 8, 3)
     """
-    count = len(_names(cluster_labels))
+    count = len(_box_labels(cluster_labels))
     if count == 0 and isinstance(answer, (list, tuple)) and not answer:
-        return np.empty((0, 8, 3))  # a list of no boxes
+        return np.empty((0, 8, 3))  # an empty list is accepted
     boxes = as_array(answer, what="an array of boxes")
     sides = {"yours": f"shape {boxes.shape}", "expected": f"shape ({count}, 8, 3)"}
     if count == 0 and boxes.size == 0 and boxes.shape != (0, 8, 3):
@@ -63,7 +63,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))
     if len(bad):
         broken = boxes[bad[0]][~np.isfinite(boxes[bad[0]]).all(axis=1)]
-        size = np.count_nonzero(cluster_labels == _names(cluster_labels)[bad[0]])
+        size = np.count_nonzero(cluster_labels == _box_labels(cluster_labels)[bad[0]])
         raise CheckFailed(
             f"{_box(bad[0], cluster_labels)} has a corner with a number that is not finite.",
             given=f"a cluster of {_many(size, 'point')}",
@@ -73,12 +73,12 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
 
 
 def corners_between(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
-    """The corners of a straight box, in some order.
+    """Return the corners of an axis-aligned box, in arbitrary order.
 
     Parameters
     ----------
     low, high : sequence of float
-        x, y and z.
+        Smallest and largest x, y and z.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def corners_between(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
 
 
 def same_corners(yours: np.ndarray, expected: np.ndarray) -> bool:
-    """Whether two boxes have the same corners, in whatever order.
+    """Return whether two boxes have the same corners, in any order.
 
     Parameters
     ----------
@@ -100,45 +100,46 @@ def same_corners(yours: np.ndarray, expected: np.ndarray) -> bool:
 def assert_box_corners(
     answer: object, expected: np.ndarray, cloud: np.ndarray, cluster_labels: np.ndarray
 ) -> None:
-    """Each box has the expected corners, in any order.
+    """Assert that each box has the expected corners, in any order.
 
     Parameters
     ----------
     answer : object
     expected : numpy.ndarray, shape (N, 8, 3)
-        One straight box for each label above 0, in ascending label order.
+        One axis-aligned box for each label above 0, in ascending label order.
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
     yours = as_cluster_boxes(answer, cluster_labels)
     near = np.abs(yours[:, None] - expected[:, :, None]).max(axis=3) <= TOLERANCE
-    # Where each corner is near one alone, the corners are the same; flat boxes are looked into.
+    # If each corner is near exactly one other, the boxes are equal. Only the rest, such as flat
+    # boxes, needs the slow comparison.
     alike = (near.sum(axis=1) == 1).all(axis=1) & (near.sum(axis=2) == 1).all(axis=1)
     wrong = [row for row in np.flatnonzero(~alike) if not same_corners(yours[row], expected[row])]
     if not wrong:
         return
-    names, row = _names(cluster_labels), wrong[0]
+    labels, row = _box_labels(cluster_labels), wrong[0]
     if all(any(same_corners(mine, box) for mine in yours) for box in expected):
         raise CheckFailed(
             "These are the right boxes in another order.",
             given=f"labels that occur: {brief(np.unique(cluster_labels))}",
-            yours=f"row {row} is not the box of label {names[row]}",
+            yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",
             hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
         )
-    points = cloud[cluster_labels == names[row], :3]
-    raise _about_corners(yours[row], expected[row], points, _box(row, cluster_labels))
+    points = cloud[cluster_labels == labels[row], :3]
+    raise _corner_failure(yours[row], expected[row], points, _box(row, cluster_labels))
 
 
-def _about_corners(
+def _corner_failure(
     mine: np.ndarray, right: np.ndarray, points: np.ndarray, name: str
 ) -> CheckFailed:
-    """What differs between two boxes: one of six numbers where both are straight, or a corner."""
+    """Describe how a box differs: by one of its six bounds if axis-aligned, else by a corner."""
     place = right[_missing_corner(mine, right)]
     nearest = mine[np.linalg.norm(mine - place, axis=1).argmin()]
     ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
     is_straight = same_corners(mine, corners_between(*ends[0]))
-    # The picture shows what the words are about.
+    # The picture shows the axis that the message names.
     axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
     if not is_straight:
         axis = int(np.abs(nearest - place).argmax())
@@ -158,7 +159,7 @@ def _about_corners(
             expected="from {:.2f} to {:.2f}".format(*ends[1][:, axis]),
             draw=draw,
         )
-    if all(any(_same(corner, one) for one in right) for corner in mine):
+    if all(any(_same(corner, wanted) for wanted in right) for corner in mine):
         return CheckFailed(
             f"{name} has some corners twice and others not at all.",
             yours=f"{len(np.unique(mine.round(3), axis=0))} different corners",
@@ -174,7 +175,7 @@ def _about_corners(
 
 
 def assert_upright(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray) -> None:
-    """Each box stands on a level rectangle and has a corner straight above each corner.
+    """Assert that each box has a level rectangular floor and a corner above each corner of it.
 
     Parameters
     ----------
@@ -188,7 +189,7 @@ def assert_upright(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
 
 
 def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray) -> None:
-    """Each box reaches from the lowest to the highest point of its cluster.
+    """Assert that each box extends from the lowest to the highest point of its cluster.
 
     Parameters
     ----------
@@ -214,10 +215,10 @@ def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
 def assert_holds(
     answer: object, cloud: np.ndarray, cluster_labels: np.ndarray, given: str | None = None
 ) -> None:
-    """Seen from above, each box holds all points of its cluster.
+    """Assert that, seen from above, each box contains all points of its cluster.
 
-    A box that is tight in whatever direction is smaller than the square over the farthest two of
-    its points; much larger ones hold nothing in particular, and fail.
+    A tight box, at any heading, covers less than the square of the diagonal of the points'
+    bounding rectangle. Much larger boxes fail, as they would contain anything.
 
     Parameters
     ----------
@@ -225,7 +226,7 @@ def assert_holds(
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     given : str, optional
-        What the function was given, for the message.
+        The arguments of the call, for the message.
     """
     for box, points, name in _each(answer, cloud, cluster_labels):
         rectangle = _rectangle(box, points, name)
@@ -263,18 +264,18 @@ def assert_headings(
     headings: Sequence[float],
     given: str | None = None,
 ) -> None:
-    """The sides of each box run along those of the block that it stands around.
+    """Assert that the sides of each box are parallel to those of the block inside it.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
-        Blocks clearly longer than wide, seen from above.
+        Blocks that are clearly longer than wide, seen from above.
     cluster_labels : numpy.ndarray of int, shape (n,)
     headings : sequence of float
-        Of the blocks, in degrees.
+        Headings of the blocks, in degrees.
     given : str, optional
-        What the function was given, for the message.
+        The arguments of the call, for the message.
     """
     for (box, points, name), heading in zip(
         _each(answer, cloud, cluster_labels), headings, strict=True
@@ -302,7 +303,7 @@ def assert_snug(
     smallest_areas: Sequence[float],
     given: str | None = None,
 ) -> None:
-    """No box covers more than `LOOSE` times the ground that it needs.
+    """Assert that no box covers more than `LOOSE` times the area that it needs.
 
     Parameters
     ----------
@@ -311,9 +312,9 @@ def assert_snug(
     cluster_labels : numpy.ndarray of int, shape (n,)
     smallest_areas : sequence of float
         Area in square metres of the smallest rectangle around each cluster, seen from above;
-        infinite where a box may be loose.
+        infinite if a box may be loose.
     given : str, optional
-        What the function was given, for the message.
+        The arguments of the call, for the message.
     """
     for (box, points, name), smallest in zip(
         _each(answer, cloud, cluster_labels), smallest_areas, strict=True
@@ -330,7 +331,7 @@ def assert_snug(
 
 
 def footprint(box: np.ndarray) -> np.ndarray | None:
-    """The rectangle (4, 2) on which an upright box stands, corners in cyclic order.
+    """Return the floor rectangle of an upright box.
 
     Parameters
     ----------
@@ -339,23 +340,23 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
 
     Returns
     -------
-    numpy.ndarray or None
-        None where the corners are not those of a rectangle with one corner above each.
+    numpy.ndarray, shape (4, 2), or None
+        Corners in cyclic order; None unless they form a rectangle with one corner above each.
     """
     pairs = _pairs(box)
     below, above = box[pairs[:, 0], :2], box[pairs[:, 1], :2]
     if np.abs(below - above).max() > _SLACK:
         return None
-    # Of the three ways to go round, a rectangle's own leaves no error. Long thin boxes are the
-    # reason not to look for the farthest corner: rounding decides which of two that is.
+    # Only the cyclic order of the three leaves no error. Pairing each corner with the farthest
+    # would fail for long thin boxes, where rounding decides between two corners.
     rounds = [below[list(order)] for order in ((0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3))]
     best = min(rounds, key=_crookedness)
     return best if _crookedness(best) <= _SLACK else None
 
 
 def _crookedness(corners: np.ndarray) -> float:
-    """How far four corners (4, 2) going round are from a rectangle, in metres."""
-    # Numbers of Python's own: of so few, NumPy's take several times as long.
+    """Return the deviation of four corners (4, 2) in cyclic order from a rectangle, in metres."""
+    # For so few numbers, plain Python is several times as fast as NumPy.
     first, second, third, fourth = corners.tolist()
     sums = zip(first, third, second, fourth, strict=True)
     middles_apart = math.hypot(*(a + c - b - d for a, c, b, d in sums)) / 2
@@ -363,7 +364,7 @@ def _crookedness(corners: np.ndarray) -> float:
 
 
 def _pairs(box: np.ndarray) -> np.ndarray:
-    """Rows of the four corners of the floor, each with the row of the one above it: (4, 2)."""
+    """Return pairs of rows, (4, 2): each corner of the floor and the corner above it."""
     if np.ptp(box[:, 2]) > 4 * TOLERANCE:
         order = np.argsort(box[:, 2], kind="stable")
         floor, roof = order[:4].tolist(), order[4:].tolist()
@@ -383,13 +384,13 @@ def _pairs(box: np.ndarray) -> np.ndarray:
 def _each(
     answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, str]]:
-    """Each box (8, 3) with the points (m, 3) of its cluster and its name."""
+    """Yield each box (8, 3), the points (m, 3) of its cluster, and a name for the message."""
     boxes = as_cluster_boxes(answer, cluster_labels)
-    names = _names(cluster_labels)
-    clusters = [np.asarray(cloud[cluster_labels == name, :3], dtype=float) for name in names]
+    labels = _box_labels(cluster_labels)
+    clusters = [np.asarray(cloud[cluster_labels == label, :3], dtype=float) for label in labels]
     _assert_order(boxes, clusters)
-    for box, points, name in zip(boxes, clusters, names, strict=True):
-        yield box, points, _box_of(name)
+    for box, points, label in zip(boxes, clusters, labels, strict=True):
+        yield box, points, _box_of(label)
 
 
 def _rectangle(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
@@ -410,9 +411,9 @@ def _area(rectangle: np.ndarray) -> float:
 
 
 def _outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
-    """How far points (n, 2) are outside a rectangle (4, 2), if need be a speck; negative inside."""
+    """Return how far points (n, 2) are outside a rectangle (4, 2) of any size; negative inside."""
     reach = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1).max() / 2
-    if reach <= TOLERANCE:  # rounding alone decides where a speck heads
+    if reach <= TOLERANCE:  # so small that rounding alone determines the heading
         return np.linalg.norm(points - rectangle.mean(axis=0), axis=1) - reach
     return distance_outside(points, rectangle)
 
@@ -446,7 +447,7 @@ def _assert_level(box: np.ndarray, points: np.ndarray, name: str) -> None:
 
 
 def _missing_corner(yours: np.ndarray, expected: np.ndarray) -> int | None:
-    """Number of the first expected corner that none of yours stands for; None if all are there."""
+    """Return the index of the first expected corner without a partner; None if all have one."""
     free = list(range(8))
     for corner, place in enumerate(expected):
         partner = next((row for row in free if _same(yours[row], place)), None)
@@ -472,25 +473,25 @@ def _wrong_shape(shape: tuple[int, ...]) -> str:
     return fixed("The answer must hold N boxes of 8 corners (rows) of 3 coordinates.")
 
 
-def _names(cluster_labels: np.ndarray) -> np.ndarray:
+def _box_labels(cluster_labels: np.ndarray) -> np.ndarray:
     return np.unique(cluster_labels[cluster_labels > 0])
 
 
-def _box(number: int, cluster_labels: np.ndarray) -> str:
-    return _box_of(_names(cluster_labels)[number])
+def _box(row: int, cluster_labels: np.ndarray) -> str:
+    return _box_of(_box_labels(cluster_labels)[row])
 
 
-def _box_of(name: int) -> str:
-    return f"The box of label {name}"
+def _box_of(label: int) -> str:
+    return f"The box of label {label}"
 
 
 def _inside_sentence(name: str) -> str:
     return name[0].lower() + name[1:]
 
 
-def _many(count: int, what: str) -> str:
-    plural = what + ("es" if what.endswith("x") else "s")
-    return f"{count} {what if count == 1 else plural}"
+def _many(count: int, noun: str) -> str:
+    plural = noun + ("es" if noun.endswith("x") else "s")
+    return f"{count} {noun if count == 1 else plural}"
 
 
 def _draw(
@@ -501,7 +502,7 @@ def _draw(
     view: str = "above",
     title: str | None = None,
 ) -> None:
-    """Draw a box (8, 3) and the points (m, 3) that it should hold, all of both in view."""
+    """Draw a box (8, 3) and the points (m, 3) that it should contain, all of them in view."""
     columns = [0, 1] if view == "above" else [0, 2]
     shown = [points, yours] if expected is None else [points, yours, expected]
     seen = np.vstack(shown)[:, columns]

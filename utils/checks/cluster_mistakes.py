@@ -1,7 +1,7 @@
-"""What people do wrong when they cluster, predicted on points of a straight line.
+"""Common mistakes of clustering, predicted for points on a straight line.
 
-There a cluster ends where a gap is too wide, so that what a slip does to it is a formula about
-neighbours.
+On a line, a cluster ends at each gap that is too wide. The effect of a mistake is therefore a
+formula about neighbours.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,12 +13,12 @@ from utils.checks.assertions import CheckFailed, as_array, frozen, overlaps
 from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 
-# Along this line distances in the plane, or along the axes, are others than in space.
+# On this line, a distance in the plane or along one axis differs from the distance in space.
 _WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)
 
 
 def same_clusters(answer: object, predicted: np.ndarray) -> bool:
-    """Whether an answer groups the points as predicted and uses the same labels, in any order."""
+    """Return whether an answer groups points as predicted, with the same set of labels."""
     try:
         yours = as_array(answer)
     except CheckFailed:
@@ -32,16 +32,16 @@ def same_clusters(answer: object, predicted: np.ndarray) -> bool:
 def on_a_line(
     places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAY
 ) -> np.ndarray:
-    """Points of one straight line through the sensor.
+    """Return points on a straight line through the sensor.
 
     Parameters
     ----------
     places : sequence of float, length n
-        Metres from the sensor, behind it where below 0.
+        Positions along the line in metres; negative behind the sensor.
     brightness : float
         Intensity per metre; 0 for a cloud without intensities.
     way : array_like, shape (3,)
-        Direction of the line, of length 1 and nowhere below 0.
+        Direction of the line: a unit vector without negative components.
 
     Returns
     -------
@@ -52,14 +52,14 @@ def on_a_line(
 
 
 def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
-    """Labels of points on a line, which is cut wherever two neighbours do not hold together.
+    """Label points on a line, with a new cluster wherever two neighbours are not joined.
 
     Parameters
     ----------
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     holds : callable
-        Takes the points as they follow each other, and their rows in the cloud; returns for
-        each but the last whether it holds on to the next, shape (n - 1,).
+        Takes the points in their order along the line, and their rows in the cloud. Returns
+        whether each point joins the next, shape (n - 1,).
 
     Returns
     -------
@@ -72,13 +72,13 @@ def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
 
 
 def by_steps(measure: Callable) -> Callable:
-    """What a mistake predicts that takes a wrong measure of the gaps.
+    """Return the prediction of a mistake that measures gaps wrongly.
 
     Parameters
     ----------
     measure : callable
-        Takes the way from each point to the next, shape (n - 1, columns), and the threshold;
-        returns how long each way seems to be, in thresholds, shape (n - 1,).
+        Takes the vectors from each point to the next, shape (n - 1, columns), and the threshold.
+        Returns the apparent length of each vector in thresholds, shape (n - 1,).
 
     Returns
     -------
@@ -93,18 +93,18 @@ def by_steps(measure: Callable) -> Callable:
 
 
 def length(steps: np.ndarray) -> np.ndarray:
-    """How long each step is, over all its columns; shape (n,)."""
+    """Return the length of each step over all its columns; shape (n,)."""
     return np.linalg.norm(steps, axis=1)
 
 
 def right_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Right labels for points on a line, (n,): a gap of a threshold and more parts them."""
+    """Return right labels for points on a line, (n,): gaps below the threshold join points."""
     gaps = by_steps(lambda steps, limit: length(steps[:, :3]) / limit)
     return gaps(None, cloud, threshold)
 
 
 def measured_wrongly() -> tuple[Mistake, ...]:
-    """Mistakes about the distance that both lessons know."""
+    """Return the mistakes about distances that both clustering lessons share."""
     return (
         Mistake(
             "The distance is compared with threshold ** 2: 0.5 acts as 0.25.",
@@ -135,7 +135,7 @@ def measured_wrongly() -> tuple[Mistake, ...]:
 
 
 def mixed_up() -> tuple[Mistake, ...]:
-    """Mistakes about labels that both lessons know."""
+    """Return the mistakes about labels that both clustering lessons share."""
     return (
         Mistake(
             "The clusters are right, and their labels start from 0.",
@@ -163,7 +163,7 @@ def mixed_up() -> tuple[Mistake, ...]:
 
 
 def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
-    """Cases in which each wrong measure parts others of the gaps: (cloud, threshold)."""
+    """Return cases (cloud, threshold) in which each wrong measure splits at different gaps."""
     rng = np.random.default_rng(9)
     found = []
     for gaps, threshold, brightness in (
@@ -177,5 +177,5 @@ def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
 
 
 def frozen_cases(cases: list[tuple[np.ndarray, float]]) -> tuple[tuple[np.ndarray, float], ...]:
-    """Cases whose clouds nobody changes by accident."""
+    """Return the cases with read-only clouds."""
     return tuple((frozen(cloud), threshold) for cloud, threshold in cases)

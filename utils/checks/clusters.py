@@ -1,4 +1,4 @@
-"""What the checks of the two lessons on clustering share."""
+"""Clouds and assertions shared by the checks of the two clustering lessons."""
 
 from collections.abc import Callable, Sequence
 
@@ -18,23 +18,25 @@ from utils.checks.assertions import (
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
-# In larger clouds nobody looks for the pair of points that shows what is wrong.
+# Larger clouds are not searched for the pair of points that shows the error: it takes n² distances.
 _MOST_COMPARED = 1000
 
 
 def row_of_points(
     start: Sequence[float], step: float, n: int, along: Sequence[float] = (1.0, 0.0, 0.0)
 ) -> np.ndarray:
-    """A row of points, `step` metres apart.
+    """Return a row of points.
 
     Parameters
     ----------
     start : sequence of float
-        The first point (m).
+        The first point, in metres.
     step : float
+        Distance between neighbours, in metres.
     n : int
+        Number of points.
     along : sequence of float
-        Direction, of length 1.
+        Direction: a unit vector.
 
     Returns
     -------
@@ -44,7 +46,7 @@ def row_of_points(
 
 
 def in_order(labels: ArrayLike) -> np.ndarray:
-    """The same clusters, numbered 1, 2, ... as they first appear; shape (n,)."""
+    """Relabel clusters as 1, 2, ... in the order of their first points; shape (n,)."""
     _, first, which = np.unique(labels, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[which] + 1
 
@@ -59,13 +61,13 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
     return np.vstack(groups)[order], in_order(np.repeat([1, 2, 3], [4, 3, 3])[order])
 
 
-# Groups so tight, and so far apart, that a slip about chains, cells or metres gets them right.
+# Groups so tight and far apart that slips about chains, cells or metres still find them.
 GROUPS, LABELS = frozen(_three_groups())
 
 
 @once
 def assert_works(euclidean_clustering: Callable) -> None:
-    """Groups far apart are told apart; where not, no other property can be looked at."""
+    """Require that groups far apart are separate clusters; raise `NotYet` otherwise."""
     with needs("groups of points far apart are clusters of their own"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
 
@@ -73,7 +75,7 @@ def assert_works(euclidean_clustering: Callable) -> None:
 def assert_clusters(
     answer: object, expected: np.ndarray, cloud: np.ndarray, threshold: float
 ) -> None:
-    """The points are grouped as `expected`; where not, a pair of points shows it.
+    """Assert that the points are grouped as `expected`; a failure names a pair of points.
 
     Parameters
     ----------
@@ -87,7 +89,7 @@ def assert_clusters(
     except CheckFailed as failure:
         if failure.is_about_the_check and len(cloud) <= _MOST_COMPARED:
             yours = as_labels(answer, len(cloud))
-            failure.given = _telling_pair(yours, expected, cloud, threshold)
+            failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _in_words(yours), _in_words(expected)
         raise
 
@@ -97,27 +99,27 @@ def _in_words(labels: np.ndarray) -> str:
 
 
 def counted(labels: np.ndarray) -> str:
-    """The number of clusters, in words."""
+    """Return the number of clusters as text, such as "3 clusters"."""
     count = len(np.unique(labels))
     return "1 cluster" if count == 1 else f"{count} clusters"
 
 
-def _telling_pair(
+def _nearest_wrong_pair(
     yours: np.ndarray, expected: np.ndarray, cloud: np.ndarray, threshold: float
 ) -> str:
-    """The nearest two points of which a labelling says what is not so."""
+    """Describe the nearest two points that are wrongly joined or wrongly separated."""
     wrong = (yours[:, None] == yours) != (expected[:, None] == expected)
     gaps = np.linalg.norm(cloud[:, None, :3] - cloud[None, :, :3], axis=2)
-    one, other = np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
-    said = "one label" if yours[one] == yours[other] else "two labels"
+    i, j = np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
+    labels = "one label" if yours[i] == yours[j] else "two labels"
     return (
-        f"points {one} and {other}, at {point_text(cloud[one])} and {point_text(cloud[other])}, "
-        f"{gaps[one, other]:.2f} m apart; threshold {threshold:g} m. They have {said}"
+        f"points {i} and {j}, at {point_text(cloud[i])} and {point_text(cloud[j])}, "
+        f"{gaps[i, j]:.2f} m apart; threshold {threshold:g} m. They have {labels}"
     )
 
 
 def assert_from_one(answer: object, n: int) -> None:
-    """The labels in use are 1 to N.
+    """Assert that the labels in use are 1 to N, the number of clusters.
 
     Parameters
     ----------
@@ -136,15 +138,15 @@ def assert_from_one(answer: object, n: int) -> None:
 
 
 def assert_whole(euclidean_clustering: Callable) -> None:
-    """Labels have a type of whole numbers."""
+    """Assert that labels have an integer type."""
     kind = as_array(euclidean_clustering(GROUPS.copy(), 1.0)).dtype
     if kind.kind not in "iu":
         raise CheckFailed(f"The labels are of type {kind}.")
 
 
 def assert_numbered_by_appearance(euclidean_clustering: Callable) -> None:
-    """The first point is in cluster 1, and so on."""
-    # The first point stands alone: whoever begins with another one numbers it otherwise.
+    """Assert that clusters are numbered by their first points, beginning with 1."""
+    # The first point is a cluster of its own, so code that starts elsewhere numbers it differently.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS])
     labels = as_labels(euclidean_clustering(cloud.copy(), 1.0), len(cloud))
     if not np.array_equal(labels, in_order(labels)):
@@ -152,14 +154,14 @@ def assert_numbered_by_appearance(euclidean_clustering: Callable) -> None:
 
 
 def assert_an_array(euclidean_clustering: Callable) -> None:
-    """Labels are an array."""
+    """Assert that the labels are an array, not a list or tuple."""
     answer = euclidean_clustering(GROUPS.copy(), 1.0)
     if isinstance(answer, (list, tuple)):
         raise CheckFailed(f"The labels are a {type(answer).__name__}.")
 
 
 def assert_parts_at_the_threshold(euclidean_clustering: Callable) -> None:
-    """A pair exactly a threshold apart has two labels."""
+    """Assert that two points exactly one threshold apart have different labels."""
     pair = np.array([[2.0, 0.0, 0.0], [2.5, 0.0, 0.0]])
     labels = as_labels(euclidean_clustering(pair, 0.5), 2)
     if labels[0] == labels[1]:
