@@ -1,7 +1,7 @@
-"""Promises of what puts a box around each cluster of a cloud; see `promises`.
+"""Common checks for functions that return one box per cluster; see `common_checks`.
 
-The case is of `cloud`, of three columns, and `cluster_labels` from 1 up. It expects a box for each
-label, or None where `look` sees from the points alone whether a box is right.
+The arguments of the case are `cloud`, with three columns, and `cluster_labels`, which start at 1.
+The case expects one box per label, or None if `look` can judge a box by the points alone.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from utils.checks import common_checks
 from utils.checks.boxes import as_cluster_boxes
 from utils.checks.common_checks import Case, promise
 
-# Two returns that belong to no cluster, far away from all.
+# Two returns far away from all clusters.
 _STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
 
 
 def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:
-    """Labels, in the place of 1, 2, ..., need not follow each other."""
+    """Check that labels may have gaps; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
         "gaps",
@@ -37,7 +37,7 @@ def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: flo
 
 
 def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1) -> None:
-    """Boxes come in the order of the labels, which stand in the place of 1, 2, ..."""
+    """Check that boxes are in label order; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
         "ascending",
@@ -54,14 +54,14 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
 
 
 def _labelled(case: Case, labels: Sequence[int]) -> Case:
-    """The same, with other labels in the place of 1, 2, ..."""
+    """Return the case with other labels instead of 1, 2, ..."""
     given = {**case.given, "cluster_labels": np.array([0, *labels])[case.given["cluster_labels"]]}
     boxes = case.expected
     return replace(case, given=given, expected=None if boxes is None else boxes[np.argsort(labels)])
 
 
 def noise(case: Case, name: str, *, weight: float = 1) -> None:
-    """Points with label 0 have no box."""
+    """Check that points with label 0 get no box."""
     given = {
         "cloud": np.vstack([_STRAYS, case.first, _STRAYS]),
         "cluster_labels": np.pad(case.given["cluster_labels"], len(_STRAYS)),
@@ -81,7 +81,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
 
 
 def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Where there is no cluster, or no point, the array keeps its form."""
+    """Check that the shape is (0, 8, 3) if there are no clusters or no points."""
 
     @promise(
         "no_boxes",
@@ -100,7 +100,7 @@ def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
 
 
 def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
-    """Intensity is no part of a box."""
+    """Check that intensity does not affect the boxes."""
     common_checks.fourth_column(
         case,
         name,
@@ -113,7 +113,7 @@ def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
 
 
 def untouched(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Cloud and labels are afterwards what they were before."""
+    """Check that the function does not change cloud or labels."""
     common_checks.untouched(
         case,
         name,

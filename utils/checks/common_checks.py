@@ -1,17 +1,16 @@
-"""Promises that return in exercise after exercise: declared in a few lines, and asked in one way.
+"""Checks that many exercises share, called promises, each declared in a few lines.
 
-A lesson describes a plain call of its exercise once, and says under which name, with what weight
-and in which words it makes each promise. The promise is then a visible check like any other, in
-the place where it is declared::
+A lesson describes a plain call of its exercise once. For each promise, it then gives the name, the
+weight and the texts. The promise becomes an ordinary visible check, in the order of declaration::
 
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
                  expected=_INSIDE, look=assert_boxed, basic=assert_crops)
 
-    promises.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
-    row_promises.order(_CROP, "crops_in_order")
+    common_checks.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
+    common_row_checks.order(_CROP, "crops_in_order")
 
-What is not a parameter is the same wherever the promise is made. What only some kinds of exercises
-promise stands in `row_promises`, `box_promises` and `cluster_promises`.
+Everything that is not a parameter is the same in all exercises. The promises of some kinds of
+exercises are in `common_row_checks`, `common_box_checks` and `common_cluster_checks`.
 """
 
 from __future__ import annotations
@@ -31,8 +30,8 @@ from utils.remote_objects import Remote, RemoteError
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
 
-def _nothing(function: Callable) -> None:
-    """Ask for nothing first."""
+def _no_precondition(function: Callable) -> None:
+    """Require nothing of the function."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +41,19 @@ class Case:
     Attributes
     ----------
     lesson : str
-        The module that declares the promises, its `__name__`.
+        The `__name__` of the module that declares the promises.
     exercise : str
         Name of the student's function.
     given : mapping of str to object
-        The arguments by name, in the order of the first line. What varies from promise to promise
-        is the first of them: a cloud, points, labels.
+        The arguments by name, in the order of the signature. Promises vary the first of them: a
+        cloud, points or labels.
     expected : object
-        What `look` compares with: for a function that chooses rows the mask of those that stay.
+        The value that `look` compares with. For a function that selects rows, the mask of the
+        rows to keep.
     look : callable
-        Takes an answer, the arguments and `expected`; raises `CheckFailed` where it is wrong.
+        Takes an answer, the arguments and `expected`; raises `CheckFailed` if the answer is wrong.
     basic : callable, optional
-        Takes the function; raises `NotYet` where a promise cannot be looked at.
+        Takes the function; raises `NotYet` if a precondition of the promises does not hold.
     """
 
     lesson: str
@@ -61,56 +61,56 @@ class Case:
     given: Mapping[str, object]
     expected: object
     look: Callable
-    basic: Callable = _nothing
+    basic: Callable = _no_precondition
 
     @property
     def first(self) -> np.ndarray:
-        """The argument that varies."""
+        """The first argument, which promises vary."""
         return next(iter(self.given.values()))
 
     @property
     def copies(self) -> dict[str, object]:
-        """The arguments, for a function that may do with them what it likes."""
+        """Copies of the arguments, which the function may change."""
         return copy.deepcopy(dict(self.given))
 
     @property
     def by_itself(self) -> Case:
-        """The same call, looked at whatever else is wrong."""
-        return replace(self, basic=_nothing)
+        """The same call, judged without its precondition."""
+        return replace(self, basic=_no_precondition)
 
     def of(self, first: np.ndarray, **more: object) -> Case:
-        """The same call of something else; `more` are other fields, such as ``expected``."""
+        """Return the same call with another first argument; `more` replaces other fields."""
         name = next(iter(self.given))
         return replace(self, given={**self.given, name: first}, **more)
 
     def rows(self, which: slice | np.ndarray) -> Case:
-        """The same call of some of the points, where `expected` has an entry for each."""
+        """Return the same call for some of the points; `expected` must have one entry for each."""
         return self.of(self.first[which], expected=self.expected[which])
 
     def ask(self, function: Callable) -> object:
-        """What a function answers."""
+        """Return the answer of a function."""
         return function(*self.copies.values())
 
     def assert_right(self, function: Callable) -> None:
-        """A function answers what is expected."""
+        """Assert that a function returns the expected answer."""
         self.assert_right_answer(self.ask(function))
 
     def assert_right_answer(self, answer: object) -> None:
-        """An answer is what is expected."""
+        """Assert that an answer is the expected one."""
         self.look(answer, *self.given.values(), self.expected)
 
 
 @dataclass(frozen=True)
 class Promise:
-    """A promise that an exercise makes.
+    """A promise of an exercise.
 
     Attributes
     ----------
     kind : str
-        Which one, by the name of the function that declares it.
+        Name of the function that declares it, such as "untouched".
     case : Case
     name : str
-        Of the check.
+        Name of the check.
     """
 
     kind: str
@@ -122,28 +122,28 @@ _MADE: list[Promise] = []
 
 
 def made() -> tuple[Promise, ...]:
-    """All promises of the lessons that are imported, in the order in which they are declared."""
+    """Return all promises of the imported lessons, in the order of their declaration."""
     return tuple(_MADE)
 
 
 def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
-    """Declare a function as the check that holds an exercise to a promise.
+    """Declare a function as the check of a promise.
 
     Parameters
     ----------
     kind : str
-        Which promise.
+        Kind of promise, as in `Promise`.
     case : Case
     name : str
-        Of the check, unique within the exercise.
+        Name of the check, unique within the exercise.
     **words : object
-        Title, why, hint and weight, as `visible` takes them.
+        Title, why, hint and weight, as for `visible`.
 
     Returns
     -------
     callable
-        The decorator. The function takes the student's, and raises `CheckFailed` where it breaks
-        the promise.
+        The decorator. The decorated function takes the student's function and raises
+        `CheckFailed` if that function breaks the promise.
     """
 
     def declare(ask: Callable) -> Callable:
@@ -154,7 +154,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
     return declare
 
 
-# ---- what every exercise promises --------------------------------------------------------------
+# ---- promises of every exercise ----------------------------------------------------------------
 
 
 def names(
@@ -165,7 +165,7 @@ def names(
     title: str = "The parameters keep their names",
     weight: float = 1,
 ) -> None:
-    """The arguments may be passed by name."""
+    """Check that the arguments may be passed by name."""
     hint = f"{_FIRST_LINE}."
 
     @promise("names", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -175,20 +175,20 @@ def names(
 
 
 def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
-    """An argument may be left out. Decorates the function that leaves it out and looks.
+    """Check that an argument may be omitted; decorate the function that omits it and asserts.
 
     Parameters
     ----------
     case : Case
     argument : str
-        As in the first line of the exercise: ``"distance=10.0"``.
+        The parameter with its default, as in the signature: ``"distance=10.0"``.
     title, why : str
     weight : float
 
     Returns
     -------
     callable
-        The decorator; the function stays as it is.
+        The decorator; it returns the function unchanged.
     """
     hint = f"{_FIRST_LINE}: {argument}."
 
@@ -212,7 +212,7 @@ def untouched(
     title: str = "Leaves its input untouched",
     weight: float = 1,
 ) -> None:
-    """The arguments are afterwards what they were before, and so are those of `in_full`."""
+    """Check that the function changes neither its arguments nor those of `in_full`."""
     full = in_full(case.given)
     is_more = any(full[argument] is not value for argument, value in case.given.items())
 
@@ -228,18 +228,18 @@ def untouched(
         except (CheckFailed, TimeUp):
             raise
         except own:
-            return  # whether it takes four columns, or a label 0, others ask
+            return  # other checks test whether it accepts four columns or a label 0
 
 
 def in_full(given: Mapping[str, object]) -> dict[str, object]:
-    """The arguments of a call with all that there may be to write into.
+    """Extend the arguments of a call by everything that a function might write into.
 
-    A cloud has intensities, labels hold a 0, and no line or plane runs through the origin.
+    Clouds get intensities, labels get a 0, and lines and planes get an offset from the origin.
 
     Parameters
     ----------
     given : mapping of str to object
-        By the names that the course gives them.
+        Arguments by the parameter names of the course.
     """
     full, labels = dict(given), given.get("cluster_labels")
     strays = labels is not None and 0 not in labels
@@ -260,7 +260,7 @@ def in_full(given: Mapping[str, object]) -> dict[str, object]:
 
 
 def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """A cloud may have no intensity. The case is of one that has."""
+    """Check that a cloud may lack the intensity, which the cloud of the case has."""
 
     @promise(
         "three_columns",
@@ -286,18 +286,18 @@ def fourth_column(
     hint: str,
     weight: float = 1,
 ) -> None:
-    """The answer is the same whatever the intensities are. The case is of three columns."""
+    """Check that intensities do not affect the answer; the case has three columns."""
 
     @promise("fourth_column", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(function: Callable) -> None:
         case.of(np.column_stack([case.first, intensities])).assert_right(function)
 
 
-# ---- what answers for each point: `expected` has an entry for each ------------------------------
+# ---- one answer per point: `expected` has an entry for each -------------------------------------
 
 
 def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
-    """One point has one answer, and none has none."""
+    """Check that one point gives one answer, and no points give none."""
     hint = "Whole columns do it all: no loop over the points and no special case is needed."
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)

@@ -1,4 +1,4 @@
-"""Promises of what clusters the points of a cloud, in lessons 05 and 10; see `promises`."""
+"""Common checks for the clustering functions of lessons 05 and 10; see `common_checks`."""
 
 from collections.abc import Callable
 
@@ -19,12 +19,12 @@ from utils.checks.failures import fixed
 
 
 def case_of(lesson: str, exercise: str) -> Case:
-    """Groups that are far apart, for the promises of an exercise.
+    """Return a case with three groups far apart, for the promises of an exercise.
 
     Parameters
     ----------
     lesson : str
-        The module that declares them, its `__name__`.
+        The `__name__` of the module that declares the promises.
     exercise : str
     """
     return Case(
@@ -38,7 +38,7 @@ def case_of(lesson: str, exercise: str) -> Case:
 
 
 def default(case: Case, name: str, *, why: str) -> None:
-    """Without a threshold the clusters are those at 0.5 m, whether these are right or not."""
+    """Check that the default threshold gives the same clusters as 0.5 m, right or wrong."""
 
     def ask(euclidean_clustering: Callable) -> None:
         gaps = np.array([0.05, 0.3, 0.12, 0.65, 0.2, 1.2, 0.4, 0.9, 0.56, 0.48, 0.75, 0.35])
@@ -59,7 +59,7 @@ def default(case: Case, name: str, *, why: str) -> None:
 
 
 def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1) -> None:
-    """No points have no labels, and one point has label 1; with intensities and without."""
+    """Check that no points give no labels and one point gets label 1, also with intensity."""
     title = "Takes an empty cloud and one point"
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -82,7 +82,7 @@ _EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3
 
 
 def equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Points that are there more than once share a label."""
+    """Check that identical points share a label."""
     words = {"why": "Recordings do hold the same point twice.", "hint": hint, "weight": weight}
 
     @promise("equal_points", case, name, title="Equal points belong together", **words)
@@ -93,7 +93,7 @@ def equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None
 
 
 def intensity(case: Case, name: str, *, why: str, weight: float = 1) -> None:
-    """Points are close by x, y and z alone."""
+    """Check that only x, y and z decide whether points are close."""
     common_checks.fourth_column(
         case,
         name,
@@ -106,7 +106,7 @@ def intensity(case: Case, name: str, *, why: str, weight: float = 1) -> None:
 
 
 def untouched(case: Case, name: str) -> None:
-    """The cloud is afterwards what it was before."""
+    """Check that the function does not change the cloud."""
     common_checks.untouched(
         case,
         name,

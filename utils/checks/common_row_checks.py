@@ -1,7 +1,7 @@
-"""Promises of what chooses rows of a cloud; see `promises`.
+"""Common checks for functions that select rows of a cloud; see `common_checks`.
 
-The case is of a cloud of four columns, and expects the mask of the rows that stay: some do, and
-some do not.
+The cloud of the case has four columns. The case expects the mask of the rows to keep, which keeps
+some rows and removes others.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def all_columns(
     hint: str = "Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
     weight: float = 1,
 ) -> None:
-    """Rows that stay are whole."""
+    """Check that the kept rows have all their columns."""
 
     @promise(
         "all_columns",
@@ -45,7 +45,7 @@ def all_columns(
 
 
 def order(case: Case, name: str, *, weight: float = 1) -> None:
-    """Rows that stay have the order that they had."""
+    """Check that the kept rows keep their order."""
 
     @promise(
         "order",
@@ -67,9 +67,9 @@ def nothing_left(
     hint: str = "The same lines serve every case: an empty mask takes no row.",
     weight: float = 1,
 ) -> None:
-    """No point, one point, and points none of which stays, are clouds like any others."""
-    cloud, gone = case.first, np.flatnonzero(~case.expected)[:3]
-    left = case.rows(np.flatnonzero(case.expected)[:1])
+    """Check clouds without points, with one point, and with only points that are removed."""
+    cloud, removed = case.first, np.flatnonzero(~case.expected)[:3]
+    one_kept = case.rows(np.flatnonzero(case.expected)[:1])
 
     @promise(
         "nothing_left",
@@ -83,9 +83,9 @@ def nothing_left(
     def ask(function: Callable) -> None:
         case.basic(function)
         columns = as_array(case.ask(function)).shape[1]
-        for few in (cloud[:0], cloud[gone[:1]], cloud[gone]):
+        for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
             assert_nothing_left(case.of(few).ask(function), few, columns)
-        left.assert_right(function)
+        one_kept.assert_right(function)
 
 
 def untouched(
@@ -95,13 +95,13 @@ def untouched(
     why: str = "The next step of the pipeline may need the full cloud again.",
     weight: float = 1,
 ) -> None:
-    """The cloud is afterwards what it was before."""
+    """Check that the function does not change the cloud."""
     hint = "cloud[mask] is already a new array. Do not assign into cloud."
     common_checks.untouched(case, name, why=why, hint=hint, weight=weight)
 
 
 def array(case: Case, name: str) -> None:
-    """The answer is an array. A list costs no points, and gets a note."""
+    """Note if the answer is a list instead of an array; this costs no points."""
 
     def ask(function: Callable) -> None:
         answer = case.ask(function)

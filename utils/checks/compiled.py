@@ -1,7 +1,8 @@
-"""Functions that Numba compiles, asked as the Python that they were made of.
+"""Check functions that Numba compiles by running their Python code.
 
-Compiled, a loop without an end hears no stop button, and a row that is not there is read all the
-same. So what is checked is the Python; that it compiles and answers alike is one more property.
+In compiled code, the stop button cannot interrupt an endless loop, and reading beyond the end of
+an array raises no error. The checks therefore run the Python code. A further property is that the
+function compiles and then gives the same answers.
 """
 
 from __future__ import annotations
@@ -17,16 +18,13 @@ from utils.checks.failures import CheckFailed
 
 
 def as_python(function: Callable) -> Callable:
-    """A function as Python runs it, and all that it calls, whether Numba compiles them or not.
-
-    Parameters
-    ----------
-    function : callable
+    """Return a function that runs as Python, together with the compiled functions that it calls.
 
     Returns
     -------
     callable
-        The function itself where Numba does not compile it. Names have the values of this moment.
+        The function itself unless Numba compiles it. Otherwise a copy, whose globals keep the
+        values that they have now.
     """
     if not _is_compiled(function):
         return function
@@ -34,23 +32,23 @@ def as_python(function: Callable) -> Callable:
     numba = sys.modules["numba"]
     for name, value in names.items():
         if _is_compiled(value):
-            names[name] = _made_anew(value.py_func, names)
+            names[name] = _with_globals(value.py_func, names)
         elif value is numba.njit or value is numba.jit:
-            names[name] = _as_it_is
-    python = _made_anew(function.py_func, names)
+            names[name] = _no_compilation
+    python = _with_globals(function.py_func, names)
     python.compiled = function
     return python
 
 
 def assert_compiles(python: Callable, ask: Callable[[Callable], object]) -> None:
-    """Compiled, a function answers as its Python does; nothing is asked where there is no Numba.
+    """Assert that a function compiles and answers as its Python code does; pass without Numba.
 
     Parameters
     ----------
     python : callable
         From `as_python`; its answers are right.
     ask : callable
-        Takes a function; returns what it answers, to be compared.
+        Takes a function and returns its answer, which is compared with ``==``.
     """
     compiled = getattr(python, "compiled", None)
     if compiled is None:
@@ -73,27 +71,27 @@ def _is_compiled(value: object) -> bool:
     return isinstance(getattr(value, "__dict__", {}).get("py_func"), FunctionType)
 
 
-def _made_anew(function: FunctionType, names: dict) -> FunctionType:
-    """The same function, with other values behind the names that it takes from outside."""
-    made = FunctionType(
+def _with_globals(function: FunctionType, names: dict) -> FunctionType:
+    """Copy a function, with other globals."""
+    copied = FunctionType(
         function.__code__, names, function.__name__, function.__defaults__, function.__closure__
     )
-    made.__module__, made.__doc__ = function.__module__, function.__doc__
-    return made
+    copied.__module__, copied.__doc__ = function.__module__, function.__doc__
+    return copied
 
 
-def _as_it_is(function: Callable | None = None, **options: object) -> Callable:
-    """In place of `njit`, with and without options."""
-    return function or _as_it_is
+def _no_compilation(function: Callable | None = None, **options: object) -> Callable:
+    """Replace `njit`, with or without options, by a decorator that changes nothing."""
+    return function or _no_compilation
 
 
 def _reason(error: Exception, compiled: Callable) -> str:
-    """What Numba says, in a sentence, and of which line."""
-    # Addresses and files of the machine tell nobody anything.
+    """Return Numba's explanation of an error as one sentence, with the line if Numba names it."""
+    # Addresses and paths of this machine do not help the student.
     text = re.sub(r" at 0x\w+|, defined at .*", "", str(error))
     lines = [line.strip() for line in text.splitlines()]
-    said = [line for line in lines if line and not line.startswith(("Failed in", "- "))]
-    sentence = " ".join(said[: 2 if said and said[0].endswith(":") else 1]).rstrip(".") + "."
+    kept = [line for line in lines if line and not line.startswith(("Failed in", "- "))]
+    sentence = " ".join(kept[: 2 if kept and kept[0].endswith(":") else 1]).rstrip(".") + "."
     found = re.findall(r'^File ".*", line (\d+):', str(error), re.M)
     if not found:
         return f"It says: {sentence}"
