@@ -1,4 +1,4 @@
-"""How a check is declared, and how a notebook runs it."""
+"""Declare checks, and run them in a notebook."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from utils.lent.stubs import own
 if TYPE_CHECKING:
     from utils.checks.display import Table
 
-# More than any right answer needs on a slow machine; somebody waits for it who has a loop without
-# an end.
+# More than any right answer needs on a slow machine. A student with an endless loop waits this
+# long.
 SECONDS = 15
 
-# Every `lesson_NN` of this package, module or folder, declares the checks of its exercises here.
+# The checks by exercise. Each module or package `lesson_NN` adds its own when it is imported.
 _CHECKS: dict[str, list[Check]] = {}
 
 
 class ChecksFailed(AssertionError):
-    """Not all checks passed. A notebook shows one line of it; plain nbgrader counts it as 0."""
+    """Not all checks passed; a notebook shows one line of it, and plain nbgrader gives 0 points."""
 
     def _render_traceback_(self) -> list[str]:
         return [str(self)]
@@ -59,12 +59,12 @@ def visible(
     Returns
     -------
     callable
-        The decorator; the function stays as it is.
+        The decorator; it returns the function unchanged.
 
     Raises
     ------
     ValueError
-        If another lesson has an exercise of that name: its checks would count in both.
+        If another lesson has an exercise with that name, as its checks would count in both.
     """
 
     def declare(run: Callable) -> Callable:
@@ -82,24 +82,24 @@ def visible(
 
 
 def noted(exercise: str, *, title: str, why: str) -> Callable:
-    """Declare a check that costs no points: where it fails, `check` shows an amber note.
+    """Declare a check that costs no points; if it fails, `check` shows an amber note.
 
     Parameters
     ----------
     exercise : str
     title, why : str
-        As in `Check`; `why` says which later cells care.
+        As in `Check`; `why` names the later cells that rely on the property.
 
     Returns
     -------
     callable
-        The decorator; the function stays as it is.
+        The decorator; it returns the function unchanged.
     """
     return visible(exercise, title=title, why=why, hint="", weight=0)
 
 
 def checks_of(exercise: str) -> tuple[Check, ...]:
-    """The visible checks of an exercise that give points, in the order they are written.
+    """Return the visible checks of an exercise that give points, in the order of declaration.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
 
 
 def notes_of(exercise: str) -> tuple[Check, ...]:
-    """The notes of an exercise, which cost no points; see `checks_of`."""
+    """Return the notes of an exercise, which cost no points; see `checks_of`."""
     return tuple(declared for declared in _all_of(exercise) if declared.is_note)
 
 
@@ -124,7 +124,7 @@ def _all_of(exercise: str) -> list[Check]:
     while exercise not in _CHECKS and modules:
         importlib.import_module(modules.pop(0))
     if exercise not in _CHECKS:
-        # By lesson, whatever was imported first.
+        # The order of the lessons does not depend on the order of imports.
         names = sorted(_CHECKS, key=lambda name: _CHECKS[name][0].lesson)
         raise LookupError(
             f"There are no checks for {exercise!r}. Pass the function itself, "
@@ -134,14 +134,14 @@ def _all_of(exercise: str) -> list[Check]:
 
 
 def _modules_of_lessons() -> list[str]:
-    """Full names of the modules that declare checks, in the order of the course."""
+    """Return the full names of the modules that declare checks, in the order of the course."""
     package = importlib.import_module("utils.checks")
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
     return [f"{package.__name__}.{name}" for name in names if name.startswith("lesson_")]
 
 
 def run_check(one_check: Check, function: Callable) -> Outcome:
-    """Run one check, for as long as it may take."""
+    """Run one check within the limits of time and memory."""
     try:
         with limited(SECONDS):
             one_check.run(function)
@@ -155,14 +155,14 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
 
 
 def _stopped(one_check: Check, over: TimeUp, function: Callable) -> Stopped:
-    """What it means that a function did not come back, and where it was."""
+    """Describe a call that exceeded its time limit, and the loop that it was in."""
     begin = f"{one_check.exercise} did not come back after {SECONDS} s"
-    said = told_of(loops_around(over.__cause__, function), one_check.slow)
-    return Stopped(f"{begin}{said} If a cell of yours hangs, press the stop button ■ above.")
+    where = told_of(loops_around(over.__cause__, function), one_check.slow)
+    return Stopped(f"{begin}{where} If a cell of yours hangs, press the stop button ■ above.")
 
 
 def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
-    """What an exception means for whoever wrote the function."""
+    """Explain an exception to the student whose function raised it."""
     exercise = one_check.exercise
     if isinstance(error, ImportError) and error.name in forbidden_in(one_check.lesson):
         return _refusal(exercise, [error.name])
@@ -180,9 +180,9 @@ def check(function: Callable, exercise: str | None = None) -> None:
     Parameters
     ----------
     function : callable
-        A function (or class) of the course that you wrote.
+        Your function or class for an exercise.
     exercise : str, optional
-        Which exercise, where a class holds more than one; by default the function's own name.
+        Name of the exercise, if a class contains several. By default, the function's own name.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
     mistake = blamed = place = None
-    # What hangs would hang again, and what was not started or is refused needs no cause.
+    # A function that hung would hang again; unstarted and refused functions need no diagnosis.
     if failed and not any(
         isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
@@ -221,12 +221,12 @@ def check(function: Callable, exercise: str | None = None) -> None:
 
 
 def _part(function: Callable, exercise: str) -> Callable:
-    """What an exercise is about: of a class that holds more than one, its own method."""
+    """Return the method of an exercise if a class contains several exercises, else the function."""
     return vars(function).get(exercise, function) if isinstance(function, type) else function
 
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
-    """Run checks, while what the lesson forbids refuses; what is refused is all that is told."""
+    """Run checks with forbidden modules blocked; if one is used, return only that refusal."""
     with Refusing(forbidden_in(checks[0].lesson)) as refusing:
         outcomes = None
         while outcomes is None:
@@ -239,9 +239,10 @@ def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> lis
 def _run_each(
     checks: tuple[Check, ...], function: Callable, table: Table, refusing: Refusing
 ) -> list[Outcome] | None:
-    """Run checks, and show each as it ends; after one that hangs, or a stub, no more.
+    """Run checks and show each result; stop after a timeout, a stub or a refusal.
 
-    None where the function has imported something forbidden along the way: begin anew without.
+    Return None if the function imported a forbidden module meanwhile. That module is blocked now,
+    so the checks have to start again.
     """
     outcomes = []
     with one_run():
@@ -272,9 +273,9 @@ def _mistake(exercise: str, function: Callable) -> Mistake | None:
 
 
 def _blamed(exercise: str, function: Callable) -> str | None:
-    """An exercise of the same lesson that a function calls and that does not pass its checks.
+    """Return an exercise of the same lesson that the function calls and that fails its checks.
 
-    The exercises of one class stand side by side and call each other through it.
+    Classes are not searched, as the exercises of a class call each other through it.
     """
     if isinstance(function, type):
         return None

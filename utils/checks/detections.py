@@ -1,4 +1,4 @@
-"""Assertions about the boxes that a detector draws around what a scan holds."""
+"""Assertions about the boxes that a detector returns for a scan."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from utils.checks.scans import OWN_CAR, clear_cars, clear_people
 if TYPE_CHECKING:
     from utils.simulator.frames import Frame
 
-HELD = 0.8  # of a thing's returns, that its box must hold
-PIECES = 4  # boxes that may stand on one car: its own, a mirror, what is seen through its windows
-MOST_BOXES = 1000  # to look at; comparing more takes long, and none of them is right
-# Boxes so many times as large as the cars in them are not turned. Over forty squares, turned ones
-# stay below 1.25 times the area of the cars, boxes along the axes above 1.5.
+HELD = 0.8  # share of an obstacle's returns that its box must contain
+PIECES = 4  # most boxes on one car: its own, a mirror, and clusters seen through its windows
+MOST_BOXES = 1000  # more are refused: comparing them is slow, and no right answer has as many
+# Boxes this many times as large as their cars are not turned. Over forty squares, turned boxes
+# have less than 1.25 times the area of the cars, and boxes along the axes more than 1.5 times.
 UNTURNED = 1.33
 LARGEST_OF_A_PERSON = 3.0  # square metres
 SEEN = "in the scan of this row, cars that stand free near the sensor have boxes of their own"
 
 
 def detected(detect_obstacles: Callable, frame: Frame) -> object:
-    """What a detector says about a frame as it is; in one run it is asked once."""
+    """Return the detector's answer for an unchanged frame, cached for the run."""
     return answer_to(detect_obstacles, frame, frame.cloud)
 
 
 def as_boxes(answer: object) -> np.ndarray:
-    """An answer as boxes of any number.
+    """Convert an answer to boxes, of any number.
 
     Returns
     -------
@@ -71,9 +71,9 @@ def as_boxes(answer: object) -> np.ndarray:
 
 
 def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
-    """Number of the box that holds nearly all of a car or person and not much else; or None.
+    """Return the index of the box that contains most of a car or person and little else, or None.
 
-    None also for a car in pieces, and for one that stands in a much larger box besides.
+    None also if more than `PIECES` boxes are on it, or if a much larger box contains it as well.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     frame : utils.simulator.frames.Frame
     """
     returns = frame.cloud[frame.scan.objects == thing.identity, :3]
-    # Where the ground is cut is everyone's own choice, and wheels are nobody's.
+    # Detectors cut the ground at different heights, and may lose the wheels with it.
     returns = returns[returns[:, 2] > thing.centre[2] - thing.size[2] / 2 + 0.55]
     if len(_standing_on(thing, boxes)) > PIECES:
         return None
@@ -99,21 +99,21 @@ def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
 
 
 def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> None:
-    """At least half of the clear cars have a box of their own.
+    """Assert that at least half of the clear cars have a box of their own.
 
     A sensible detector misses one in a hundred of them, at the edge of its region.
 
     Parameters
     ----------
     answers : sequence of object
-        For each frame what the detector said.
+        The detector's answer for each frame.
     frames : sequence of utils.simulator.frames.Frame
     """
     _assert_found(answers, [(frame, clear_cars(frame)) for frame in frames], "cars")
 
 
 def assert_reached(answer: object, car: Box, frame: Frame) -> None:
-    """Some box holds a certain car; what else it holds, or whether there are more, is not asked."""
+    """Assert that some box contains the car, whatever else it or other boxes contain."""
     boxes = as_boxes(answer)
     returns = frame.cloud[frame.scan.objects == car.identity, :3]
     returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
@@ -123,7 +123,7 @@ def assert_reached(answer: object, car: Box, frame: Frame) -> None:
     ):
         raise CheckFailed(
             f"No box holds the car at {point_text(car.centre[:2])}.",
-            given=_what_is_left(car, frame),
+            given=_visible_part(car, frame),
             yours=f"{len(boxes)} boxes in that scan",
             expected="one around that car",
             draw=lambda: _draw(frame, boxes, [car.corners], "missed"),
@@ -131,17 +131,17 @@ def assert_reached(answer: object, car: Box, frame: Frame) -> None:
 
 
 def assert_people_found(answer: object, frame: Frame) -> None:
-    """At least half of the clear people have a box of their own."""
+    """Assert that at least half of the clear people have a box of their own."""
     _assert_found([answer], [(frame, clear_people(frame))], "people")
 
 
 def assert_sees(answer: object, frame: Frame) -> None:
-    """The clear cars are found: who sees nothing is not praised for what they spare.
+    """Require that the clear cars are found, as a detector without boxes would pass other checks.
 
     Raises
     ------
     utils.checks.failures.NotYet
-        Where they are not.
+        If they are not found.
     """
     with needs(SEEN):
         assert_cars_found([answer], [frame])
@@ -149,12 +149,12 @@ def assert_sees(answer: object, frame: Frame) -> None:
 
 @once
 def assert_cars_seen(detect_obstacles: Callable, frame: Frame) -> None:
-    """As `assert_sees`, of what a detector says about a frame as it is."""
+    """Apply `assert_sees` to the detector's answer for an unchanged frame."""
     assert_sees(detected(detect_obstacles, frame), frame)
 
 
 def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:
-    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles."""
+    """Assert that at most 40 % of the boxes are empty, and that there are not far too many."""
     ghosts, total = [], 0
     for answer, frame in zip(answers, frames, strict=True):
         boxes = as_boxes(answer)
@@ -179,13 +179,13 @@ def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> Non
         yours=f"{held or 'no'} return{'s' if held != 1 else ''} in that box",
         expected="boxes around cars, people, poles, walls",
         draw=lambda: _draw(
-            frame, boxes, [ghost for ghost, of, _ in ghosts if of is frame], "nothing in it"
+            frame, boxes, [ghost for ghost, home, _ in ghosts if home is frame], "nothing in it"
         ),
     )
 
 
 def assert_own_car_free(answer: object, frame: Frame) -> None:
-    """No box stands where the own car is."""
+    """Assert that no box is centred on the ego car."""
     boxes = as_boxes(answer)
     middles = boxes[:, :, :2].mean(axis=1)
     inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
@@ -199,7 +199,7 @@ def assert_own_car_free(answer: object, frame: Frame) -> None:
 
 
 def assert_nothing_at_sensor(answer: object, frame: Frame) -> None:
-    """No box holds the place of the sensor, where lost returns lie."""
+    """Assert that no box contains the sensor's position, where lost returns are recorded."""
     boxes = as_boxes(answer)
     sensor = np.zeros((1, 3))
     near = _covering(boxes, sensor[0], 0.1)
@@ -218,14 +218,14 @@ def assert_nothing_at_sensor(answer: object, frame: Frame) -> None:
 
 
 def assert_dry(answer: object, frame: Frame, drops: np.ndarray) -> None:
-    """At most a third of the drops have a box.
+    """Assert that at most a third of the raindrops have a box.
 
     Parameters
     ----------
     answer : object
     frame : utils.simulator.frames.Frame
     drops : numpy.ndarray, shape (n, 4)
-        Single returns in the air that the detector was given besides.
+        Single returns in the air, which were added to the detector's input.
     """
     boxes = as_boxes(answer)
     small = boxes[np.ptp(boxes, axis=1).max(axis=1) < 1.0]
@@ -241,13 +241,13 @@ def assert_dry(answer: object, frame: Frame, drops: np.ndarray) -> None:
 
 
 def assert_gone(answer: object, car: Box, frame: Frame) -> None:
-    """No box of about its size stands where a car was.
+    """Assert that no box of a similar size is where a car used to be.
 
     Parameters
     ----------
     answer : object
     car : utils.boxes.Box
-        It is not in the frame any more.
+        A car that was removed from the frame.
     frame : utils.simulator.frames.Frame
     """
     boxes = as_boxes(answer)
@@ -262,7 +262,7 @@ def assert_gone(answer: object, car: Box, frame: Frame) -> None:
 
 
 def assert_boxes_turned(answer: object, frame: Frame) -> None:
-    """The boxes of turned cars are hardly larger than the cars."""
+    """Assert that the boxes of cars at an angle are not much larger than the cars."""
     boxes = as_boxes(answer)
     pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
     pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
@@ -278,7 +278,7 @@ def assert_boxes_turned(answer: object, frame: Frame) -> None:
 
 
 def assert_upright(answer: object) -> None:
-    """Every box has a level floor, right angles, and a corner above each corner."""
+    """Assert that each box has a level floor, right angles, and a corner above each corner."""
     for box in as_boxes(answer):
         heights = np.sort(box[:, 2])
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
@@ -300,7 +300,7 @@ _TOO_LARGE = (
 
 
 def _assert_found(
-    answers: Sequence[object], wanted: Sequence[tuple[Frame, Sequence[Box]]], what: str
+    answers: Sequence[object], wanted: Sequence[tuple[Frame, Sequence[Box]]], noun: str
 ) -> None:
     missed, count = [], 0
     for answer, (frame, things) in zip(answers, wanted, strict=True):
@@ -312,10 +312,10 @@ def _assert_found(
     thing, boxes, frame = missed[0]
     how, hint = _how_missed(thing, boxes)
     raise CheckFailed(
-        f"Of {count} {what} standing free near the sensor, {len(missed)} "
+        f"Of {count} {noun} standing free near the sensor, {len(missed)} "
         f"{'have' if len(missed) > 1 else 'has'} no box of their own"
         f", for example {point_text(thing.centre[:2])}: {how}.",
-        given=_what_is_left(thing, frame),
+        given=_visible_part(thing, frame),
         yours=f"{len(boxes)} boxes in that scan",
         expected="for each a box around most of its returns and not much else",
         draw=lambda: _draw(
@@ -330,7 +330,7 @@ def _assert_found(
 
 
 def _how_missed(thing: Box, boxes: np.ndarray) -> tuple[str, str]:
-    """What is over a thing instead of its box, and what to do about that."""
+    """Describe the boxes over an obstacle that has none of its own, with a hint."""
     over = boxes[_covering(boxes, thing.centre)]
     pieces = len(_standing_on(thing, boxes))
     if pieces > PIECES:
@@ -346,7 +346,7 @@ def _how_missed(thing: Box, boxes: np.ndarray) -> tuple[str, str]:
     return "no box over it holds most of its returns", IN_PIECES
 
 
-def _what_is_left(thing: Box, frame: Frame) -> str:
+def _visible_part(thing: Box, frame: Frame) -> str:
     returns = frame.cloud[frame.scan.objects == thing.identity, :3]
     cubes = len(np.unique(np.floor(returns[returns[:, 2] > -1.2] / 0.2), axis=0))
     return (
@@ -360,13 +360,13 @@ def _name(thing: Box) -> str:
 
 
 def _rectangle(box: np.ndarray) -> np.ndarray:
-    """The rectangle (4, 2) that a box stands on, or the smallest around it if it does not stand."""
+    """Return the floor rectangle (4, 2) of a box; the smallest around it if it is not upright."""
     standing = footprint(box)
     if standing is not None:
         return standing
     xy = box[:, :2]
     apart = (xy[:, None] - xy).reshape(-1, 2)
-    angle = np.arctan2(apart[:, 1], apart[:, 0])  # one side lies along two of the corners
+    angle = np.arctan2(apart[:, 1], apart[:, 0])  # the best rectangle has a side along two corners
     along = np.stack([np.cos(angle), np.sin(angle)])
     across = np.stack([-along[1], along[0]])
     best = np.argmin(np.ptp(xy @ along, axis=0) * np.ptp(xy @ across, axis=0))
@@ -376,29 +376,29 @@ def _rectangle(box: np.ndarray) -> np.ndarray:
 
 
 def _sides(box: np.ndarray) -> np.ndarray:
-    """Length and width (m) of a box, seen from above."""
+    """Return length and width (m) of a box, seen from above."""
     return np.linalg.norm(np.diff(_rectangle(box)[:3], axis=0), axis=1)
 
 
 def _fits(box: np.ndarray, thing: Box) -> bool:
-    """Whether a box is not much larger than a car or person."""
+    """Return whether a box is not much larger than a car or person."""
     long, wide = np.sort(_sides(box))[::-1]
     most = max(2.5 * thing.size[0] * thing.size[1], LARGEST_OF_A_PERSON)
     return long <= thing.size[0] + 2.0 and long * wide <= most
 
 
 def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
-    """Which points (n, 3) lie in a box, enlarged by a margin (m): (n,) of bool."""
+    """Return a mask (n,) of the points (n, 3) inside a box that is enlarged by a margin (m)."""
     low, high = box.min(axis=0), box.max(axis=0)
     level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
     if np.hypot(*(high - low)[:2]) < 1e-9:
-        return level  # a box of one return has no sides to be within
+        return level  # the box of a single return has no sides
     return level & (distance_outside(points[:, :2], _rectangle(box)) <= margin)
 
 
 @functools.lru_cache(maxsize=64)
 def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-    """Returns of a frame by ascending x, and whether each hit an obstacle."""
+    """Return the returns of a frame by ascending x, and whether each is from an obstacle."""
     order = np.argsort(frame.cloud[:, 0], kind="stable")
     return frame.cloud[order, :3], frame.scan.objects[order] > 0
 
@@ -411,14 +411,14 @@ def _holds_obstacle(box: np.ndarray, frame: Frame) -> bool:
 
 
 def _standing_on(thing: Box, boxes: np.ndarray) -> np.ndarray:
-    """Numbers of the boxes whose middles lie in the footprint of a car or person."""
+    """Return the indices of the boxes whose centres are in the footprint of a car or person."""
     middles = boxes.mean(axis=1)
     middles[:, 2] = thing.centre[2]
     return np.flatnonzero(_within(middles, thing.corners, 0.0))
 
 
 def _covering(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0) -> np.ndarray:
-    """Numbers of the boxes over a place, or within a margin (m) of it along x and y."""
+    """Return the indices of the boxes over a place, or within a margin (m) of it in x and y."""
     low, high = boxes[:, :, :2].min(axis=1) - margin, boxes[:, :, :2].max(axis=1) + margin
     return np.flatnonzero(((low <= centre[:2]) & (high >= centre[:2])).all(axis=1))
 

@@ -1,8 +1,8 @@
-"""What somebody did, told only where it explains the answers and nothing else does.
+"""Recognise known mistakes by their effect on the answers of a function.
 
-A mistake predicts what a function would return that makes it. It is told if the function returns
-just that on every case, two of which at least tell it from a right answer, and if no other
-mistake of the exercise predicts the same.
+Each mistake predicts the answers of a function that makes it. A mistake is reported if the function
+gives the predicted answer to every case, and at least two of these differ from the right answer.
+No other mistake of the exercise may predict the same answers.
 """
 
 import copy
@@ -20,20 +20,22 @@ _TELLING_CASES = 2
 
 @dataclass(frozen=True)
 class Mistake:
-    """One thing that people do.
+    """A common mistake in an exercise.
 
     Attributes
     ----------
     says : str
-        What it is, in a sentence about the code: "`<` stands where `<=` is asked for."
+        One sentence about the code: "`<` stands where `<=` is asked for."
     predicts : callable
-        Takes the right answer and then the arguments of a case; returns what the mistake would.
+        Takes the right answer and the arguments of a case; returns the answer with the mistake.
     hint : str
-        What to do about it; empty where the sentence says so.
+        How to fix it; empty if the sentence says so already.
     is_cheap : bool
-        Whether it is made without looking at the task. Then its name proves no slip; an edit does.
+        Whether the answer needs no work on the task, such as all labels equal. The mistake then
+        does not prove a slip; only an edit does.
     is_the_task : bool
-        Whether the exercise is about just this. Then it is no slip, however small the change.
+        Whether avoiding the mistake is the point of the exercise. It is then not a slip, however
+        small the change.
     """
 
     says: str
@@ -57,7 +59,7 @@ _KNOWN: dict[str, _Known] = {}
 
 
 def same_array(answer: object, predicted: object) -> bool:
-    """Whether an answer is an array of this shape and, nearly, these numbers."""
+    """Return whether an answer has the predicted shape and nearly the predicted numbers."""
     predicted = np.asarray(predicted)
     try:
         yours = as_array(answer)
@@ -83,7 +85,7 @@ def mistakes(
     ask: Callable = _called,
     through: str = "",
 ) -> None:
-    """Declare the usual mistakes of an exercise.
+    """Declare the known mistakes of an exercise.
 
     Parameters
     ----------
@@ -94,40 +96,39 @@ def mistakes(
     right : callable
         Takes the arguments of a case; returns the right answer.
     same : callable
-        Takes an answer and a prediction: whether they are the same.
+        Takes an answer and a prediction; returns whether they are equal.
     ask : callable
-        Takes the function and the arguments of a case; returns the answer. By default it calls
-        the function with them.
+        Takes the function and the arguments of a case; returns the answer. By default, it calls
+        the function with these arguments.
     through : str
-        Name of the class that `ask` takes in place of the function, where the exercise is one of
-        its methods.
+        Name of the class that `ask` takes instead of the function, if the exercise is a method.
     """
     _KNOWN[exercise] = _Known(tuple(cases), right, known, same, ask, through)
 
 
 def asked_through(exercise: str) -> str:
-    """Name of what `diagnose` takes: the exercise itself, or the class that it belongs to."""
+    """Return the name of the object that `diagnose` takes: the exercise, or its class."""
     return exercise in _KNOWN and _KNOWN[exercise].through or exercise
 
 
 def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
-    """What can be told about an exercise."""
+    """Return the declared mistakes of an exercise."""
     return _KNOWN[exercise].mistakes if exercise in _KNOWN else ()
 
 
 def diagnose(exercise: str, function: Callable) -> Mistake | None:
-    """The mistake that explains the answers of a function.
+    """Return the only mistake that explains the answers of a function.
 
     Parameters
     ----------
     exercise : str
     function : callable
-        The student's, or what stands for it in the judge; see `asked_through`.
+        The student's function or class, or its proxy in the judge; see `asked_through`.
 
     Returns
     -------
     Mistake or None
-        None where none does, more than one does, or there is no answer to compare.
+        None if no mistake or more than one explains the answers, or if a call fails.
     """
     known = _KNOWN.get(exercise)
     if known is None:
@@ -142,7 +143,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
         try:
             answer = known.ask(function, *copy.deepcopy(case))
             fitting = [mistake for mistake in fitting if known.same(answer, predicted[mistake])]
-        except Exception:  # of the student's code, or of a comparison with whatever it returned
+        except Exception:  # from the student's code, or from comparing its unknown result
             return None
         telling.update(mistake for mistake in fitting if not known.same(right, predicted[mistake]))
     fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
@@ -151,14 +152,14 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
 
 @dataclass(frozen=True)
 class Player:
-    """A function that makes one mistake and no other.
+    """A function that makes exactly one mistake.
 
     Attributes
     ----------
     plays : callable
-        Takes what the exercise takes.
+        The function, with the parameters of the exercise.
     same : callable
-        Takes an answer and one of its own: whether they are the same.
+        Takes a student's answer and an answer of `plays`; returns whether they are equal.
     """
 
     plays: Callable
@@ -166,7 +167,7 @@ class Player:
 
 
 def player_of(exercise: str, mistake: Mistake, right: Callable) -> Player | None:
-    """Whoever makes a mistake of an exercise, made of a right function.
+    """Build a function that makes exactly this mistake, from a right function.
 
     Parameters
     ----------
@@ -178,7 +179,7 @@ def player_of(exercise: str, mistake: Mistake, right: Callable) -> Player | None
     Returns
     -------
     Player or None
-        None for what is more than a function of its arguments, such as a method of a tree.
+        None if the exercise is not a plain function of its arguments, such as a method of a tree.
     """
     known = _KNOWN.get(exercise)
     if known is None or known.ask is not _called or known.through:

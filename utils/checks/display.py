@@ -1,4 +1,4 @@
-"""Show what came of checks: a table in a notebook, plain text elsewhere."""
+"""Show the results of checks: a table in a notebook, plain text elsewhere."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -8,7 +8,7 @@ from utils.checks.outcomes import Check, Outcome
 from utils.checks.summary import Story, details
 from utils.display import shell
 
-# White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
+# White text on these colours has a contrast of at least 4.5:1; the word repeats the colour's sense.
 _STATES = {
     "passed": ("#1a7f4b", "✓ passed"),
     "failed": ("#c4420b", "✗ failed"),
@@ -16,7 +16,7 @@ _STATES = {
     "waiting": ("#5f6670", "… waiting"),
     "not started": ("#5f6670", "not started"),
 }
-# Beside a failure, more rows than this that passed, or wait, are folded into one.
+# Next to a failure, more than this many passed or waiting checks are folded into one row.
 _MANY = 3
 
 
@@ -26,14 +26,14 @@ class Table:
     Parameters
     ----------
     checks : sequence of utils.checks.core.Check
-        All that will run.
+        All checks that will run.
     """
 
     def __init__(self, checks: Sequence[Check]) -> None:
         self._checks, self._handle, self._in_notebook = checks, None, shell() is not None
 
     def show(self, outcomes: Sequence[Outcome]) -> None:
-        """Display the rows that are there already; in plain text everything comes at the end."""
+        """Display the results so far in a notebook; plain text is printed only at the end."""
         if self._in_notebook:
             rows = [_row("failed" if o.failure else "passed", o.check.title) for o in outcomes]
             if len(outcomes) < len(self._checks):
@@ -41,7 +41,7 @@ class Table:
             self._display(_table(rows), "checks are running")
 
     def finish(self, story: Story) -> None:
-        """Display the whole story, and the picture of its first failure."""
+        """Display all results, and the picture of the first failure."""
         if not self._in_notebook:
             print(as_text(story))
             return
@@ -52,7 +52,7 @@ class Table:
             opened = set(plt.get_fignums())
             try:
                 story.first.failure.draw()
-            except Exception:  # what is wrong may be so wrong that nobody can draw it
+            except Exception:  # an answer may be too wrong to be drawn
                 for figure in set(plt.get_fignums()) - opened:
                     plt.close(figure)
             plt.show()
@@ -68,7 +68,7 @@ class Table:
 
 
 def as_text(story: Story) -> str:
-    """A story as plain text."""
+    """Format a story as plain text."""
     if story.not_started:
         return f"[not started] {story.first.failure.message}"
     lines = []
@@ -88,7 +88,7 @@ def as_text(story: Story) -> str:
 
 
 def as_html(story: Story) -> str:
-    """A story as an HTML table."""
+    """Format a story as an HTML table."""
     if story.not_started:
         return _table([_row("not started", "", _line("", story.first.failure.message))])
     rows = []
@@ -121,16 +121,16 @@ def as_html(story: Story) -> str:
 
 
 def _all_details(story: Story) -> list[tuple[str, str]]:
-    """What is said about the first failure, and which function to mend first."""
-    said = details(story.first, story.mistake)
+    """Return the details of the first failure, preceded by the function to fix first, if any."""
+    lines = details(story.first, story.mistake)
     if story.blamed:
         sentence = f"{story.blamed}, which this calls, does not pass its own checks."
-        said.insert(0, ("Begin there", sentence))
-    return said
+        lines.insert(0, ("Begin there", sentence))
+    return lines
 
 
 def _rows(state: str, outcomes: Sequence[Outcome], story: Story) -> list[str]:
-    """What holds, or waits, row by row; beside a failure many rows are folded into one."""
+    """Return one row per passed or waiting check; next to a failure, fold many rows into one."""
     if story.first is None or len(outcomes) <= _MANY:
         return [_row(state, outcome.check.title) for outcome in outcomes]
     titles = _titles(outcome.check for outcome in outcomes)
@@ -147,8 +147,8 @@ def _titles(checks: Iterable[Check]) -> str:
 
 
 def _line(label: str, text: str) -> str:
-    said = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
-    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + said
+    body = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + body
 
 
 def _row(state: str, title: str, body: str = "") -> str:
@@ -157,10 +157,10 @@ def _row(state: str, title: str, body: str = "") -> str:
         f"<span style='background:{colour};color:#fff;font-weight:bold;"
         f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{sign}</span>"
     )
-    said = f"<b>{escape(title)}</b>{body}" if title else body.removeprefix("<br>")
+    text = f"<b>{escape(title)}</b>{body}" if title else body.removeprefix("<br>")
     return (
         f"<tr><td style='width:7.5em;vertical-align:top;text-align:left'>{mark}</td>"
-        f"<td style='text-align:left'>{said}</td></tr>"
+        f"<td style='text-align:left'>{text}</td></tr>"
     )
 
 

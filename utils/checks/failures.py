@@ -1,6 +1,6 @@
-"""The ways in which an answer can fail, each told in its own words.
+"""The ways in which an answer can fail, one exception class for each.
 
-What two failures have in common is their `cause`: rows with the same one are folded together.
+Failures with the same `cause` are folded into one row.
 """
 
 from __future__ import annotations
@@ -10,32 +10,33 @@ import re
 from collections.abc import Callable, Hashable
 
 NUMBER = re.compile(r"(?<!\w)-?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(?!\w)")
-# Stand around a number of the task, as long as nobody reads it.
+# Markers around a number that `fixed` protects; they are removed before the message is shown.
 _BEGIN, _END = "\x0e", "\x0f"
 
 
 def fixed(text: str) -> str:
-    """A piece of a message whose numbers are the same whatever is asked.
+    """Protect the numbers in a piece of a message that do not depend on the test input.
 
-    The judge takes the numbers out of what it tells of a hidden check, as they may be a part of
-    the question; these it leaves.
+    The judge removes numbers from the messages of hidden checks, as they may reveal the input. It
+    keeps protected numbers.
 
     Parameters
     ----------
     text : str
-        As it stands in the code; nothing is put into it.
+        A literal from the source code, without inserted values.
     """
     return NUMBER.sub(rf"{_BEGIN}\g<0>{_END}", text)
 
 
 def with_numbers(message: str, told: Callable[[str], str]) -> str:
-    """A message of a check, in which each number is told in another way, but for what is `fixed`.
+    """Replace each number in the message of a check, except those protected by `fixed`.
 
     Parameters
     ----------
     message : str
+        The message with its markers.
     told : callable
-        Takes a number, as text, and returns what is told of it.
+        Takes a number as text and returns its replacement.
     """
     parts = re.split(f"{_BEGIN}(.*?){_END}", message)
     others = [NUMBER.sub(lambda number: told(number[0]), part) for part in parts[::2]]
@@ -48,18 +49,18 @@ class CheckFailed(AssertionError):
     Attributes
     ----------
     message : str
-        What is wrong, in a sentence.
+        The failure in one sentence.
     marked : str
-        The same, with marks around what is `fixed` in it.
+        The message with markers around the numbers that `fixed` protects.
     given, yours, expected : str or None
-        Short texts: the input of the smallest case, and the two answers to stand side by side.
+        Short texts: the input of the smallest case, the student's answer and the right one.
     draw : callable or None
-        Draws the difference with `utils.plots`; takes nothing.
+        Takes no arguments; draws the difference with `utils.plots`.
     tip : str
-        What an exception means in plain words.
+        An explanation of an exception in plain words.
     hint : str
-        The first hint for this very failure; by default the one of the check, where the failure
-        is about what the check demands.
+        The first hint for this failure. If empty, the check's own hint is used, provided that the
+        failure is about the property of the check.
     """
 
     def __init__(
@@ -84,22 +85,22 @@ class CheckFailed(AssertionError):
 
     @property
     def cause(self) -> Hashable:
-        """Equal for failures that are one and the same; None where nobody can know."""
+        """A value that is equal for failures with the same cause; None if the cause is unknown."""
         return None
 
     @property
     def is_about_an_answer(self) -> bool:
-        """Whether there was an answer to look at, which a mistake may explain."""
+        """Whether there was an answer to judge, which a known mistake may explain."""
         return type(self) in (CheckFailed, WrongForm, FarTooMuch)
 
     @property
     def is_about_the_check(self) -> bool:
-        """Whether the property itself was looked at, and not something that comes before."""
+        """Whether the property itself failed, not one of its preconditions."""
         return type(self) is CheckFailed
 
 
 class WrongForm(CheckFailed):
-    """The answer is not of the kind that was asked for; there is nothing more to look at."""
+    """The answer is not of the required kind, so its content was not compared."""
 
     @property
     def cause(self) -> Hashable:  # noqa: D102 (as above)
@@ -107,11 +108,11 @@ class WrongForm(CheckFailed):
 
 
 class FarTooMuch(WrongForm):
-    """The answer is far larger than any right one: looking at it costs time, and tells nothing."""
+    """The answer is far larger than any right one and was not compared, to save time."""
 
 
 class NotYet(CheckFailed):
-    """The property cannot be looked at while something more basic is wrong."""
+    """The property cannot be judged because a precondition does not hold."""
 
     def __init__(self, basic: str) -> None:
         self.basic = basic
@@ -137,7 +138,7 @@ class Raised(CheckFailed):
 
 
 class NotStarted(CheckFailed):
-    """The stub is still there, of this exercise or of one that it calls."""
+    """The exercise, or another one that it calls, is still a stub."""
 
     def __init__(self, exercise: str, stub: str) -> None:
         self.stub, self.own = stub, stub == exercise
@@ -156,7 +157,7 @@ class NotStarted(CheckFailed):
 
 
 class Stopped(CheckFailed):
-    """The function did not come back, or took its process with it; for the same reason or not."""
+    """The function exceeded its time limit or ended its process; `cause` is the reason."""
 
     def __init__(self, message: str, reason: str = "", out_of_time: bool = False) -> None:
         self._reason, self.out_of_time = reason or message, out_of_time
@@ -168,7 +169,7 @@ class Stopped(CheckFailed):
 
 
 class Refused(CheckFailed):
-    """The lesson does not allow what the function uses."""
+    """The function uses a module that the lesson forbids."""
 
     @property
     def cause(self) -> Hashable:  # noqa: D102

@@ -1,7 +1,7 @@
-"""In a notebook, too, what a lesson forbids refuses while a function is checked.
+"""Block the modules that a lesson forbids while a notebook checks a function.
 
-Where notebooks are judged it is not even there; here libraries hold it, which may hand it on or use
-it for a student.
+The judge's sandbox lacks these modules. In a notebook, other libraries have imported them, so
+student code could reach them through those libraries.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _CYTHON = "cython_function_or_method"
 
 
 class Refusing:
-    """Within the context, stand-ins replace the contents of some modules, wherever imported."""
+    """Context manager that replaces the contents of some modules by stand-ins everywhere."""
 
     def __init__(self, modules: Sequence[str]) -> None:
         self._modules, self._beginnings = modules, tuple(f"{module}." for module in modules)
@@ -37,7 +37,7 @@ class Refusing:
             if isinstance(namespace.get(name), StandIn | StandInModule):
                 namespace[name] = value
         sys.modules.update(self._hidden)
-        # What was imported meanwhile has got stand-ins.
+        # Modules imported meanwhile have copied stand-ins into their own namespaces.
         for namespace in _namespaces():
             for name, value in list(namespace.items()):
                 if isinstance(value, StandInModule):
@@ -46,7 +46,7 @@ class Refusing:
                     namespace[name] = getattr(sys.modules[value.__module__], value.__name__, value)
 
     def hide(self) -> bool:
-        """Hide what has been imported of these modules until now; whether there was any."""
+        """Hide those of the modules that are imported by now; return whether there were any new."""
         found = {
             name: module
             for name, module in list(sys.modules.items())
@@ -60,7 +60,7 @@ class Refusing:
         sys.modules.update({name: self._module(name) for name in found})
         for namespace in _namespaces():
             for name, value in list(namespace.items()):
-                home = _home(value)
+                home = _module_of(value)
                 if f"{home}.".startswith(self._beginnings):
                     self._replaced.append((namespace, name, value))
                     namespace[name] = self._stand_in(value, home)
@@ -74,21 +74,21 @@ class Refusing:
     def _module(self, name: str) -> StandInModule:
         module = StandInModule(name, forbidden_part(name, self._modules))
         real = vars(self._hidden[name])
-        # By these others are found beside it, and compiled code links against it.
+        # Importing submodules, and linking compiled code, need the special attributes.
         special = {name for name in real if name.startswith("__")} - {"__getattr__"}
         vars(module).update({name: real[name] for name in special})
         return module
 
 
 def _namespaces() -> Iterator[dict]:
-    """Of all modules that are there."""
+    """Yield the namespaces of all imported modules except stand-ins."""
     for module in list(sys.modules.values()):
         if isinstance(module, ModuleType) and not isinstance(module, StandInModule):
             yield vars(module)
 
 
-def _home(value: object) -> str:
-    """The module that a thing is, or in which it was written; of a value, none is known."""
+def _module_of(value: object) -> str:
+    """Return the name of a module, or of the module that defines a class or function; else ""."""
     if isinstance(value, StandIn | StandInModule):
         return ""
     if isinstance(value, ModuleType):

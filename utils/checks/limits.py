@@ -1,6 +1,6 @@
-"""Time and memory that a check may take in a notebook.
+"""Limits of time and memory for a check in a notebook.
 
-In the judge the sandbox has limits of its own.
+The judge's sandbox has limits of its own.
 """
 
 import _thread
@@ -12,26 +12,22 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-# Share of the memory that is free which student code may take before it gets a MemoryError, which
-# can be explained; where a kernel takes all of it, the system ends it without a word.
+# Share of the free memory that student code may use before it gets a MemoryError, which can be
+# explained. A kernel that uses all memory is killed by the system without a message.
 _SHARE = 0.8
 
 
 class TimeUp(Exception):
-    """A call took longer than it may; its cause knows where it was."""
+    """A call exceeded its time limit; the traceback of `__cause__` shows where it was."""
 
 
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `TimeUp` in here after some seconds, and MemoryError before the machine is full.
+    """Raise `TimeUp` in the context after some seconds, and MemoryError before memory runs out.
 
-    Only the main thread can be interrupted; in another one there is no limit of time. Where no
-    thread can start, as in a browser, Python looks at the clock at each line: loops are several
-    times slower, and code that catches everything is interrupted once, in vain.
-
-    Parameters
-    ----------
-    seconds : float
+    Only the main thread can be interrupted; other threads have no time limit. If no thread can be
+    started, as in a browser, a trace function reads the clock at each line. Loops are then several
+    times slower, and code that catches all exceptions is interrupted only once, without effect.
     """
     with limited_memory():
         if threading.current_thread() is not threading.main_thread():
@@ -46,14 +42,14 @@ def limited(seconds: float) -> Iterator[None]:
                 _thread.interrupt_main()
                 wait = 1.0  # code that catches everything is interrupted again
 
-        watch, look = threading.Thread(target=ring, daemon=True), _looking(seconds, rang)
+        watch, trace = threading.Thread(target=ring, daemon=True), _clock_tracer(seconds, rang)
         with _interruptible():
             try:
                 try:
-                    _start(watch, look)
+                    _start(watch, trace)
                     yield
                 finally:
-                    _silence(over, watch, look, rang)
+                    _stop(over, watch, trace, rang)
             except KeyboardInterrupt as interrupt:
                 if rang.is_set():
                     raise TimeUp from interrupt
@@ -62,7 +58,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interruptible() -> Iterator[None]:
-    """Let the clock be heard: what a script starts in the background ignores interrupts."""
+    """Enable interrupts in the context, which background processes of a script ignore."""
     before = signal.getsignal(signal.SIGINT)
     if before in (signal.SIG_IGN, signal.SIG_DFL):
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -73,34 +69,34 @@ def _interruptible() -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
-def _start(watch: threading.Thread, look: Callable) -> None:
+def _start(watch: threading.Thread, trace: Callable) -> None:
     try:
         watch.start()
     except RuntimeError:
-        sys.settrace(look)
+        sys.settrace(trace)
 
 
-def _looking(seconds: float, rang: threading.Event) -> Callable:
-    """What Python calls at each line, to ring once: what raises is not called again."""
+def _clock_tracer(seconds: float, rang: threading.Event) -> Callable:
+    """Return a trace function that raises once when time is up; Python then removes it."""
     due = time.monotonic() + seconds
 
-    def look(*_: object) -> Callable:
+    def trace(*_: object) -> Callable:
         if time.monotonic() > due:
             rang.set()
             raise KeyboardInterrupt
-        return look
+        return trace
 
-    return look
+    return trace
 
 
-def _silence(
-    over: threading.Event, watch: threading.Thread, look: Callable, rang: threading.Event
+def _stop(
+    over: threading.Event, watch: threading.Thread, trace: Callable, rang: threading.Event
 ) -> None:
-    """End the watch; what rings in this very moment is heard here, and not later."""
+    """Stop the clock; absorb an interrupt that arrives at this moment."""
     while True:
         try:
             over.set()
-            if sys.gettrace() is look:
+            if sys.gettrace() is trace:
                 sys.settrace(None)
             if watch.is_alive():
                 watch.join()
@@ -113,7 +109,7 @@ def _silence(
 
 @contextlib.contextmanager
 def limited_memory() -> Iterator[None]:
-    """Let no more memory be taken than is free; only Linux can say how much that is."""
+    """Limit memory in the context to a share of the free memory; Linux only."""
     with contextlib.ExitStack() as after:
         with contextlib.suppress(ImportError, OSError, ValueError, StopIteration):
             import resource
