@@ -1,8 +1,8 @@
-"""Where to look: the line, or each of the few, in which one change makes every shown check pass.
+"""Find the lines of a function in which one small change makes every visible check pass.
 
-The changed functions run in a copy of this process, which ends with them: it writes no file, opens
-no connection, draws nothing and waits for nobody. What it tells is a line, and only of a function
-that has passed every check there is in the notebook.
+The changed functions run in a forked copy of this process, which ends afterwards. The copy writes
+no files, opens no connections and draws nothing. It reports line numbers only, and only for
+changed functions that pass every check of the notebook.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from utils.display import shell
 from utils.notebooks import slicing
 from utils.notebooks.edits import Edit, edits_of
 
-# Processor time, so that a busy machine finds the same lines: for the first line, and for others
-# once one is found. By the clock on the wall it may take so many times as long.
+# Limits for finding the first line, and for each further line. They are processor time, so that a
+# busy machine finds the same lines; elapsed time may be PATIENCE times as long.
 SECONDS, SECONDS_FOR_OTHERS, PATIENCE = 3.0, 1.0, 5
-MOST_LINES = 3  # of more, none says where to look
-# For one check; a change may well make a loop that never ends.
+MOST_LINES = 3  # more lines would not say where to look
+# Limit for one check, as a change may cause an endless loop.
 SECONDS_OF_A_CHECK = 0.5
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-# Audit events of what reaches beyond a process; see https://docs.python.org/3/library/audit_events.html
-_REACHES_OUT = (
+# Audit events with effects outside the process: https://docs.python.org/3/library/audit_events.html
+_OUTSIDE_EVENTS = (
     *("os.remove", "os.rename", "os.rmdir", "os.mkdir", "os.link", "os.symlink", "os.truncate"),
     *("os.chmod", "os.chown", "os.utime", "os.kill", "os.system", "os.exec", "os.fork"),
     *("os.posix_spawn", "os.spawn", "os.startfile", "subprocess.", "shutil.", "socket."),
@@ -45,7 +45,7 @@ _REACHES_OUT = (
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a cell, and what stands there."""
+    """A line of a cell: its number and its text."""
 
     number: int
     text: str
@@ -62,7 +62,7 @@ class LineHint:
 
     @property
     def sentence(self) -> str:
-        """What may be said of them."""
+        """The hint for the student, as one sentence."""
         named = ", or one in ".join(map(str, self.lines))
         return f"One change in {named}, makes everything here green."
 
@@ -70,22 +70,22 @@ class LineHint:
 def place_to_change(
     function: Callable, checks: Sequence[Check], failed: Sequence[Check]
 ) -> LineHint | None:
-    """The lines in each of which one change makes all checks pass.
+    """Return the lines in each of which one change makes all checks pass.
 
     Parameters
     ----------
     function : callable
-        The student's.
+        The student's function.
     checks : sequence of utils.checks.outcomes.Check
-        All that the notebook shows.
+        All visible checks of the exercise.
     failed : sequence of utils.checks.outcomes.Check
-        Those of them that the function fails.
+        The checks that the function fails.
 
     Returns
     -------
     LineHint or None
-        None where there is none, or too many lines to say anything; where it is not found in time,
-        or where no process can be copied.
+        None if no such line is found in time, if there are more than `MOST_LINES`, or if the
+        system cannot fork a process.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         source, first = inspect.getsourcelines(function)
@@ -104,41 +104,41 @@ def place_to_change(
 def _lines_that_pass(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> set[int]:
-    """Where an edit makes all checks pass, found by a copy of this process."""
+    """Return the numbers of the lines where an edit makes all checks pass, from a forked copy."""
     if not hasattr(os, "fork"):
         return set()
     read_end, write_end = os.pipe()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which stay behind
+        warnings.simplefilter("ignore", DeprecationWarning)  # about threads, which are not copied
         child = os.fork()
     if child == 0:
         try:
-            _keep_to_oneself()
+            _isolate()
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
             for line in _passing(function, statement, edits, checks):
                 os.write(write_end, b"%d " % line)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
-            os._exit(0)  # nothing of the notebook may end in here, or be sent twice
+            os._exit(0)  # without exit handlers and buffers, which belong to the notebook
     os.close(write_end)
-    told, until = b"", time.monotonic() + PATIENCE * SECONDS
+    received, until = b"", time.monotonic() + PATIENCE * SECONDS
     try:
         while select.select([read_end], [], [], max(0.0, until - time.monotonic()))[0]:
             part = os.read(read_end, 1024)
             if not part:
                 break
-            told += part
+            received += part
     finally:
         os.close(read_end)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-    return {int(line) for line in told.split()}
+    return {int(line) for line in received.split()}
 
 
 def _passing(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> Iterator[int]:
-    """The first line of the edits with which all checks pass, each once."""
+    """Yield the first line of each edit with which all checks pass, without repetition."""
     found = set()
     for number, changed in _changed(function, statement, edits):
         line = edits[number].first
@@ -147,10 +147,10 @@ def _passing(
             yield line
 
 
-def _keep_to_oneself() -> None:
-    """Let nothing of what runs here reach the notebook, a file or a screen."""
+def _isolate() -> None:
+    """Keep output and side effects of this process from the notebook, files and the screen."""
     with contextlib.suppress(Exception):
-        shell().display_pub.publish = lambda *about, **more: None
+        shell().display_pub.publish = lambda *arguments, **keywords: None
     if "matplotlib" in sys.modules:
         import matplotlib
 
@@ -161,8 +161,8 @@ def _keep_to_oneself() -> None:
     sys.stdin = open(os.devnull)  # noqa: SIM115 (this process ends with it)
     sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
 
-    def refuse(event: str, about: tuple) -> None:
-        if event.startswith(_REACHES_OUT) or (event == "open" and about[2] & _WRITING):
+    def refuse(event: str, arguments: tuple) -> None:
+        if event.startswith(_OUTSIDE_EVENTS) or (event == "open" and arguments[2] & _WRITING):
             raise PermissionError(event)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -172,19 +172,19 @@ def _keep_to_oneself() -> None:
     sys.addaudithook(refuse)
 
 
-def _too_long(*about: object) -> None:
+def _too_long(*_: object) -> None:
     raise TimeoutError
 
 
 def _changed(
     function: Callable, statement: slicing.Statement, edits: list[Edit]
 ) -> Iterator[tuple[int, Callable]]:
-    """Each edit's position, and what it makes of the function."""
+    """Yield the index of each edit, and the function after that edit."""
     for number, edit in enumerate(edits):
-        space = dict(function.__globals__)
+        namespace = dict(function.__globals__)
         with contextlib.suppress(Exception):
-            exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), space)
-            yield number, space[statement.node.name]
+            exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), namespace)
+            yield number, namespace[statement.node.name]
 
 
 def _passes(check: Check, function: Callable) -> bool:

@@ -1,4 +1,4 @@
-"""What a check is, shown or hidden, and how one ended."""
+"""Checks, visible or hidden, and their outcomes."""
 
 from __future__ import annotations
 
@@ -8,29 +8,28 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Check:
-    """One property that a right answer has, shown in the notebook or asked by the judge alone.
+    """One property of a right answer, checked in the notebook or by the judge alone.
 
     Attributes
     ----------
     name : str
-        Short name, unique within the exercise: by it, and not by its title, it is known.
+        Short name, unique within the exercise, which identifies the check; titles may change.
     exercise : str
         Name of the function under test.
     title : str
         The property, as a statement.
     hint : str
-        The first hint for someone who fails it.
+        The first hint after a failure.
     weight : float
-        Its share of the exercise's points, relative to the other checks; 0 for a note, which
-        says what costs no points and why later cells care.
+        Share of the exercise's points, relative to the other checks; 0 for a note, which costs no
+        points.
     why : str
-        What goes wrong on the road without it.
+        The consequence for the car, or for later cells, if the property does not hold.
     run : callable or None
-        Takes the function; raises `CheckFailed` where the property does not hold. None for a
-        hidden check, which the judge runs as a test of pytest.
+        Takes the function; raises `CheckFailed` if the property does not hold. None for a hidden
+        check, which the judge runs as a pytest test.
     slow : str
-        What to ask of a function that does not come back in this check, where that is rarely a
-        loop without an end.
+        Question to show after a timeout, if the usual cause is not an endless loop.
     """
 
     name: str
@@ -44,30 +43,30 @@ class Check:
 
     @property
     def lesson(self) -> str:
-        """The module or folder that declares it, such as "lesson_05"."""
+        """Name of the module or package that declares the check, such as "lesson_05"."""
         return self.run.__module__.removeprefix(f"{__package__}.").partition(".")[0]
 
     @property
     def is_shown(self) -> bool:
-        """True where students see it in the notebook."""
+        """Whether students see the check in the notebook."""
         return self.run is not None
 
     @property
     def is_note(self) -> bool:
-        """True where it costs no points."""
+        """Whether the check costs no points."""
         return self.weight == 0
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of asking a check.
+    """The result of one check.
 
     Attributes
     ----------
     check : Check
     failure : Exception or None
-        Why it does not hold, None where it does. Whatever a check raised in the judge; a
-        `CheckFailed` where it is told.
+        None if the check passed. In the judge, any exception that the check raised; in messages
+        to students, a `CheckFailed`.
     """
 
     check: Check

@@ -1,4 +1,4 @@
-"""What many checks rest on is asked once a run, and remembered until its end."""
+"""Cache preconditions and answers that several checks share, for the duration of one run."""
 
 from __future__ import annotations
 
@@ -11,68 +11,67 @@ import numpy as np
 
 from utils.checks.failures import CheckFailed, FarTooMuch
 
-_KNOWN: ContextVar[dict | None] = ContextVar("known", default=None)
+_CACHE: ContextVar[dict | None] = ContextVar("known", default=None)
 
 
 @contextlib.contextmanager
 def one_run() -> Iterator[None]:
-    """A run of checks on the same functions: while it lasts, `once` and `answer_to` remember."""
-    token = _KNOWN.set({})
+    """Enable the cache of `once` and `answer_to` for a run of checks on the same functions."""
+    token = _CACHE.set({})
     try:
         yield
     finally:
-        _KNOWN.reset(token)
+        _CACHE.reset(token)
 
 
 def once(assertion: Callable[..., None]) -> Callable[..., None]:
-    """Decorate an assertion about a function: in one run it is asked once, and fails each time.
+    """Decorate an assertion about a function: it runs once per run, and its failure is repeated.
 
     Parameters
     ----------
     assertion : callable
-        Takes a student's function, and what it is asked about, if that is hashable; raises
-        `CheckFailed`. Whatever else it raises is not remembered: a process that was stopped may
-        answer the next time.
+        Takes a student's function and further hashable arguments; raises `CheckFailed`. Other
+        exceptions are not cached, as a process that was stopped may answer the next time.
     """
 
     @functools.wraps(assertion)
-    def asked(function: Callable, *about: Hashable) -> None:
-        known, key = _KNOWN.get(), (assertion, getattr(function, "__name__", None), *about)
-        if known is None:
-            assertion(function, *about)
+    def cached(function: Callable, *arguments: Hashable) -> None:
+        cache, key = _CACHE.get(), (assertion, getattr(function, "__name__", None), *arguments)
+        if cache is None:
+            assertion(function, *arguments)
             return
-        if key not in known:
+        if key not in cache:
             try:
-                assertion(function, *about)
-            except FarTooMuch:  # of such answers each is counted
+                assertion(function, *arguments)
+            except FarTooMuch:  # the judge counts each answer that is too large
                 raise
             except CheckFailed as failure:
-                known[key] = failure
+                cache[key] = failure
             else:
-                known[key] = None
-        if known[key] is not None:
-            raise known[key].with_traceback(None)
+                cache[key] = None
+        if cache[key] is not None:
+            raise cache[key].with_traceback(None)
 
-    return asked
+    return cached
 
 
 def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) -> object:
-    """What a student's function answers; in one run it is asked each question once.
+    """Return the answer of a student's function; within a run, each question is asked once.
 
-    Only arrays are remembered: of whatever else comes back nobody knows whether it stays as it is.
+    Only arrays are cached, as they can be copied; other answers may change later.
 
     Parameters
     ----------
     function : callable
     question : hashable
-        What tells the question from all others that the function is asked.
+        Identifies the question among all questions to this function.
     arguments : numpy.ndarray
-        The function gets copies.
+        The arguments; the function receives copies.
     """
-    known, key = _KNOWN.get(), (getattr(function, "__name__", None), question)
-    if known is not None and key in known:
-        return known[key]
+    cache, key = _CACHE.get(), (getattr(function, "__name__", None), question)
+    if cache is not None and key in cache:
+        return cache[key]
     answer = function(*(argument.copy() for argument in arguments))
-    if known is not None and isinstance(answer, np.ndarray):
-        known[key] = answer = answer.copy()  # the function may write into its own
+    if cache is not None and isinstance(answer, np.ndarray):
+        cache[key] = answer = answer.copy()  # the function may write to its own array later
     return answer

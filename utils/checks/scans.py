@@ -1,7 +1,8 @@
-"""The scans that a detector is asked about, with the truth about them.
+"""Simulated scans, with their true boxes, for the checks of detectors.
 
-Detectors differ in what they look at, how they thin the cloud and where they cut. So they are
-asked about what every sensible one sees: cars and people near by that stand free.
+Detectors differ in their region, in how they thin the cloud and in where they cut the ground. The
+checks therefore rely on obstacles that every sensible detector finds: cars and people near the
+sensor and clear of other things.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the middle: all of a car is then within 10 m
-MANY = {"car": 1500, "pedestrian": 150}  # returns, of every second azimuth
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre: all of a car is then within 10 m
+MANY = {"car": 1500, "pedestrian": 150}  # least returns, with every second azimuth
 SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
 FREE = 1.2  # m to the nearest other thing
-OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # m from and to, x and y
+OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 
 
 def half_sensor() -> Sensor:
-    """The 64-beam scanner with every second azimuth: half the returns, half the time."""
+    """Return the 64-beam scanner with every second azimuth: half the returns in half the time."""
     from utils.simulator import hdl64
 
     sensor = hdl64()
@@ -40,12 +41,12 @@ def half_sensor() -> Sensor:
 
 @functools.cache
 def street(further: float = 0.0) -> Frame:
-    """The street of `data/cloud.txt`, or the same from a place `further` along the road.
+    """Return a scan of the street of `data/cloud.txt`, from that place or further along the road.
 
     Parameters
     ----------
     further : float
-        In metres.
+        Metres along the road.
     """
     from utils.scenes import ROAD
     from utils.simulator.frames import observe
@@ -58,16 +59,16 @@ def street(further: float = 0.0) -> Frame:
 
 
 def street_before() -> Frame:
-    """The street 4 m earlier: its clear cars stand where the other frame has none."""
+    """Return the street from 4 m further back; its clear cars are where `street` has none."""
     return street(-4.0)
 
 
 @functools.lru_cache(maxsize=64)
 def square(seed: int) -> Frame:
-    """Three cars around the sensor, anywhere and turned in any way, between two rows of houses.
+    """Return a scan of three cars around the sensor, at an angle, between two rows of houses.
 
-    Most of what a detector is asked is asked here, so what lies farther away than the cars is
-    left out.
+    Most checks of detectors use these scans. To save time, they omit returns farther away than
+    the cars.
     """
     frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
     frame = next(frame for frame in frames if len(clear_cars(frame)) == 3)
@@ -76,7 +77,7 @@ def square(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def walk(seed: int) -> Frame:
-    """A car and three people around the sensor, all of whom stand free; else as `square`."""
+    """Return a scan of a car and three people around the sensor, all clear; else as `square`."""
     frames = (_some_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
         frame for frame in frames if len(clear_cars(frame)) == 1 and len(clear_people(frame)) == 3
@@ -85,20 +86,20 @@ def walk(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def crossing(seed: int) -> Frame:
-    """A small car that stands across the road ahead, from 8 to 10 m; else as `square`."""
+    """Return a scan of a small car across the road ahead, at 8 to 10 m; else as `square`."""
     from utils.simulator.streets import placed
     from utils.simulator.traffic import car
 
     rng = np.random.default_rng((seed, 8))
     length, width = rng.uniform((3.7, 1.65), (3.8, 1.68))
     y = rng.uniform(-0.05, 0.05)
-    x = math.sqrt(9.98**2 - (length / 2 + abs(y)) ** 2) - width / 2  # of its middle
+    x = math.sqrt(9.98**2 - (length / 2 + abs(y)) ** 2) - width / 2  # the corners are within 10 m
     yaw = np.radians(90 + 180 * rng.integers(2))
     return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
 def car_across(frame: Frame) -> Box:
-    """The car that stands across the road in `crossing`."""
+    """Return the true box of the car across the road in `crossing`."""
     return min(
         (box for box in frame.boxes if box.kind == "car"),
         key=lambda box: math.hypot(box.centre[0] - 9.0, box.centre[1]),
@@ -111,7 +112,8 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
     rng = np.random.default_rng(seed)
     things = []
     for _ in range(200):
-        # Diagonal, so that a box along the axes is much too large; ahead or behind, not beside.
+        # Diagonal, so that a box along the axes is much too large; ahead or behind, not next to
+        # the ego car.
         yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
         x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
         thing = placed(some_car(rng) if len(things) < cars else some_walker(rng), x, y, yaw)
@@ -123,7 +125,7 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
 def _on_a_square(
     things: list[Obstacle], rng: np.random.Generator, seed: int | Sequence[int]
 ) -> Frame:
-    """A scan of things around the sensor, of two who walk by, and of houses."""
+    """Return a scan of things around the sensor, two passing pedestrians and houses."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
     from utils.simulator.streets import StreetPlan, placed, some_walker, street, world_of
@@ -139,7 +141,7 @@ def _on_a_square(
 
 
 def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
-    """Whether a thing stands near the sensor, but free of our own car and of others."""
+    """Return whether a thing is near the sensor, and clear of the ego car and other things."""
     if not 4.0 < math.hypot(thing.pose.x, thing.pose.y) < 0.98 * NEAR[thing.kind]:
         return False
     rim = _rim(thing)
@@ -150,7 +152,7 @@ def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
 
 
 def _rim(thing: Obstacle) -> np.ndarray:
-    """Places (m, 2) all around the footprint of an obstacle."""
+    """Return points (m, 2) along the outline of an obstacle's footprint."""
     side = np.linspace(-0.5, 0.5, 20)
     half = np.full(20, 0.5)
     rim = (
@@ -169,13 +171,13 @@ def _rim(thing: Obstacle) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def clear_cars(frame: Frame) -> tuple[Box, ...]:
-    """The cars of a frame that no detector may miss: near, well seen, standing free."""
+    """Return the cars that no detector may miss: near, with many returns, clear of others."""
     return _clear(frame, "car")
 
 
 @functools.lru_cache(maxsize=64)
 def clear_people(frame: Frame) -> tuple[Box, ...]:
-    """The people of a frame that no detector may miss; see `clear_cars`."""
+    """Return the people that no detector may miss; see `clear_cars`."""
     return _clear(frame, "pedestrian")
 
 
@@ -199,14 +201,14 @@ def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
 
 
 def without(car: Box, frame: Frame) -> Frame:
-    """A frame without one of its cars: what it hid stays hidden."""
+    """Return a frame without the returns and the box of one car; its shadow remains."""
     boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
     left = _with_rows(frame, frame.scan.objects != car.identity)
     return dataclasses.replace(left, boxes=boxes)
 
 
 def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
-    """A frame of which some returns (a mask) are left, with the boxes that it had."""
+    """Return a frame with a selection of its returns, given by a mask, and all its boxes."""
     columns = {
         field.name: getattr(frame.scan, field.name)[rows]
         for field in dataclasses.fields(frame.scan)
@@ -215,9 +217,9 @@ def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
 
 
 def own_car(seed: int) -> np.ndarray:
-    """Returns (n, 4) of an own car that the beams hit from edge to edge, bonnet and roof.
+    """Return returns of an ego car whose bonnet and roof the beams hit everywhere.
 
-    It lies in the box that lesson 07 gives for it, and is still dense after thinning.
+    They are inside the ego car's box of lesson 07, and still dense after thinning.
 
     Returns
     -------
@@ -234,7 +236,7 @@ def own_car(seed: int) -> np.ndarray:
 
 
 def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
-    """A cloud with 3000 lost returns among its rows: not a number, infinite, at (0, 0, 0).
+    """Insert 3000 lost returns into a cloud: not a number, infinite, or at (0, 0, 0).
 
     Parameters
     ----------
@@ -256,12 +258,12 @@ def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def rain(seed: int) -> np.ndarray:
-    """Single returns in the air over a square, away from its things and from each other.
+    """Return single returns in the air over a square, away from its things and each other.
 
     Parameters
     ----------
     seed : int
-        Of the square.
+        Seed of the `square`.
 
     Returns
     -------

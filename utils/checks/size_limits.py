@@ -1,7 +1,6 @@
-"""What an answer may cost before it is looked at: caps far above any right answer.
+"""Limits for the size of an answer, applied before it is compared; far above any right answer.
 
-An answer is a claim. In the judge it comes from a stranger, who would be glad if comparing it took
-an hour.
+In the judge, answers come from untrusted code, which could make a comparison take an hour.
 """
 
 import reprlib
@@ -10,9 +9,9 @@ from collections import deque
 import numpy as np
 
 MOST_NUMBERS = 1_000_000
-MOST_ROWS = 250_000  # as lists: a whole scan has 120 000
+MOST_ROWS = 250_000  # nested lists: a whole scan has 120 000 rows
 MOST_OF_A_POINT = 100
-_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}  # digits are not shown
+_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}  # the judge removes digits
 MOST_DIMENSIONS = 3
 LARGEST_INTEGER = 2**64
 _NUMBERS = {bool, int, float}
@@ -20,36 +19,39 @@ _ITEMS = (bool, int, float, np.generic, range, deque)
 
 
 class TooLarge(Exception):
-    """An answer is larger than any right one; `str()` is a sentence that names the cap."""
+    """An answer is larger than any right one; `str()` is a sentence that names the limit."""
 
 
 class NotNumbers(Exception):
-    """An answer is no array of numbers, and no list of them."""
+    """An answer is not an array of numbers or a list of them."""
 
 
 def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
-    """An answer as an array of booleans, whole numbers or floats.
+    """Convert an answer to an array of booleans, whole numbers or floats.
 
     Parameters
     ----------
     answer : object
     most : {1_000_000, 100}
-        The most numbers that a right answer can hold.
+        The most numbers that a right answer can contain.
 
     Returns
     -------
     numpy.ndarray
-        Of at most `MOST_DIMENSIONS` dimensions.
+        An array of at most `MOST_DIMENSIONS` dimensions.
 
     Raises
     ------
-    TooMuch, NotNumbers
+    TooLarge
+        If the answer exceeds a limit.
+    NotNumbers
+        If the answer is anything else.
     """
     if not isinstance(answer, np.ndarray):
         _look_through(answer, most)
         try:
             answer = np.asarray(answer)
-        except Exception:  # rows of different lengths, or an __array__ of the student's own
+        except Exception:  # rows of different lengths, or an `__array__` written by the student
             raise NotNumbers from None
     _assert_flat(answer.ndim)
     _assert_few(answer.size, most)
@@ -59,17 +61,17 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
 
 
 def in_few_words(value: object) -> str:
-    """What `repr` says, shortened before it is written."""
+    """Return a short `repr` of a value, shortened while it is built."""
     if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
         return "a whole number of more than nineteen digits"
     try:
         return _SHORT.repr(value)
-    except Exception:  # a `__repr__` of the student's own
+    except Exception:  # a `__repr__` written by the student
         return f"an object of type {type(value).__name__}"
 
 
 class _Short(reprlib.Repr):
-    """Also where NumPy arrays, sets and huge numbers hide in a list."""
+    """Shorten also arrays, sets, dictionaries and huge numbers inside a list."""
 
     def repr_int(self, value: int, level: int) -> str:
         return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."
@@ -88,7 +90,7 @@ _SHORT = _Short()
 
 
 def _look_through(answer: object, most: int) -> None:
-    """Refuse lists that are too long or too deep, and texts and objects in them."""
+    """Refuse lists that are too long, too deep, or contain texts or other objects."""
     count, waiting = 0, [(answer, 0)]
     while waiting:
         value, depth = waiting.pop()

@@ -1,4 +1,4 @@
-"""What a student's function uses: other exercises, and modules that the lesson does not allow."""
+"""Find the other functions and the forbidden modules that a student's function uses."""
 
 import dis
 import functools
@@ -14,18 +14,18 @@ _FORBIDDEN = Path(__file__).with_name("forbidden.json")
 
 
 def refused_modules(function: Callable, lesson: str) -> list[str]:
-    """Modules that a function uses, itself or through others, and that its lesson forbids.
+    """Return the forbidden modules that a function uses, itself or through functions it calls.
 
     Parameters
     ----------
     function : callable
     lesson : str
-        Such as "lesson_05".
+        Name of the lesson's module, such as "lesson_05".
 
     Returns
     -------
     list of str
-        Their names, as the lesson gives them.
+        The names as listed in the lesson's header.
     """
     forbidden = forbidden_in(lesson)
     used = set(_modules_of(function)) if forbidden else ()
@@ -35,7 +35,7 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
 
 
 def functions_used(function: Callable) -> dict[str, Callable]:
-    """The functions of the same notebook that a function calls, directly or not, by name."""
+    """Return the functions of the same notebook that a function calls, directly or not, by name."""
     return {
         name: own(value)
         for part in _functions(function)
@@ -46,7 +46,7 @@ def functions_used(function: Callable) -> dict[str, Callable]:
 
 
 def forbidden_in(lesson: str) -> tuple[str, ...]:
-    """The modules that a lesson forbids; see `refused_modules`."""
+    """Return the modules that a lesson forbids; see `refused_modules`."""
     return tuple(_forbidden().get(lesson, ()))
 
 
@@ -56,7 +56,7 @@ def _forbidden() -> dict[str, list[str]]:
 
 
 def _modules_of(function: Callable) -> Iterator[str]:
-    """Dotted names of the modules that code imports, or reaches by name."""
+    """Yield the dotted names of the modules that code imports, or reaches through globals."""
     for part in _functions(function):
         for code in _codes(part.__code__):
             for instruction in dis.get_instructions(code):
@@ -68,14 +68,14 @@ def _modules_of(function: Callable) -> Iterator[str]:
 
 
 def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, object]]:
-    """The globals that code takes, by name; an attribute of the same name is none."""
+    """Yield the names and values of the globals that code loads; attributes do not count."""
     for instruction in dis.get_instructions(code):
         if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
             yield instruction.argval, function.__globals__.get(instruction.argval)
 
 
 def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """A module and those of its parts that code names beside it; or where a thing comes from."""
+    """Yield the names of a module and of its attributes in `names`, or a value's home module."""
     waiting, seen = [value], []
     while waiting:
         value = waiting.pop()
@@ -88,7 +88,7 @@ def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
 
 
 def _functions(function: object) -> list[FunctionType]:
-    """A function, those it calls, and the methods of classes it uses, all of one notebook."""
+    """Return a function, those it calls, and methods of classes it uses, all of one notebook."""
     found, waiting, home = [], [function], getattr(function, "__module__", None)
     while waiting:
         value = waiting.pop()
@@ -107,7 +107,7 @@ def _functions(function: object) -> list[FunctionType]:
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """A piece of code and those inside it."""
+    """Yield a code object and those nested in it."""
     yield code
     for value in code.co_consts:
         if isinstance(value, CodeType):

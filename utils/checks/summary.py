@@ -1,7 +1,7 @@
-"""From many failures to one story: the first in full, what it explains folded under it.
+"""Choose the failure to show in full, and group the others.
 
-Pedal, an autograder of introductory courses, calls this its resolver: many findings, ranked, one
-told.
+Pedal, an autograder for introductory courses, calls this step its resolver: it ranks many findings
+and shows one.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from utils.checks.outcomes import Check, Outcome
 
 @dataclass(frozen=True)
 class Story:
-    """What is told about an exercise.
+    """The results of an exercise, grouped for display.
 
     Attributes
     ----------
     passed : tuple of Outcome
     first : Outcome or None
-        The failure that is told in full.
+        The failure to show in full.
     same : tuple of Outcome
-        Failures with the same cause.
+        Failures with the same cause as `first`.
     others : tuple of Outcome
-        Failures of which nobody knows whether they have the same cause.
+        Failures that may have other causes.
     waiting : tuple of Outcome
-        What cannot be judged yet; without a failure where it was not even run.
+        Checks that cannot be judged yet; without a failure if they were not run.
     notes : tuple of Outcome
-        What costs no points.
+        Failed checks that cost no points.
     mistake : Mistake or None
-        What explains all answers; None where the first failure is no answer.
+        The mistake that explains all answers; None if `first` is not about an answer.
     blamed : str or None
-        A function that this one calls and that is wrong itself.
+        A function that this one calls and that is itself wrong.
     place : utils.checks.line_hint.LineHint or None
-        Where one change makes everything pass that students see.
+        The lines in which one change makes all visible checks pass.
     """
 
     passed: tuple[Outcome, ...]
@@ -52,12 +52,12 @@ class Story:
 
     @property
     def not_started(self) -> bool:
-        """True for a stub that nobody touched."""
+        """Whether the exercise, or a function that it calls, is still a stub."""
         return self.first is not None and isinstance(self.first.failure, NotStarted)
 
     @property
     def in_one_line(self) -> str:
-        """For where there is no table, as in `nbgrader validate`."""
+        """The results in one line, for places without a table such as `nbgrader validate`."""
         if self.not_started:
             failure = self.first.failure
             return f"{failure.stub} is not started." if failure.own else failure.message
@@ -76,20 +76,20 @@ def resolve(
     place: LineHint | None = None,
     alone: bool = False,
 ) -> Story:
-    """Find out what to tell.
+    """Choose the failure to show, and group the rest under it.
 
     Parameters
     ----------
     outcomes : sequence of Outcome
-        What was run, basics first.
+        Results of the checks that were run, basic checks first.
     checks : sequence of Check
-        All there are; those that were not run are waiting.
+        All checks; those that were not run are waiting.
     mistake : Mistake, optional
     notes : sequence of Outcome
     blamed : str, optional
     place : utils.checks.line_hint.LineHint, optional
     alone : bool
-        Whether one thing alone is proven to be wrong, as it is where there is a place.
+        Whether it is proven that only one thing is wrong. A `place` proves it as well.
     """
     passed = tuple(outcome for outcome in outcomes if outcome.failure is None)
     failed = [outcome for outcome in outcomes if outcome.failure is not None]
@@ -98,7 +98,7 @@ def resolve(
     notes = tuple(outcome for outcome in notes if outcome.failure is not None)
     if not failed:
         return Story(passed, None, waiting=waiting, notes=notes)
-    # A stub explains everything; otherwise the checks stand in the order to read them in.
+    # A stub explains all other failures. Otherwise, the checks are in the order to read them in.
     stubs = [outcome for outcome in failed if isinstance(outcome.failure, NotStarted)]
     ready = [outcome for outcome in failed if not isinstance(outcome.failure, NotYet)]
     first = (stubs or ready or failed)[0]
@@ -116,16 +116,16 @@ def resolve(
 
 
 def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str, str]]:
-    """What there is to say about a failure, each as (label, text).
+    """Return the texts that explain a failure, each as (label, text).
 
     Parameters
     ----------
     outcome : Outcome
     mistake : Mistake, optional
-        What explains it.
+        The mistake that explains the failure.
     """
     failure = outcome.failure
-    said = [
+    lines = [
         ("What your code does", mistake.says if mistake else ""),
         ("What happened", failure.message),
         *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
@@ -136,8 +136,8 @@ def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str,
         ("Hint", hint_for(outcome, mistake)),
     ]
     if failure.is_about_the_check:
-        said.append(("Why it matters", outcome.check.why))
-    return [(label, text) for label, text in said if text]
+        lines.append(("Why it matters", outcome.check.why))
+    return [(label, text) for label, text in lines if text]
 
 
 def _where(failure: Raised) -> str:
@@ -146,7 +146,7 @@ def _where(failure: Raised) -> str:
 
 
 def hint_for(outcome: Outcome, mistake: Mistake | None = None) -> str:
-    """The hint that belongs to a failure: of its cause, of its own, or of what was checked."""
+    """Return the hint of the mistake, else of the failure, else of the check."""
     if mistake:
         return mistake.hint
     failure = outcome.failure

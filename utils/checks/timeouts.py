@@ -1,4 +1,4 @@
-"""In which loops a function was that did not come back."""
+"""Find the loops in which a function was when it exceeded its time limit."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ class Loop:
     Attributes
     ----------
     line : int
-        Where it begins, in the cell of its function.
+        Number of its first line in the cell of its function.
     function : str
+        Name of that function.
     text : str
-        That line.
+        Text of its first line.
     condition : str
-        What it goes on by; empty where it goes through something.
+        The condition of a `while` loop; empty for a `for` loop.
     """
 
     line: int
@@ -39,18 +40,19 @@ class Loop:
 
 
 def loops_around(error: BaseException, function: Callable) -> list[Loop]:
-    """The loops in which a student's code was when it was interrupted, the innermost first.
+    """Return the loops in which a student's code was interrupted, the innermost first.
 
     Parameters
     ----------
     error : BaseException
+        The interrupt, with its traceback.
     function : callable
-        The student's.
+        The student's function.
 
     Returns
     -------
     list of Loop
-        Those with a condition, if there are any: others end, but for a list that grows.
+        Only the `while` loops, if there are any: a `for` loop ends unless its list grows.
     """
     found = [
         loop
@@ -61,31 +63,35 @@ def loops_around(error: BaseException, function: Callable) -> list[Loop]:
 
 
 def _loops_of(code: CodeType, at: int) -> Iterator[Loop]:
-    """The loops of a function around a line of its cell, the innermost first."""
+    """Yield the loops of a function around a line of its cell, the innermost first."""
     with contextlib.suppress(OSError, TypeError, SyntaxError):
         lines, first = inspect.getsourcelines(code)
         rows = textwrap.dedent("".join(lines)).split("\n")
-        nodes = [node for node in ast.walk(ast.parse("\n".join(rows))) if _holds(node, at - first)]
+        nodes = [
+            node
+            for node in ast.walk(ast.parse("\n".join(rows)))
+            if _is_loop_around(node, at - first)
+        ]
         for node in sorted(nodes, key=lambda node: -node.lineno):
             condition = ast.unparse(node.test) if isinstance(node, ast.While) else ""
             text = rows[node.lineno - 1].strip()
             yield Loop(first + node.lineno - 1, written_name(code), text, condition)
 
 
-def _holds(node: ast.AST, row: int) -> bool:
-    """Whether a node is a loop around a row, counted from 0."""
+def _is_loop_around(node: ast.AST, row: int) -> bool:
+    """Return whether a node is a loop around a row, counted from 0."""
     return isinstance(node, ast.While | ast.For) and node.lineno - 1 <= row < node.end_lineno
 
 
 def told_of(loops: list[Loop], known: str) -> str:
-    """The end of a sentence that begins "It did not come back after 15 s".
+    """Return the end of a sentence that begins "It did not come back after 15 s".
 
     Parameters
     ----------
     loops : list of Loop
         From `loops_around`.
     known : str
-        What the check knows to ask; may be empty.
+        The question that the check suggests; may be empty.
     """
     if not loops:
         return f": {known or ENDLESS}"

@@ -1,4 +1,4 @@
-"""Plain words for the exceptions that beginners meet."""
+"""Explanations in plain words for the exceptions that beginners meet."""
 
 import linecache
 import re
@@ -7,8 +7,8 @@ from types import CodeType
 
 _WHOLE = "An index must be a whole number: use //, int(...) or .astype(int)."
 
-# (exception, pattern of its message, pattern of the student's line, what to say). The first that
-# fits is told, so what is special comes before what is general.
+# (exception, pattern of its message, pattern of the student's line, tip). The first match is used,
+# so special cases come before general ones.
 _TIPS = (
     (
         "NameError|UnboundLocalError",
@@ -297,7 +297,7 @@ _TIPS = (
     (
         "ValueError",
         r"too many values to unpack \(expected 3",
-        # A name, a part of it or its turned table: a call may give anything.
+        # Only a name, one of its elements or its transpose: a call may return anything.
         r"(=|\bin)\s*(?=[^=]*(\.T\b|point|cloud|row|\b[pq]\b))[\w.]+(\[[^()]*\])*(\.T)?\s*:?\W*$",
         "There are more than three values on the right. A row of a cloud has four: x, y, z and the "
         "intensity. Take [:3] of a row, [:, :3] of a cloud.",
@@ -395,7 +395,7 @@ _TIPS = (
 
 
 def tip_for(exception: str, message: str, line: str = "") -> str:
-    """A tip for an exception.
+    """Return a tip for an exception.
 
     Parameters
     ----------
@@ -403,12 +403,12 @@ def tip_for(exception: str, message: str, line: str = "") -> str:
         Name of its type.
     message : str
     line : str
-        The line of the student's code in which it happened, where that is known.
+        The line of the student's code that raised it, if known.
 
     Returns
     -------
     str
-        Empty where there is nothing helpful to say.
+        The tip; empty if there is none.
     """
     return next(
         (
@@ -423,23 +423,23 @@ def tip_for(exception: str, message: str, line: str = "") -> str:
 
 
 def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
-    """Where in the student's own code an exception was raised.
+    """Locate an exception in the student's own code.
 
     Parameters
     ----------
     error : BaseException
     function : callable
-        The student's.
+        The student's function.
 
     Returns
     -------
     name : str
-        The function that it happened in; empty where it was in none of the student's.
+        The function that raised it; empty if it is not one of the student's.
     place : str
-        Such as "line 3 of the cell of ransac_line"; where it happened in another function that
-        this one calls, that line after its own.
+        Such as "line 3 of the cell of ransac_line". If a helper raised it, the line of the call
+        comes first and the line in the helper second.
     line : str
-        What stands where it happened.
+        The text of the line that raised it.
     """
     own, found = None, ("", "", "")
     for code, number in frames_of(error, function):
@@ -450,21 +450,21 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
             own = found
     if own is None or own[0] == found[0]:
         return found
-    # Whoever looks at the other function alone may break one that is right.
+    # Naming only the helper could lead the student to change a helper that is right.
     return found[0], f"{own[1]}, `{own[2]}`, which calls {found[1]}", found[2]
 
 
 def frames_of(error: BaseException, function: Callable) -> list[tuple[CodeType, int]]:
-    """The student's own code that an exception came through, outermost first, each with its line.
+    """Return the frames of an exception in the student's code: code and line, outermost first.
 
     Parameters
     ----------
     error : BaseException
     function : callable
-        The student's.
+        The student's function or class.
     """
-    methods = getattr(function, "__dict__", {}).values()  # of a class
-    homes = [one.__globals__ for one in (function, *methods) if hasattr(one, "__globals__")]
+    methods = getattr(function, "__dict__", {}).values()  # if it is a class
+    homes = [part.__globals__ for part in (function, *methods) if hasattr(part, "__globals__")]
     found, trace = [], error.__traceback__
     while trace is not None:
         if any(trace.tb_frame.f_globals is home for home in homes):
@@ -474,6 +474,6 @@ def frames_of(error: BaseException, function: Callable) -> list[tuple[CodeType, 
 
 
 def written_name(code: CodeType) -> str:
-    """The name after `def`: of a comprehension or a lambda, that of the function around it."""
+    """Return the name after `def`; for a comprehension or lambda, of the function around it."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name

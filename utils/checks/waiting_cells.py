@@ -1,4 +1,4 @@
-"""Cells that wait until functions have passed their checks."""
+"""Let cells of a notebook wait until functions have passed their checks."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 from utils.lent.stubs import is_written, own
 
-# Which function of a name has passed: who runs its cell again has another one.
+# Functions that have passed, by name. Running a function's cell again creates a new, unchecked one.
 _PASSED: dict[str, Callable] = {}
 
 
 def remember(exercise: str, function: Callable, passed: bool) -> None:
-    """Remember what came of checking a function."""
+    """Record whether a function has passed its checks."""
     if passed:
         _PASSED[exercise] = function
     else:
@@ -19,14 +19,18 @@ def remember(exercise: str, function: Callable, passed: bool) -> None:
 
 
 def ready(*functions: Callable) -> bool:
-    """Whether functions have passed their checks, and without a note; says what a cell waits for.
+    """Return whether functions have passed their checks without a note; print those that have not.
 
-    For cells in which a wrong one would do worse than fail: compiled, a loop without an end can
-    not be stopped.
+    Use it in cells where a wrong function would do worse than fail. For example, an endless loop
+    in compiled code cannot be stopped.
     """
-    waiting = [one for one in map(own, functions) if _PASSED.get(one.__name__) is not one]
-    for one in waiting:
+    waiting = [
+        function
+        for function in map(own, functions)
+        if _PASSED.get(function.__name__) is not function
+    ]
+    for function in waiting:
         wrong = "has not passed its check, or not without a note"
-        why = wrong if is_written(one) else "is not written yet"
-        print(f"{one.__name__} {why}: this cell waits for it.")
+        why = wrong if is_written(function) else "is not written yet"
+        print(f"{function.__name__} {why}: this cell waits for it.")
     return not waiting
