@@ -1,10 +1,11 @@
-"""The course's own answers, lent to who has not written a function yet.
+"""Stored answers of the course, which replace functions that a student has not written yet.
 
-``lesson_NN.json`` holds what the functions of a lesson answered in its solved notebook: labels,
-boxes, numbers, and no code. Who is stuck can go on: a function that is still a stub answers the
-calls that the notebook makes, and says whose answer it is.
-`grader.course.recorded_answers` records the answers. A function that does not pass its check is
-replaced by them in cells that fail because of it; see `utils.lent.continuation`.
+``lesson_NN.json`` contains the answers that the functions of a lesson gave in its solved notebook:
+labels, boxes and numbers, but no code. They let a student who is stuck go on. A stub returns the
+stored answers to the calls in the notebook, and says that they are the course's.
+
+`grader.course.recorded_answers` records the answers. They also replace a function that fails its
+check, in cells that fail because of it; see `utils.lent.continuation`.
 """
 
 from __future__ import annotations
@@ -21,20 +22,21 @@ from utils.lent.stubs import is_written, own
 __all__ = ["Lender", "Recorder", "hear", "is_written", "lend_answers", "own", "record_answers"]
 
 _HERE = Path(__file__).resolve().parent
-# Written by `python -m grader build`: by which the cells of each lesson are known.
+# Keys of the code cells of each lesson, written by `python -m grader build`.
 CELLS = _HERE / "cells.json"
-# Numbers of the lessons whose answers are lent in this kernel.
+# Numbers of the lessons whose stored answers are in use in this kernel.
 _LENDING: set[str] = set()
 
 
 def lend_answers(number: str) -> None:
-    """From now on, after each cell, lend answers to the stubs of a lesson, and go on with them.
+    """Let stored answers replace the stubs and wrong functions of a lesson from now on.
+
+    Without stored answers, or outside a notebook, nothing happens.
 
     Parameters
     ----------
     number : str
-        Of the lesson, such as "06". Without stored answers, or outside a notebook, nothing
-        happens.
+        Number of the lesson, such as "06".
     """
     path = _HERE / f"lesson_{number}.json"
     if shell() is None or not path.exists() or number in _LENDING:

@@ -1,10 +1,11 @@
-"""A wrong answer does not end the evening.
+"""Let a student go on after a wrong answer.
 
-Where a cell of the lesson fails with a function that has not passed its check, the function is put
-aside as if it were not written: the cell runs again with the course's answer, and says so. If it
-fails with that, too, the first failure is shown as ever. A cell of one's own, one above the check,
-and every check have the student's own function, always; and so have all once it passes, or is
-defined anew.
+If a cell of the lesson fails with a function that has not passed its check, the function is treated
+as a stub. The cell runs again with the stored answers, and says so. If it fails again, the first
+failure is shown as usual.
+
+The student's own function is always used in checks, in cells above its check and in cells that are
+not part of the lesson. All cells use it again once it passes, or when it is defined again.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Failed:
-    """A function as its check saw it, and the place of that check in the lesson."""
+    """A function that failed its check, and the position of that check in the lesson."""
 
     function: Callable
     place: int
@@ -41,24 +42,24 @@ class _Failed:
 
 @dataclass
 class _Cell:
-    """The cell that runs."""
+    """The running cell, and the state before it."""
 
     source: str
-    place: int | None  # None for one that is not the lesson's
+    place: int | None  # position in the lesson; None for a cell of the student's own
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
     passed: set[str] = field(default_factory=set)
-    failure: tuple | None = None  # what showtraceback was called with
+    failure: tuple | None = None  # arguments of the delayed call of showtraceback
 
 
 class GoingOn:
-    """Goes on with the course's answers where a cell fails for want of a right one.
+    """Reruns a cell with stored answers if it fails because of a wrong function.
 
     Parameters
     ----------
     lender : Lender
     namespace : dict
-        The notebook's.
+        The notebook's namespace.
     cells : sequence of str
         `key_of_cell` of each code cell of the lesson, in order.
     show : callable
@@ -74,12 +75,13 @@ class GoingOn:
         self._broken: set[int] = set()
         self._failed: dict[str, _Failed] = {}
         self._switched: set[str] = set()
-        self._borrowed: dict[str, frozenset[str]] = {}  # what was made of whose course's answers
+        # Names whose values come from stored answers, with the functions that these replaced.
+        self._borrowed: dict[str, frozenset[str]] = {}
         self._cell: _Cell | None = None
-        self._trial: list[object] | None = None  # what went wrong while a cell runs again
+        self._trial: list[object] | None = None  # errors of a rerun; None if no cell is rerun
 
     def before_cell(self, info: ExecutionInfo) -> None:
-        """Have the functions ready that a cell is to find."""
+        """Install the functions that a cell should see."""
         if self._trial is not None:
             return
         self._lender.give_back()
@@ -88,16 +90,16 @@ class GoingOn:
         self._cell = _Cell(source, place, _generators(self._namespace), _figures())
         if place is not None and not is_about_ones_own(source):
             self._ran[place] = source
-            self._broken.add(place)  # until it comes to its end
+            self._broken.add(place)  # until it succeeds
             wrong = self._wrong_at(place)
             self._put_aside(wrong & self._switched)
             hanging = [name for name in wrong - self._switched if self._failed[name].hangs]
             if hanging and (found := self._plan(place, hanging)).functions:
-                self._do_without(found)
-        self._say_of(free_names(source))
+                self._substitute(found)
+        self._announce(free_names(source))
 
     def after_cell(self, result: ExecutionResult | None) -> None:
-        """Go on where it failed, or say that it did."""
+        """Rerun a failed cell with stored answers, or show its failure."""
         if self._trial is not None:
             return
         cell, self._cell = self._cell, None
@@ -105,8 +107,8 @@ class GoingOn:
             return
         succeeded = result is not None and result.success
         if cell.failure:
-            with contextlib.suppress(Exception):  # whatever goes wrong, the failure is shown
-                succeeded = self._go_on(cell) or self._go_on(cell, spoilt=True)
+            with contextlib.suppress(Exception):  # a fault in the rerun must not hide the failure
+                succeeded = self._rerun_cell(cell) or self._rerun_cell(cell, spoilt=True)
             if succeeded and result is not None:
                 result.error_in_exec = None
             elif not succeeded:
@@ -114,23 +116,23 @@ class GoingOn:
                 self._show(*arguments, **options)
         if succeeded:
             self._broken.discard(cell.place)
-            self._remember(cell)
-        self._return(cell)
+            self._update_borrowed(cell)
+        self._return_passed(cell)
 
     def show_traceback(self, *arguments: object, **options: object) -> None:
-        """In place of the shell's own: keep a failure back where there is a way to go on."""
+        """Replace the shell's `showtraceback`: delay a failure if the cell can be rerun."""
         error = (arguments[0] if arguments else options.get("exc_tuple")) or sys.exc_info()
         if self._trial is not None:
             self._trial.append(error)
-        elif self._cell and isinstance(error[1], Exception) and self._may_go_on(self._cell):
-            # By the time that it is shown nobody handles it any more.
+        elif self._cell and isinstance(error[1], Exception) and self._can_rerun(self._cell):
+            # The error is stored, as sys.exc_info() will be empty when it is shown.
             options.pop("exc_tuple", None)
             self._cell.failure = self._cell.failure or ((error, *arguments[1:]), options)
         else:
             self._show(*arguments, **options)
 
     def hear(self, exercise: str, passed: bool, hangs: bool) -> None:
-        """What came of a check."""
+        """Record the result of a check."""
         if self._cell is None:
             return
         self._failed.pop(exercise, None)
@@ -144,7 +146,7 @@ class GoingOn:
         self._lender.put_aside(names, set().union(*map(self._callers_of, names)))
 
     def _callers_of(self, name: str) -> set[str]:
-        """The exercises that are written, and call a function of this name."""
+        """Return the written exercises that call a function of this name."""
         written = {other: self._lender.mine(other) for other in self._lender.exercises}
         return {
             other
@@ -153,14 +155,14 @@ class GoingOn:
         }
 
     def _wrong_at(self, place: int) -> set[str]:
-        """The functions that have failed a check above a place, and are still what they were."""
+        """Return the functions that failed a check above a position and are unchanged since."""
         return {
             name
             for name, failed in self._failed.items()
             if failed.place < place and failed.function is self._lender.mine(name)
         }
 
-    def _may_go_on(self, cell: _Cell) -> bool:
+    def _can_rerun(self, cell: _Cell) -> bool:
         if cell.place not in self._ran:
             return False
         found = self._plan(cell.place, spoilt=True)
@@ -174,10 +176,10 @@ class GoingOn:
         cells = [self._ran.get(number, "") for number in range(place + 1)]
         return plan(cells, callers, self._broken - {place}, spoilt)
 
-    def _go_on(self, cell: _Cell, spoilt: bool = False) -> bool:
-        """Run a cell again with the course's answers; whether it came to its end."""
+    def _rerun_cell(self, cell: _Cell, spoilt: bool = False) -> bool:
+        """Run a cell again with stored answers; return whether it succeeded."""
         found, before = self._plan(cell.place, spoilt=spoilt), dict(self._namespace)
-        if not (found.functions or found.given) or not self._do_without(found):
+        if not (found.functions or found.given) or not self._substitute(found):
             return False
         for generator, state in cell.generators:
             generator.bit_generator.state = state
@@ -195,13 +197,13 @@ class GoingOn:
             _clear_output()
             self._switched -= found.functions
             _restore(self._namespace, before)
-            self._lender.give_back()  # last, as functions may have stood aside before
+            self._lender.give_back()  # last, as `before` may contain wrappers
         return ran
 
-    def _do_without(self, found: RerunPlan) -> bool:
-        """Put functions aside, and do again quietly what was done with them."""
+    def _substitute(self, found: RerunPlan) -> bool:
+        """Replace functions by stored answers, and silently rerun the statements that used them."""
         self._put_aside(found.functions)
-        if not self._again(found.statements):
+        if not self._rerun_statements(found.statements):
             self._lender.give_back()
             return False
         self._switched |= found.functions
@@ -209,8 +211,8 @@ class GoingOn:
         self._lender.look_round()
         return True
 
-    def _again(self, statements: Sequence[Statement]) -> bool:
-        """Do some statements again without a word; whether that went well."""
+    def _rerun_statements(self, statements: Sequence[Statement]) -> bool:
+        """Run statements again without output; return whether all succeeded."""
         from IPython.utils.capture import capture_output
 
         figures, before = _figures(), dict(self._namespace)
@@ -226,8 +228,8 @@ class GoingOn:
             _close_figures(figures)
         return True
 
-    def _remember(self, cell: _Cell) -> None:
-        """Which names hold what was made of the course's answers, now that a cell has run."""
+    def _update_borrowed(self, cell: _Cell) -> None:
+        """Record, after a cell, which names have values that come from stored answers."""
         aside = self._lender.aside
         found = self._plan(cell.place, aside) if cell.place in self._ran and aside else None
         for statement in slicing.parse_notebook([cell.source])[0]:
@@ -240,22 +242,23 @@ class GoingOn:
                 else:
                     self._borrowed.pop(name, None)
 
-    def _return(self, cell: _Cell) -> None:
-        """Where a check has passed, what was borrowed is made again of one's own."""
+    def _return_passed(self, cell: _Cell) -> None:
+        """Recompute values with the student's own functions that passed their checks in a cell."""
         for exercise in cell.passed & self._switched:
             self._switched.discard(exercise)
-            made = {name for name, whose in self._borrowed.items() if exercise in whose}
+            made = {name for name, sources in self._borrowed.items() if exercise in sources}
             last = max(self._ran, default=0)
+            # A pretend cell that uses these names makes the plan cover their statements.
             self._ran[last + 1] = "; ".join(sorted(made))
             statements = self._plan(last + 1, [exercise]).statements
             del self._ran[last + 1]
-            if self._again(statements):
+            if self._rerun_statements(statements):
                 for name in made:
                     del self._borrowed[name]
             self._lender.say_returned(exercise)
 
-    def _say_of(self, names: Collection[str]) -> None:
-        """Whose answer it is that a cell finds under some names."""
+    def _announce(self, names: Collection[str]) -> None:
+        """Say which of the names that a cell uses have values from stored answers."""
         for name in sorted(names & self._borrowed.keys()):
             if self._borrowed[name] <= self._lender.aside:
                 self._lender.say_aside(self._borrowed[name])
@@ -269,7 +272,7 @@ def _generators(namespace: dict) -> list[tuple[np.random.Generator, dict]]:
 
 
 def _restore(namespace: dict, before: dict) -> None:
-    """Bind each name as before; IPython keeps its own, which stay."""
+    """Restore each name of a namespace, except IPython's own, which begin with an underscore."""
     for name in [name for name in namespace if name not in before and not name.startswith("_")]:
         del namespace[name]
     namespace.update({name: value for name, value in before.items() if not name.startswith("_")})

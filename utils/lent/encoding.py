@@ -1,4 +1,4 @@
-"""Answers as text, small enough to travel with a notebook; calls as keys that fit everywhere."""
+"""Encode answers as compact JSON, and calls as keys that are equal on all machines."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from dataclasses import fields, is_dataclass
 
 import numpy as np
 
-# A tenth of a millimetre, or half a centimetre for what is only drawn as thousands of dots.
+# Rounding steps in metres; the coarse one is for large arrays, which are only drawn as dots.
 FINE, COARSE = 1e-4, 5e-3
 MANY = 3_000
 FEW = 64
 
 
 def key_of(arguments: tuple, keywords: dict) -> str:
-    """A short text that is the same for the same call on every machine.
+    """Return a short text that is the same for the same call on every machine.
 
-    Numbers count to eight digits, as another machine may round the last ones differently.
+    Only eight digits of each number count, as machines may round the last digits differently.
     """
-    said = "\n".join(_walk([arguments, sorted(keywords.items())]))
-    return hashlib.sha256(said.encode()).hexdigest()[:10]
+    text = "\n".join(_walk([arguments, sorted(keywords.items())]))
+    return hashlib.sha256(text.encode()).hexdigest()[:10]
 
 
 def _walk(start: list) -> Iterator[str]:
-    # A stack and no recursion: a tree may be deep.
+    # A stack instead of recursion, as a tree may be deep.
     waiting, seen = [start], set()
     while waiting:
         value = waiting.pop()
         if isinstance(value, np.ndarray):
-            yield _of_array(value)
+            yield _array_text(value)
         elif value is None or isinstance(value, str | bytes):
             yield repr(value)
         elif isinstance(value, numbers.Number):
@@ -58,22 +58,22 @@ def _walk(start: list) -> Iterator[str]:
             yield getattr(value, "__name__", type(value).__name__)
 
 
-def _of_array(array: np.ndarray) -> str:
+def _array_text(array: np.ndarray) -> str:
     if array.dtype.kind not in "biuf":
         return f"{array.shape} {array.tolist()}"
     flat = np.nan_to_num(array.astype(float).ravel(), nan=7.7, posinf=8.8, neginf=9.9)
     # Weighted, so that the order counts; shifted, so that nothing cancels out.
-    told = np.mean(np.abs(flat + 97.31) * np.linspace(0.5, 1.5, flat.size)) if flat.size else 0.0
-    return f"{array.shape} {told:.8g}"
+    mean = np.mean(np.abs(flat + 97.31) * np.linspace(0.5, 1.5, flat.size)) if flat.size else 0.0
+    return f"{array.shape} {mean:.8g}"
 
 
 def rng_states(arguments: tuple, keywords: dict) -> list:
-    """The states of the random generators among the arguments, in order."""
+    """Return the states of the random generators among the arguments, in order."""
     return [rng.bit_generator.state for rng in _generators(arguments, keywords)]
 
 
 def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
-    """Leave the generators among the arguments as the recorded call left them."""
+    """Set the generators among the arguments to the states after the recorded call."""
     for generator, state in zip(_generators(arguments, keywords), states, strict=False):
         generator.bit_generator.state = state
 
@@ -84,7 +84,7 @@ def _generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
 
 
 def encode(answer: object, arguments: tuple = ()) -> object:
-    """Something that JSON can hold, and `decode` turns back.
+    """Encode an answer as JSON-compatible data, which `decode` turns back.
 
     Parameters
     ----------
@@ -92,18 +92,18 @@ def encode(answer: object, arguments: tuple = ()) -> object:
         None, bools, numbers, texts, arrays, data classes, and lists, tuples and dictionaries of
         them.
     arguments : tuple
-        Of the call: an answer that is some rows of one of them is stored as which.
+        Arguments of the call. If the answer consists of rows of one of them, only a mask is stored.
 
     Raises
     ------
     TypeError
-        For anything else.
+        If the answer contains any other type.
     """
     table: list[dict] = []
     known: dict[int, int] = {}
     waiting: list[object] = []
 
-    def one(value: object) -> object:
+    def encoded(value: object) -> object:
         if value is None or isinstance(value, bool | int | str):
             return value
         if isinstance(value, np.bool_):
@@ -111,16 +111,16 @@ def encode(answer: object, arguments: tuple = ()) -> object:
         if isinstance(value, numbers.Integral):
             return int(value)
         if isinstance(value, numbers.Real):
-            # Far more digits than `key_of` reads: an answer may be asked about in the next call.
+            # Far more digits than `key_of` uses: an answer may be an argument of the next call.
             return float(f"{float(value):.15g}")
         if isinstance(value, np.ndarray):
             return _array(value, arguments)
         if isinstance(value, list):
-            return [one(part) for part in value]
+            return [encoded(part) for part in value]
         if isinstance(value, tuple):
-            return {"tuple": [one(part) for part in value]}
+            return {"tuple": [encoded(part) for part in value]}
         if isinstance(value, dict):
-            return {"dict": [[one(key), one(part)] for key, part in value.items()]}
+            return {"dict": [[encoded(key), encoded(part)] for key, part in value.items()]}
         if is_dataclass(value) and not isinstance(value, type):
             if id(value) not in known:
                 known[id(value)] = len(known)
@@ -128,7 +128,7 @@ def encode(answer: object, arguments: tuple = ()) -> object:
             return {"object": known[id(value)]}
         raise TypeError(f"an answer of the kind {type(value).__name__} cannot be stored")
 
-    said = one(answer)
+    stored = encoded(answer)
     while waiting:
         value = waiting.pop(0)
         module = type(value).__module__
@@ -136,10 +136,10 @@ def encode(answer: object, arguments: tuple = ()) -> object:
             {
                 "class": type(value).__qualname__,
                 "module": module if module.startswith("utils.") else "",
-                "fields": {part.name: one(getattr(value, part.name)) for part in fields(value)},
+                "fields": {part.name: encoded(getattr(value, part.name)) for part in fields(value)},
             }
         )
-    return {"answer": said, "objects": table} if table else said
+    return {"answer": stored, "objects": table} if table else stored
 
 
 def _array(array: np.ndarray, arguments: tuple) -> dict:
@@ -166,14 +166,15 @@ def _array(array: np.ndarray, arguments: tuple) -> dict:
         about["step"] = step
     else:
         whole = array.astype(np.int64)
-    # Neighbours are alike: differences take fewer bytes. The same byte of all numbers together.
+    # Neighbouring rows are similar, so their differences compress better. So do the bytes of equal
+    # significance, if they are next to each other.
     change = np.diff(whole.reshape(len(array), -1), axis=0, prepend=0)
     planes = change.astype("<i8").ravel().view(np.uint8).reshape(-1, 8).T
     return about | {"changes": _packed(planes.tobytes())}
 
 
 def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
-    """A mask (n,) of the rows of an argument that an answer consists of; None where it does not."""
+    """Return a mask (n,) of the argument's rows that form the answer; None if it has others."""
     if not isinstance(argument, np.ndarray) or array.ndim != 2 or argument.ndim != 2:
         return None
     if array.shape[1] != argument.shape[1] or array.dtype != argument.dtype:
@@ -186,7 +187,7 @@ def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
 
 
 def _renaming(array: np.ndarray, argument: object) -> list | None:
-    """Pairs of labels, where an answer gives each label of an argument one of its own."""
+    """Return old and new labels if the answer relabels the argument consistently; else None."""
     if not isinstance(argument, np.ndarray) or array.ndim != 1 or array.shape != argument.shape:
         return None
     if array.dtype.kind not in "iu" or argument.dtype.kind not in "iu":
@@ -198,44 +199,45 @@ def _renaming(array: np.ndarray, argument: object) -> list | None:
 
 
 def decode(stored: object, arguments: tuple, namespace: dict) -> object:
-    """What `encode` was given.
+    """Decode an answer from `encode`.
 
     Parameters
     ----------
     stored : object
+        The encoded answer.
     arguments : tuple
-        Of the call that is answered.
+        Arguments of the call that is answered.
     namespace : dict
-        Where the classes of the notebook are.
+        The notebook's namespace, which contains its classes.
     """
     has_objects = isinstance(stored, dict) and "objects" in stored
     table = stored["objects"] if has_objects else []
     made = [object.__new__(_class_of(entry, namespace)) for entry in table]
 
-    def one(said: object) -> object:
-        if isinstance(said, list):
-            return [one(part) for part in said]
-        if not isinstance(said, dict):
-            return said
-        if "tuple" in said:
-            return tuple(one(part) for part in said["tuple"])
-        if "dict" in said:
-            return {one(key): one(part) for key, part in said["dict"]}
-        if "object" in said:
-            return made[said["object"]]
-        if "rows_of" in said:
-            rows = arguments[said["rows_of"]]
-            bits = np.frombuffer(_unpacked(said["mask"]), np.uint8)
+    def decoded(value: object) -> object:
+        if isinstance(value, list):
+            return [decoded(part) for part in value]
+        if not isinstance(value, dict):
+            return value
+        if "tuple" in value:
+            return tuple(decoded(part) for part in value["tuple"])
+        if "dict" in value:
+            return {decoded(key): decoded(part) for key, part in value["dict"]}
+        if "object" in value:
+            return made[value["object"]]
+        if "rows_of" in value:
+            rows = arguments[value["rows_of"]]
+            bits = np.frombuffer(_unpacked(value["mask"]), np.uint8)
             return rows[np.unpackbits(bits, count=len(rows)).astype(bool)]
-        if "renamed" in said:
-            labels, names = (np.array(part, dtype=np.int64) for part in said["pairs"])
-            return names[np.searchsorted(labels, arguments[said["renamed"]])]
-        return _as_array(said)
+        if "renamed" in value:
+            old, new = (np.array(part, dtype=np.int64) for part in value["pairs"])
+            return new[np.searchsorted(old, arguments[value["renamed"]])]
+        return _as_array(value)
 
     for thing, entry in zip(made, table, strict=True):
         for name, value in entry["fields"].items():
-            object.__setattr__(thing, name, one(value))
-    return one(stored["answer"] if has_objects else stored)
+            object.__setattr__(thing, name, decoded(value))
+    return decoded(stored["answer"] if has_objects else stored)
 
 
 def _class_of(entry: dict, namespace: dict) -> type:
@@ -244,17 +246,17 @@ def _class_of(entry: dict, namespace: dict) -> type:
     return namespace[entry["class"]]
 
 
-def _as_array(said: dict) -> np.ndarray:
-    shape = tuple(said["shape"])
-    kind = {"f": float, "b": bool}.get(said["kind"], np.int64)
-    if "numbers" in said:
-        return np.array(said["numbers"], dtype=kind).reshape(shape)
-    if "single" in said:
-        return np.frombuffer(_unpacked(said["single"]), "<f4").astype(float).reshape(shape)
-    planes = np.frombuffer(_unpacked(said["changes"]), np.uint8).reshape(8, -1)
+def _as_array(stored: dict) -> np.ndarray:
+    shape = tuple(stored["shape"])
+    kind = {"f": float, "b": bool}.get(stored["kind"], np.int64)
+    if "numbers" in stored:
+        return np.array(stored["numbers"], dtype=kind).reshape(shape)
+    if "single" in stored:
+        return np.frombuffer(_unpacked(stored["single"]), "<f4").astype(float).reshape(shape)
+    planes = np.frombuffer(_unpacked(stored["changes"]), np.uint8).reshape(8, -1)
     whole = np.ascontiguousarray(planes.T).view("<i8").ravel()
     whole = np.cumsum(whole.reshape(shape[0], -1), axis=0).reshape(shape)
-    return whole * said["step"] if "step" in said else whole.astype(kind)
+    return whole * stored["step"] if "step" in stored else whole.astype(kind)
 
 
 def _packed(data: bytes) -> str:

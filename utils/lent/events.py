@@ -1,21 +1,21 @@
-"""What came of a check, for whoever wants to know."""
+"""Listeners for the results of checks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-# Each is called with what `hear` is.
+# Each listener is called with the arguments of `hear`.
 HEARERS: list[Callable[[str, bool, bool], None]] = []
 
 
 def hear(exercise: str, passed: bool, hangs: bool = False) -> None:
-    """Learn what came of checking an exercise.
+    """Notify all listeners of the result of checking an exercise.
 
     Parameters
     ----------
     exercise : str
     passed, hangs : bool
-        Whether every check passed; whether the function did not come back.
+        Whether every check passed, and whether the function exceeded its time limit.
     """
-    for hearer in HEARERS:
-        hearer(exercise, passed, hangs)
+    for listener in HEARERS:
+        listener(exercise, passed, hangs)

@@ -1,4 +1,4 @@
-"""What the functions of a solved notebook answer, written down to be lent."""
+"""Record the answers of the functions in a solved notebook."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from utils.lent.stubs import ASKING, own
 
 
 class Recorder(Lender):
-    """Writes down what the functions of a solved notebook answer, but for what `ASKING` asks.
+    """Records the answers of functions in a solved notebook, except in calls from `ASKING`.
 
     Parameters
     ----------
     exercises, experiments : iterable of str
         Names of functions.
     namespace : dict
-        The notebook's.
+        The notebook's namespace.
     """
 
     def __init__(self, exercises: list[str], experiments: list[str], namespace: dict) -> None:
@@ -31,47 +31,48 @@ class Recorder(Lender):
             "experiments": {name: {} for name in experiments},
         }
         super().__init__(stored, namespace)
-        # What an experiment asks is part of its own answer, and what `check` asks of nobody's.
+        # Nested calls are not recorded: an experiment's own answer covers its calls, and the calls
+        # of `check` are not part of the lesson.
         self._depth = 0
         self._faults: list[str] = []
 
     def look_round(self, *_: object) -> None:
-        """After a cell: every function that it defined is listened to."""
+        """Wrap every function that a cell defined, so that its answers are recorded."""
         for functions in self._stored.values():
             for name, answers in functions.items():
                 function = self._namespace.get(name)
                 if callable(function) and not hasattr(function, "is_recorded"):
-                    # Without what was stored before and may be lent already.
-                    self._namespace[name] = self._lending(name, own(function), answers)
+                    # Use the function itself, as an older stored answer may replace it already.
+                    self._namespace[name] = self._wrapped(name, own(function), answers)
         for name in ASKING:
-            asks = self._namespace.get(name)
-            if callable(asks) and not hasattr(asks, "is_unheard"):
-                self._namespace[name] = self._unheard(asks)
+            caller = self._namespace.get(name)
+            if callable(caller) and not hasattr(caller, "is_unheard"):
+                self._namespace[name] = self._unrecorded(caller)
 
-    def _unheard(self, asks: Callable) -> Callable:
-        @functools.wraps(asks)
-        def unheard(*arguments: object, **keywords: object) -> object:
-            with self._deeper():
-                return asks(*arguments, **keywords)
+    def _unrecorded(self, caller: Callable) -> Callable:
+        @functools.wraps(caller)
+        def unrecorded(*arguments: object, **keywords: object) -> object:
+            with self._nested():
+                return caller(*arguments, **keywords)
 
-        unheard.is_unheard = True
-        return unheard
+        unrecorded.is_unheard = True
+        return unrecorded
 
     @contextlib.contextmanager
-    def _deeper(self) -> Iterator[None]:
+    def _nested(self) -> Iterator[None]:
         self._depth += 1
         try:
             yield
         finally:
             self._depth -= 1
 
-    def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
+    def _wrapped(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def recorded(*arguments: object, **keywords: object) -> object:
             if self._depth:
                 return function(*arguments, **keywords)
             key = key_of(arguments, keywords)
-            with self._deeper():
+            with self._nested():
                 answer = function(*arguments, **keywords)
             try:
                 answers[key] = {"answer": encode(answer, arguments)}
@@ -86,19 +87,19 @@ class Recorder(Lender):
         return recorded
 
     def text(self) -> str:
-        """What is to be stored, as JSON; with sentences on what cannot be."""
+        """Return the answers to store as JSON, with a message for each that cannot be stored."""
         return json.dumps(self._stored | {"faults": self._faults})
 
 
 def record_answers(exercises: list[str], experiments: list[str], path: str) -> None:
-    """From now on, write down what functions answer, after each cell anew.
+    """Record the answers of functions from now on; rewrite the file after each cell.
 
     Parameters
     ----------
     exercises, experiments : list of str
         Names of functions.
     path : str
-        Of the file to write.
+        The file to write.
     """
     recorder = Recorder(exercises, experiments, shell().user_ns)
 

@@ -1,4 +1,4 @@
-"""What has to be done again so that a cell finds what other functions would have left for it."""
+"""Find the statements to rerun so that a cell sees the state that right functions would leave."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 @dataclass(frozen=True)
 class RerunPlan:
-    """What a cell rests on.
+    """The functions that a cell depends on, and the statements to rerun before it.
 
     Attributes
     ----------
     functions : frozenset of str
-        Those of the functions in question that the cell calls, itself or by way of others.
+        The functions in question on which the cell depends, directly or indirectly.
     given : frozenset of str
-        Those of the others that were given what the cell needs, where that may be spoilt.
+        Other functions in question that received a value the cell needs, and may have spoilt it.
     statements : tuple of Statement
-        To be done again before it, in this order.
+        The statements to rerun before the cell, in this order.
     names : frozenset of str
-        What depends on these functions by then, but for definitions.
+        Names whose values depend on the functions in question, except definitions.
     """
 
     functions: frozenset[str]
@@ -39,24 +39,24 @@ class RerunPlan:
 
 
 def key_of_cell(source: str) -> str:
-    """A short text that is the same for the same cell, whatever an editor does to ends of lines."""
+    """Return a short text that identifies a cell; spaces at line ends do not count."""
     lines = "\n".join(line.rstrip() for line in source.strip().splitlines())
     return hashlib.sha256(lines.encode()).hexdigest()[:8]
 
 
 def is_about_ones_own(source: str) -> bool:
-    """Whether a cell checks an answer, or replays it: of the course's there is nothing to see."""
+    """Return whether a cell checks or replays the student's own function."""
     nodes = [statement.node for statement in slicing.parse_notebook([source])[0]]
     calls = [node.value for node in nodes if isinstance(node, ast.Expr)]
     return any(getattr(getattr(call, "func", None), "id", None) in ASKING for call in calls)
 
 
 def free_names(source: str) -> set[str]:
-    """The names that a cell finds, and does not make itself."""
+    """Return the names that a cell uses without binding them first."""
     found, made = set(), set()
     for statement in slicing.parse_notebook([source])[0]:
         if not isinstance(statement.node, _PLAIN):
-            made |= statement.binds  # a loop uses its own variable
+            made |= statement.binds  # a loop binds its variable before it is used
         found |= statement.uses - made
         made |= statement.binds
     return found
@@ -68,26 +68,31 @@ def plan(
     broken: Collection[int],
     spoilt: bool = False,
 ) -> RerunPlan:
-    """Find out what the last of some cells rests on.
+    """Plan the rerun for the last of some cells.
 
     Parameters
     ----------
     cells : sequence of str
-        Of the lesson, in its order; empty where one did not run.
+        The cells of the lesson, in order; an empty text for a cell that did not run.
     callers : mapping of str to collection of str
-        For each function in question its name, and the names of functions that call it.
+        For each function in question, its own name and the names of the functions that call it.
     broken : collection of int
-        Places of cells that did not come to their end: whatever stands in them counts as not done.
+        Positions of cells that failed; their statements count as not run.
     spoilt : bool
-        Whether to make anew what the functions were given, as one that writes into it.
+        Whether to recompute the arguments of these functions, which may have written into them.
     """
     statements = slicing.parse_notebook(cells)[0]
-    asked = {name for names in callers.values() for name in names}
-    depends = _depending(statements, asked)
+    callables = {name for names in callers.values() for name in names}
+    depends = _depending(statements, callables)
     given = {name: set(_given(statements, names)) for name, names in callers.items() if spoilt}
     renewed = set().union(*given.values())
-    stale = _depending(statements, asked | renewed)
-    modules = {name for one in statements if isinstance(one.node, _IMPORTS) for name in one.binds}
+    stale = _depending(statements, callables | renewed)
+    modules = {
+        name
+        for statement in statements
+        if isinstance(statement.node, _IMPORTS)
+        for name in statement.binds
+    }
     needed, kept, names = set(), [], set()
     for position in reversed(range(len(statements))):
         statement = statements[position]
@@ -100,26 +105,26 @@ def plan(
             if wanted or statement.binds & renewed:
                 kept.append(statement)
                 renewed = renewed | changes
-        needed |= _found_by(statement)
+        needed |= _names_read_by(statement)
         if depends[position] and not defines:
             names |= statement.binds | statement.changes
     functions = frozenset(name for name, others in callers.items() if needed & set(others))
-    others = frozenset(name for name, about in given.items() if needed & about) - functions
+    others = frozenset(name for name, values in given.items() if needed & values) - functions
     return RerunPlan(functions, others, tuple(reversed(kept)), frozenset(names))
 
 
 def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:
-    """Of each statement, whether it uses one of some names, or what was made of one."""
+    """Return, for each statement, whether it uses one of the names or a value derived from one."""
     touched, found = set(names), []
     for statement in statements:
-        found.append(bool(_found_by(statement) & touched))
+        found.append(bool(_names_read_by(statement) & touched))
         if found[-1]:
             touched |= statement.binds | statement.changes
     return found
 
 
-def _found_by(statement: Statement) -> set[str]:
-    """The names that a statement finds; a loop makes some of those that it uses anew each time."""
+def _names_read_by(statement: Statement) -> set[str]:
+    """Return the names that a statement reads from outside, without those a loop sets first."""
     loop = statement.node
     if not isinstance(loop, ast.For):
         return set(statement.uses)
@@ -138,14 +143,14 @@ def _found_by(statement: Statement) -> set[str]:
 
 def _names_in(node: ast.AST, context: type = ast.expr_context) -> set[str]:
     return {
-        one.id
-        for one in ast.walk(node)
-        if isinstance(one, ast.Name) and isinstance(one.ctx, context)
+        child.id
+        for child in ast.walk(node)
+        if isinstance(child, ast.Name) and isinstance(child.ctx, context)
     }
 
 
 def _given(statements: Sequence[Statement], functions: Collection[str]) -> Iterator[str]:
-    """Names that stand as arguments in calls of some functions."""
+    """Yield the names that are passed as arguments in calls of some functions."""
     for statement in statements:
         for node in ast.walk(statement.node):
             if isinstance(node, ast.Call) and getattr(node.func, "id", None) in functions:

@@ -1,4 +1,4 @@
-"""Stored answers behind the functions of a notebook."""
+"""Replace functions of a notebook by stored answers."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from utils.lent.stubs import is_written, own, stub_of
 
 
 class NotLent(NotImplementedError):
-    """The course lends nothing for this call. A notebook shows one line of it.
+    """No answer is stored for a call; a notebook shows only one line of this error.
 
     Attributes
     ----------
     missing : str
-        The function that would have to answer.
+        Name of the function that is not written, or has not passed its check.
     """
 
     def __init__(self, missing: str, why: str) -> None:
@@ -33,46 +33,46 @@ class NotLent(NotImplementedError):
 
 
 class Lender:
-    """Puts stored answers behind the stubs of a notebook.
+    """Wraps functions of a notebook so that stored answers replace stubs.
 
     Parameters
     ----------
     stored : dict
         ``exercises`` and ``experiments``: for each function, its answers by the key of the call.
     namespace : dict
-        The notebook's.
+        The notebook's namespace.
     """
 
     def __init__(self, stored: dict, namespace: dict) -> None:
         self._stored, self._namespace = stored, namespace
         self._said: set[str] = set()
-        self._mine: dict[str, Callable] = {}  # what stands aside, or calls such
+        self._mine: dict[str, Callable] = {}  # functions set aside, and functions that call them
         self.aside: frozenset[str] = frozenset()
-        """Functions that are written, and taken for stubs."""
+        """Names of written functions that are treated as stubs."""
 
     @property
     def exercises(self) -> tuple[str, ...]:
-        """Names of the functions that somebody is to write."""
+        """Names of the functions that students write."""
         return tuple(self._stored.get("exercises", ()))
 
     def mine(self, name: str) -> Callable | None:
-        """The function of a name that somebody wrote, also while it stands aside."""
+        """Return the student's own function of that name, even while it is set aside."""
         function = self._mine.get(name, self._namespace.get(name))
         return own(function) if callable(function) else None
 
     def put_aside(self, names: Collection[str], callers: Collection[str]) -> None:
-        """Take functions for stubs, until `give_back`; what calls them gets answers, too."""
+        """Treat functions as stubs until `give_back`; their callers also use stored answers."""
         names = self.aside | {name for name in names if self._answers(name) is not None}
         for name in names - self.aside:
             self._mine.setdefault(name, self._namespace[name])
-            self._namespace[name] = self._lending(name, stub_of(name), self._answers(name))
+            self._namespace[name] = self._wrapped(name, stub_of(name), self._answers(name))
         for name in set(callers) - names - self._mine.keys():
             self._mine[name] = self._namespace[name]
-            self._namespace[name] = self._lending(name, self.mine(name), self._answers(name))
+            self._namespace[name] = self._wrapped(name, self.mine(name), self._answers(name))
         self.aside = frozenset(names)
 
     def give_back(self) -> None:
-        """Let every function that stands aside be what somebody wrote."""
+        """Restore the student's own functions that were set aside."""
         self._namespace.update(self._mine)
         self._mine.clear()
         self.aside = frozenset()
@@ -81,7 +81,7 @@ class Lender:
         return next((kind[name] for kind in self._stored.values() if name in kind), None)
 
     def look_round(self, *_: object) -> None:
-        """After a cell: every stub that it defined gets answers."""
+        """Wrap every stub that a cell defined, so that it returns stored answers."""
         self._said.clear()
         for kind, functions in self._stored.items():
             for name, answers in functions.items():
@@ -89,12 +89,12 @@ class Lender:
                 if not callable(function) or hasattr(function, "is_lent_answers"):
                     continue
                 if kind == "experiments" or not is_written(function):
-                    self._namespace[name] = self._lending(name, function, answers)
+                    self._namespace[name] = self._wrapped(name, function, answers)
 
-    def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
+    def _wrapped(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def lent(*arguments: object, **keywords: object) -> object:
-            # Before it runs: an experiment may change what it is given.
+            # The key is computed first, as an experiment may change its arguments.
             key = key_of(arguments, keywords)
             try:
                 return function(*arguments, **keywords)
@@ -117,60 +117,60 @@ class Lender:
         return "has not passed its check" if missing in self.aside else "is not written yet"
 
     def _say(self, name: str, missing: str) -> None:
-        """Whose answer it is, and for want of what, where that is another function."""
+        """Say that an answer is the course's, and which missing function is the reason."""
         why = f"{missing or 'yours'} is not written yet."
-        self._tell(name, f"`{name}`: this is **the course's answer**; {why}")
+        self._show_once(name, f"`{name}`: this is **the course's answer**; {why}")
 
     def say_aside(self, names: Collection[str], first: bool = False) -> None:
-        """That a cell goes on without functions, and how one gets them back."""
+        """Say that stored answers replace functions in this cell, and how to get them back."""
         back = " Yours is back when it passes, or when you run its own cell again." if first else ""
-        self._tell_of(names, f"this cell goes on with **the course's answer**.{back}")
+        self._show_reason(names, f"this cell goes on with **the course's answer**.{back}")
 
     def say_anew(self, names: Collection[str]) -> None:
-        """That a cell goes on with what functions were given, as it was before."""
-        self._tell_of(names, "this cell goes on with what it was given, made anew.")
+        """Say that the arguments of functions were recomputed, as the functions may change them."""
+        self._show_reason(names, "this cell goes on with what it was given, made anew.")
 
-    def _tell_of(self, names: Collection[str], what: str) -> None:
+    def _show_reason(self, names: Collection[str], consequence: str) -> None:
         names = sorted(name for name in names if name not in self._said)
         if names:
             have, its = ("has", "its check") if len(names) == 1 else ("have", "their checks")
-            said = " and ".join(f"`{name}`" for name in names)
-            self._tell(names[0], f"{said} {have} not passed {its}: {what}")
+            listed = " and ".join(f"`{name}`" for name in names)
+            self._show_once(names[0], f"{listed} {have} not passed {its}: {consequence}")
             self._said.update(names)
 
     def say_borrowed(self, name: str, functions: Collection[str]) -> None:
-        """That a name holds what was made of the course's answers."""
-        whose = " and ".join(f"`{function}`" for function in sorted(functions))
-        self._tell(
+        """Say that the value of a name was computed from stored answers."""
+        listed = " and ".join(f"`{function}`" for function in sorted(functions))
+        self._show_once(
             name,
-            f"`{name}` was made with **the course's answer** for {whose}. Run the cell that makes "
+            f"`{name}` was made with **the course's answer** for {listed}. Run the cell that makes "
             "it again, and it is made with yours.",
         )
 
     def say_returned(self, name: str) -> None:
-        """That a function is somebody's own again."""
-        self._tell(name, f"`{name}` has passed: from here on, the cells have **yours** again.")
+        """Say that cells use the student's own function again."""
+        self._show_once(name, f"`{name}` has passed: from here on, the cells have **yours** again.")
 
-    def _tell(self, about: str, sentence: str) -> None:
-        """Show a sentence, once a cell."""
-        if about in self._said:
+    def _show_once(self, name: str, sentence: str) -> None:
+        """Show a sentence about a name, at most once per cell."""
+        if name in self._said:
             return
-        self._said.add(about)
-        said = re.sub(r"`(\w+)`", r"<code>\1</code>", escape(sentence, quote=False))
-        said = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", said)
+        self._said.add(name)
+        html = re.sub(r"`(\w+)`", r"<code>\1</code>", escape(sentence, quote=False))
+        html = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", html)
         style = "border-left:4px solid #E69F00;padding:0.2em 0.8em"
-        show(f"<div style='{style}'>{said}</div>", re.sub(r"[`*]", "", sentence))
+        show(f"<div style='{style}'>{html}</div>", re.sub(r"[`*]", "", sentence))
 
 
 def _missing(error: NotImplementedError) -> str:
-    """The stub for want of which an experiment stopped; empty where nobody can know."""
+    """Return the name of the stub that stopped an experiment; empty if it is unknown."""
     if isinstance(error, NotLent):
         return error.missing
     return _cause(error) or str(error).partition(" is not written yet")[0]
 
 
 def _cause(error: NotImplementedError) -> str:
-    """The function in which a stub was met."""
+    """Return the name of the function that raised the error; empty if it is the wrapper."""
     traceback, name = error.__traceback__, ""
     while traceback:
         name = traceback.tb_frame.f_code.co_name

@@ -1,4 +1,4 @@
-"""What somebody has written, and what is a stub still."""
+"""Distinguish written functions from stubs."""
 
 from __future__ import annotations
 
@@ -6,43 +6,43 @@ import dis
 from collections.abc import Callable
 from types import FunctionType
 
-# What asks functions on its own account, and not on the notebook's.
+# Functions of the course that call the student's function; the notebook does not use the answers.
 ASKING = ("check", "replay", "show_broken", "tell_apart")
 
 
 def is_written(function: Callable) -> bool:
-    """Whether somebody has written a function, or it is still a stub.
+    """Return whether a function is written, and not still a stub.
 
     Returns
     -------
     bool
-        A class counts as written, and whatever else has no Python code to look at.
+        True also for classes and other objects without Python code.
     """
     code = getattr(own(function), "__code__", None)
     if code is None or "NotImplementedError" not in code.co_names:
         return True
-    # A stub may begin with a line that is given, and it never comes to a return.
+    # A stub may begin with given lines, but its code contains no return.
     return any(step.opname.startswith("RETURN_") for step in dis.get_instructions(code))
 
 
 def own(function: Callable) -> Callable:
-    """The function that somebody wrote, without what answers for it.
+    """Return the student's own function, without the wrapper that answers for it.
 
     Parameters
     ----------
     function : callable
-        Perhaps one that lends or records answers.
+        A function, or a wrapper that returns or records stored answers.
 
     Returns
     -------
     callable
-        The function itself where it is somebody's own already.
+        The wrapped function; `function` itself if it is not wrapped.
     """
     return function.__wrapped__ if hasattr(function, "is_lent_answers") else function
 
 
 def stub_of(name: str) -> FunctionType:
-    """A function that nobody has written."""
+    """Return a stub with the given name."""
 
     def stub(*arguments: object, **keywords: object) -> None:
         raise NotImplementedError
