@@ -1,4 +1,4 @@
-"""Boxes and their geometry: corners, what lies inside, how much two of them overlap."""
+"""Boxes and their geometry: corners, the points inside, and the overlap of two boxes."""
 
 from utils.boxes.box import Box
 from utils.boxes.containment import distance_outside, inside

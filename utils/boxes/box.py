@@ -1,4 +1,4 @@
-"""A true box: what stands where, how large, which way it heads."""
+"""The true box of an obstacle: kind, position, size and heading."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Box:
     Parameters
     ----------
     centre : tuple of float
-        x, y, z of its middle in metres.
+        x, y, z of its centre in metres.
     size : tuple of float
         Length, width, height in metres.
     yaw : float
@@ -23,7 +23,7 @@ class Box:
     kind : str
         One of `utils.simulator.CLASSES`.
     identity : int
-        The same number in every frame of a stream, and in `Scan.objects`.
+        Number of the obstacle, the same in every frame of a stream and in `Scan.objects`.
     velocity : tuple of float
         Metres per second over the ground along the sensor's x and y axes.
     returns : int
@@ -40,7 +40,7 @@ class Box:
 
     @property
     def corners(self) -> np.ndarray:
-        """Shape (8, 3): the floor anticlockwise from front left, then the roof alike."""
+        """The corners, shape (8, 3): the floor anticlockwise from front left, then the roof."""
         signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) / 2
         half = self.size[2] / 2
         floor = np.column_stack([signs * self.size[:2], np.full(4, -half)])

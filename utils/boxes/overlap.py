@@ -1,7 +1,7 @@
-"""How much boxes overlap, in the plane and in space.
+"""Overlap of boxes, in the plane and in space.
 
-Boxes are arrays (N, 8, 3), turned about z only: four corners of the floor in any order, then
-the four of the roof.
+Boxes are arrays (N, 8, 3), turned about z only. The four corners of the floor come first, in any
+order, and then the four corners of the roof.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 
 def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Intersection over union of the boxes' footprints.
+    """Return the intersection over union of the boxes' footprints.
 
     Parameters
     ----------
@@ -21,18 +21,18 @@ def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray, shape (N, M)
-        From 0 (apart, touching, or flat) to 1 (the same).
+        From 0 (apart, touching, or without area) to 1 (equal).
 
     Raises
     ------
     ValueError
-        If an array is not (N, 8, 3).
+        If an array does not have the shape (N, 8, 3).
     """
     return _over_union(*_areas(_checked(boxes), _checked(others)))
 
 
 def space_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Intersection over union of the boxes' volumes.
+    """Return the intersection over union of the boxes' volumes.
 
     Parameters, result and errors are those of `plane_iou`.
     """
@@ -58,8 +58,8 @@ def _checked(boxes: np.ndarray) -> np.ndarray:
 
 
 def _areas(boxes: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Areas that footprints share (N, M), that of each box (N,) and that of each other one (M,)."""
-    import shapely  # here: only who compares boxes pays for it
+    """Return the shared areas of footprints (N, M), and the areas of both lists (N,) and (M,)."""
+    import shapely  # imported here, as it is slow and only comparisons need it
 
     first, second = _footprints(boxes), _footprints(others)
     shared = np.zeros((len(first), len(second)))
@@ -69,13 +69,13 @@ def _areas(boxes: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _footprints(boxes: np.ndarray) -> np.ndarray:
-    """Floors as shapely's geometries (N,); None, of no area, where a corner is not finite."""
+    """Return floors as Shapely geometries (N,); None, without area, if a corner is not finite."""
     import shapely
 
     floors = boxes[:, :4, :2]
     finite = np.isfinite(floors).all(axis=(1, 2))
     footprints = np.full(len(boxes), None)
-    # A hull takes corners in any order, and of a flat box it is a line, which shares no area.
+    # A convex hull takes corners in any order. For a box without width it is a line without area.
     footprints[finite] = shapely.convex_hull(shapely.multipoints(floors[finite]))
     return footprints
 

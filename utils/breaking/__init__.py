@@ -1,4 +1,4 @@
-"""Breaking it on purpose: versions that are wrong, seen in pictures, to be told by small clouds.
+"""Broken versions of a function, shown in pictures, which students distinguish by small clouds.
 
 >>> show_broken(euclidean_clustering)
 >>> tell_apart(euclidean_clustering, A=[[0, 0, 0], [0, 0, 2]])
@@ -19,11 +19,11 @@ from utils.lent import is_written, own
 
 MOST_ROWS = 50
 SECONDS = 10
-"""For a few dozen points, asked four times: much more than any right answer needs."""
+"""Time limit for four calls with a few dozen points; much more than any right answer needs."""
 
 
 def show_broken(function: Callable) -> None:
-    """Draw what a function of yours answers, and what broken versions of it do.
+    """Draw the answers of your function and of broken versions of it.
 
     Parameters
     ----------
@@ -41,7 +41,8 @@ def show_broken(function: Callable) -> None:
             right = puzzle.ask(function, shown)
             puzzle.seen_as(right)
             answers = {
-                letter: one.answer(function, shown) for letter, one in puzzle.versions.items()
+                letter: version.answer(function, shown)
+                for letter, version in puzzle.versions.items()
             }
     except Exception as error:
         print(_raised(error))
@@ -54,14 +55,14 @@ def show_broken(function: Callable) -> None:
 
 
 def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
-    """Say which broken versions a cloud tells from a function of yours.
+    """Show which clouds distinguish your function from its broken versions.
 
     Parameters
     ----------
     function : callable
         As for `show_broken`.
     **clouds : array_like
-        By the letter of the version. None, or an empty one, where there is none yet.
+        One cloud for each version, by its letter; None or an empty list if you have none yet.
     """
     if (puzzle := _puzzle_of(function)) is None:
         return
@@ -69,7 +70,7 @@ def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
     if unknown:
         raise TypeError(f"There is no version {unknown[0]}: they are {', '.join(puzzle.versions)}.")
     lines = {
-        letter: _told(puzzle, own(function), letter, clouds.get(letter))
+        letter: _verdict(puzzle, own(function), letter, clouds.get(letter))
         for letter in puzzle.versions
     }
     rows = "".join(f"<p><b>{letter}</b> {escape(line)}</p>" for letter, line in lines.items())
@@ -88,8 +89,8 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
     return PUZZLES[name]
 
 
-def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
-    """What a cloud says about a version."""
+def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
+    """Return one line on whether a cloud distinguishes a version from the right function."""
     if given is None:
         return "… no cloud yet."
     try:
@@ -102,26 +103,26 @@ def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | No
         return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
         return "✗ Finite numbers, please: the versions differ on ordinary points."
-    version, others = puzzle.versions[letter], [one for one in puzzle.versions if one != letter]
+    version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
         with limited(SECONDS):
             right = puzzle.seen_as(puzzle.ask(function, cloud))
             differ = [
-                one
-                for one in (letter, *others)
-                if not _same(right, puzzle.seen_as(puzzle.versions[one].answer(function, cloud)))
+                name
+                for name in (letter, *others)
+                if not _same(right, puzzle.seen_as(puzzle.versions[name].answer(function, cloud)))
             ]
     except Exception as error:
         return f"✗ {_raised(error)}"
     if letter not in differ:
         return f"✗ With this cloud {letter} answers as yours does."
-    said = f"✓ Told with {_rows(len(cloud))}. {version.says}"
+    line = f"✓ Told with {_rows(len(cloud))}. {version.says}"
     if len(cloud) > version.smallest:
-        said += f" {_rows(version.smallest).capitalize()} can be enough."
-    if also := [one for one in differ if one != letter]:
+        line += f" {_rows(version.smallest).capitalize()} can be enough."
+    if also := [name for name in differ if name != letter]:
         is_wrong = "is" if len(also) == 1 else "are"
-        said += f" {' and '.join(also)} {is_wrong} wrong with this cloud, too."
-    return said
+        line += f" {' and '.join(also)} {is_wrong} wrong with this cloud, too."
+    return line
 
 
 def _raised(error: Exception) -> str:
@@ -133,8 +134,8 @@ def _raised(error: Exception) -> str:
     return f"Your own function raised {type(error).__name__}, so nothing can be compared: {error}"
 
 
-def _same(one: np.ndarray, other: np.ndarray) -> bool:
-    return one.shape == other.shape and bool(np.allclose(one, other))
+def _same(first: np.ndarray, second: np.ndarray) -> bool:
+    return first.shape == second.shape and bool(np.allclose(first, second))
 
 
 def _rows(count: int) -> str:

@@ -1,7 +1,6 @@
-"""Broken versions of a student's functions, made of the right ones: no solution stands in here.
+"""Broken versions of a student's functions, made from right ones; this file has no solutions.
 
-A version asks the student's own function, of other arguments than it was given, or spoils what
-comes back.
+A version calls the student's own function with other arguments, or spoils its answer.
 """
 
 from __future__ import annotations
@@ -18,16 +17,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Version:
-    """A broken version.
+    """A broken version of a function.
 
     Attributes
     ----------
     answer : callable
-        Takes the right function and a cloud.
+        Takes the right function and a cloud; returns the broken answer.
     says : str
-        What it does, for who has told it from the right one.
+        A description of the fault, shown once a student has found it.
     smallest : int
-        Rows of the smallest cloud that tells it.
+        Number of rows of the smallest cloud that shows the fault.
     """
 
     answer: Callable
@@ -37,20 +36,22 @@ class Version:
 
 @dataclass(frozen=True)
 class Puzzle:
-    """Versions of one function, a cloud on which all of them can be seen, and how to compare.
+    """Broken versions of one function, and a cloud that shows all their faults.
 
     Attributes
     ----------
     ask : callable
         Takes the right function and a cloud; returns the right answer.
     seen_as : callable
-        Makes of an answer what has to be the same: an array.
+        Converts an answer to an array that is equal for equivalent answers.
     draw : callable
-        Takes a cloud, an answer, the right one, and axes.
+        Takes a cloud, an answer, the right answer, and axes.
     columns : str
-        What stands in a row.
+        Names of the columns of a cloud.
     shown : numpy.ndarray
+        The cloud for the pictures.
     versions : dict of str to Version
+        The versions by letter.
     """
 
     ask: Callable
@@ -91,8 +92,8 @@ def _draw_line(points: np.ndarray, answer: tuple, _: tuple, axes: Axes) -> None:
     axes.get_legend().remove()
 
 
-def _how_many(answer: tuple) -> np.ndarray:
-    """Of two lines with as many inliers either may be returned."""
+def _inlier_count(answer: tuple) -> np.ndarray:
+    """Return the number of inliers, as lines with equally many are equally right."""
     return np.array(np.sum(np.asarray(answer[1], dtype=bool)))
 
 
@@ -113,7 +114,7 @@ def _flat(cloud: np.ndarray) -> np.ndarray:
 
 
 def _balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
-    """As in the lesson: around the first point that is still free."""
+    """Group each point that is still free with all free points within the threshold of it."""
     labels = np.zeros(len(cloud), dtype=int)
     while 0 in labels:
         near = np.linalg.norm(cloud - cloud[np.argmin(labels)], axis=1) < THRESHOLD
@@ -122,7 +123,7 @@ def _balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
 
 
 def _cells(cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The cells that are occupied, the first point of each, and which cell each point is in."""
+    """Return the occupied cells, the first point of each, and the cell of each point."""
     cells = np.floor(cloud / (THRESHOLD / np.sqrt(3)))
     return np.unique(cells, axis=0, return_index=True, return_inverse=True)
 
@@ -138,7 +139,7 @@ def _first_of_cell(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
 
 
 def _groups(labels: np.ndarray) -> np.ndarray:
-    """The same for the same groups, whatever their numbers."""
+    """Return a matrix that is equal for equal groups, whatever their labels."""
     labels = np.asarray(labels)
     return labels[:, None] == labels[None]
 
@@ -186,7 +187,7 @@ def _from_zero(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
 
 
 def _corners(boxes: np.ndarray) -> np.ndarray:
-    """Corners of each box in one order, whichever they had."""
+    """Return the corners of each box, sorted so that their order does not matter."""
     ordered = [box[np.lexsort(box.T)] for box in np.asarray(boxes, dtype=float).reshape(-1, 8, 3)]
     return np.array(ordered).reshape(-1, 8, 3)
 
@@ -207,7 +208,7 @@ _LABELLED = [[2, 1, 0, 1], [3.5, 1.5, 0, 1], [3, 2.2, 1, 1], [5, -1, 0, 3], [6.5
 PUZZLES = {
     "ransac_line": Puzzle(
         _line,
-        _how_many,
+        _inlier_count,
         _draw_line,
         "x, y",
         np.array(_WALL + _OTHERS, dtype=float),

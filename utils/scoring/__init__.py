@@ -1,4 +1,4 @@
-"""How good boxes and tracks are: overlap, hits, names, and a card that says it with its error."""
+"""Scores for boxes and tracks: overlap, hits, track IDs, and a score card with standard errors."""
 
 from utils.boxes import plane_iou, space_iou
 from utils.scoring.card import (

@@ -1,7 +1,8 @@
-"""One card for all claims about boxes: hits at three overlaps, by distance, by what is hidden.
+"""A score card for boxes: hits at three overlaps, by distance and by how much is hidden.
 
-Each number comes with its standard error over the frames, by the jackknife (leave one out). So
-frames should be independent: of eight streets, not of one second, in which all are nearly the same.
+Each number has a standard error over the frames, by the jackknife (leave one out). The frames
+should therefore be independent, for example from eight streets. Frames within one second are
+nearly the same.
 
 References
 ----------
@@ -29,7 +30,7 @@ Region = tuple[tuple[float, float], tuple[float, float]]
 
 
 def within(boxes: ArrayLike, region: Region) -> np.ndarray:
-    """Which boxes have their middle in a region.
+    """Return which boxes have their centre in a region.
 
     Parameters
     ----------
@@ -46,14 +47,15 @@ def within(boxes: ArrayLike, region: Region) -> np.ndarray:
 
 
 def counted(frame: Frame, region: Region, least: int = 30) -> list[Box]:
-    """The true boxes that a detector should find: road users in a region.
+    """Return the true boxes that a detector should find: road users in a region.
 
     Parameters
     ----------
     frame : Frame
     region : ((x from, x to), (y from, y to))
+        In metres.
     least : int
-        What has fewer returns is not asked for.
+        Smallest number of returns; boxes with fewer are left out.
     """
     return [
         box
@@ -63,16 +65,16 @@ def counted(frame: Frame, region: Region, least: int = 30) -> list[Box]:
 
 
 def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
-    """How much of each thing is hidden behind others, from 0 to 1.
+    """Estimate how much of each obstacle is hidden behind others, from 0 to 1.
 
-    Of the rays towards its box, as seen from the sensor, that met a thing at all: the share which
-    met another one before.
+    The estimate uses the returns from obstacles in the direction of a box, as seen from the
+    sensor. It is the share that comes from other obstacles in front of the box.
 
     Parameters
     ----------
     frame : Frame
     boxes : sequence of Box
-        Some of its true ones.
+        True boxes of the frame.
 
     Returns
     -------
@@ -87,9 +89,9 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
         far, edges = np.hypot(*corners[:, :2].T), np.arctan2(*corners[:, 1::-1].T)
         steep = corners[:, 2] / far
         before = np.flatnonzero((away < far.min()) & (objects != box.identity))
-        beside, heights = _between(angle[before], middle), z[before] / away[before]
+        off_centre, heights = _between(angle[before], middle), z[before] / away[before]
         stopped = np.count_nonzero(
-            (beside <= _between(edges, middle).max())
+            (off_centre <= _between(edges, middle).max())
             & (heights >= steep.min())
             & (heights <= steep.max())
         )
@@ -98,24 +100,24 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
 
 
 def _between(angles: np.ndarray, angle: float) -> np.ndarray:
-    """How far angles are from another one, in radians, the short way round."""
+    """Return the absolute differences between angles and one angle, from 0 to pi."""
     return np.abs((angles - angle + np.pi) % (2 * np.pi) - np.pi)
 
 
 def with_error(parts: ArrayLike, value: Callable[[np.ndarray], float]) -> tuple[float, float]:
-    """A number of a sum over frames, with its standard error by the jackknife.
+    """Compute a number from counts summed over frames, with its standard error by the jackknife.
 
     Parameters
     ----------
     parts : array_like, shape (n, k)
         Counts of each frame.
     value : callable
-        From the sum of the counts, shape (k,), to the number.
+        Takes the sum of the counts, shape (k,); returns the number.
 
     Returns
     -------
     tuple of float
-        The number, and its error; NaN for the error of a single frame.
+        The number and its error. The error is NaN for a single frame.
     """
     parts = np.asarray(parts, dtype=float)
     whole, n = parts.sum(axis=0), len(parts)
@@ -127,7 +129,7 @@ def with_error(parts: ArrayLike, value: Callable[[np.ndarray], float]) -> tuple[
 
 @dataclass(frozen=True)
 class ScoreRow:
-    """One line of a card: a value and its error for each of `OVERLAPS`; of how many things."""
+    """One row of a card: its count, and a value with its error for each of `OVERLAPS`."""
 
     name: str
     count: int
@@ -136,7 +138,7 @@ class ScoreRow:
 
     @property
     def texts(self) -> list[str]:
-        """Such as "0.81 ± 0.03"."""
+        """The values as text, such as "0.81 ± 0.03"."""
         if not self.count:
             return ["–"] * len(self.values)
         return [
@@ -147,7 +149,7 @@ class ScoreRow:
 
 @dataclass(frozen=True)
 class ScoreCard:
-    """What is said of boxes, row by row."""
+    """The scores of boxes, row by row."""
 
     title: str
     rows: tuple[ScoreRow, ...]
@@ -173,11 +175,11 @@ def score_card(
     Parameters
     ----------
     found : sequence of ndarray, shape (N, 8, 3)
-        The boxes of each frame. Those outside of the region are not looked at.
+        The boxes of each frame. Boxes outside the region are ignored.
     frames : sequence of Frame
-        Simulated: they know what hides what.
+        Simulated frames, which show how much is hidden.
     region : ((x from, x to), (y from, y to))
-        In metres; `counted` says which true boxes in it are asked for.
+        In metres; `counted` selects the true boxes in it.
     title : str
     overlap : callable
         `plane_iou` or `space_iou`.
@@ -185,37 +187,37 @@ def score_card(
     Returns
     -------
     ScoreCard
-        Precision, recall and F1; then recall by distance, and by how much is hidden.
+        Precision, recall and F1, then recall by distance and by how much is hidden.
     """
     pairs = list(zip(found, frames, strict=True))
-    looked = [_Looked.at(boxes, frame, region, overlap) for boxes, frame in pairs]
+    scored = [_ScoredFrame.at(boxes, frame, region, overlap) for boxes, frame in pairs]
     rows = [
-        _row("precision", [(one.hits.sum(axis=1), one.found) for one in looked], _share),
-        _row("recall", [(one.hits.sum(axis=1), len(one.away)) for one in looked], _share),
+        _row("precision", [(frame.hits.sum(axis=1), frame.found) for frame in scored], _share),
+        _row("recall", [(frame.hits.sum(axis=1), len(frame.away)) for frame in scored], _share),
         _row(
             "F1",
-            [(2 * one.hits.sum(axis=1), one.found + len(one.away)) for one in looked],
+            [(2 * frame.hits.sum(axis=1), frame.found + len(frame.away)) for frame in scored],
             _share,
-            sum(len(one.away) for one in looked),
+            sum(len(frame.away) for frame in scored),
         ),
     ]
-    for names, edges, of in (
+    for names, edges, attribute in (
         (("recall to 10 m", "recall, 10–20 m", "recall beyond 20 m"), DISTANCES, "away"),
         (("recall in plain view", "recall, partly hidden", "recall, half hidden or more"),
          HIDDEN, "hidden"),
     ):  # fmt: skip
         for name, low, high in zip(names, edges, edges[1:], strict=False):
             parts = []
-            for one in looked:
-                group = (getattr(one, of) >= low) & (getattr(one, of) < high)
-                parts.append((one.hits[:, group].sum(axis=1), group.sum()))
+            for frame in scored:
+                group = (getattr(frame, attribute) >= low) & (getattr(frame, attribute) < high)
+                parts.append((frame.hits[:, group].sum(axis=1), group.sum()))
             rows.append(_row(name, parts, _share))
     return ScoreCard(title, tuple(rows))
 
 
 @dataclass(frozen=True, eq=False)
-class _Looked:
-    """One frame: which true boxes are hit at each overlap, (3, M), and what is known of them."""
+class _ScoredFrame:
+    """Hits of the true boxes at each overlap, (3, M), with their distances and hidden shares, (M,)."""
 
     hits: np.ndarray
     found: int
@@ -223,7 +225,7 @@ class _Looked:
     hidden: np.ndarray
 
     @classmethod
-    def at(cls, boxes: np.ndarray, frame: Frame, region: Region, overlap: Callable) -> _Looked:
+    def at(cls, boxes: np.ndarray, frame: Frame, region: Region, overlap: Callable) -> _ScoredFrame:
         boxes, truth = np.reshape(boxes, (-1, 8, 3)), counted(frame, region)
         boxes = boxes[within(boxes, region)]
         overlaps = overlap(boxes, np.array([box.corners for box in truth]).reshape(-1, 8, 3))
@@ -242,13 +244,13 @@ def _share(counts: np.ndarray) -> float:
 
 
 def _row(name: str, parts: list, value: Callable, count: int | None = None) -> ScoreRow:
-    """Each part: hits at each overlap, and how many there are, of one frame."""
-    said = [
+    """Build a row; each part is one frame's hits at each overlap and its number of boxes."""
+    scores = [
         with_error([(hits[place], whole) for hits, whole in parts], value)
         for place in range(len(OVERLAPS))
     ]
     count = int(sum(whole for _, whole in parts)) if count is None else count
-    values, errors = (tuple(numbers) for numbers in zip(*said, strict=True))
+    values, errors = (tuple(numbers) for numbers in zip(*scores, strict=True))
     if sum(whole > 0 for _, whole in parts) < 2:
-        errors = (np.nan,) * len(OVERLAPS)  # without that one frame, there would be nothing to say
+        errors = (np.nan,) * len(OVERLAPS)  # leaving out the only frame with boxes leaves no data
     return ScoreRow(name, count, values, errors)

@@ -1,4 +1,4 @@
-"""How good boxes and tracks are: overlap, matching, precision, recall and identity switches.
+"""Counts for scoring boxes and tracks: matches, precision, recall and identity switches.
 
 Boxes are arrays (N, 8, 3); see `utils.boxes`.
 
@@ -33,10 +33,10 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Score:
-    """Counts of what was found, invented and missed; scores add up over frames.
+    """Counts of found, false and missed boxes; the scores of frames can be added.
 
-    Where nothing was claimed the precision is 1, where nothing was there the recall is 1: no
-    claim was false and nothing was missed.
+    Without found boxes the precision is 1, as no box is false. Without true boxes the recall is 1,
+    as no box is missed.
     """
 
     true_positives: int = 0
@@ -46,17 +46,17 @@ class Score:
 
     @property
     def precision(self) -> float:
-        """Share of the found boxes that are true."""
+        """The share of the found boxes that match a true box."""
         return _share(self.true_positives, self.true_positives + self.false_positives)
 
     @property
     def recall(self) -> float:
-        """Share of the true boxes that were found."""
+        """The share of the true boxes that were found."""
         return _share(self.true_positives, self.true_positives + self.false_negatives)
 
     @property
     def f1(self) -> float:
-        """Harmonic mean of precision and recall."""
+        """The harmonic mean of precision and recall."""
         twice = 2 * self.true_positives
         return _share(twice, twice + self.false_positives + self.false_negatives)
 
@@ -71,16 +71,16 @@ class Score:
 
 @dataclass(frozen=True, eq=False)
 class TrackedFrame:
-    """What a tracker said about one frame, and the truth.
+    """A tracker's boxes for one frame, and the true boxes.
 
     Parameters
     ----------
     found : ndarray, shape (N, 8, 3)
     labels : sequence of int, length N
-        The tracker's name for each box, the same for the same thing in every frame.
+        The track ID of each box, which should be the same for an obstacle in every frame.
     truth : ndarray, shape (M, 8, 3)
     identities : sequence of int, length M
-        The true names.
+        The true identity of each true box.
     """
 
     found: np.ndarray
@@ -91,14 +91,14 @@ class TrackedFrame:
 
 @dataclass(frozen=True)
 class NameMistakes:
-    """What a tracker did wrong with its names in a stream.
+    """A tracker's mistakes with track IDs in a stream.
 
     Attributes
     ----------
     switches : int
-        How often a thing was found under no name of the last time.
+        How often an obstacle was found with none of the track IDs that it had the last time.
     shared : int
-        Names that two things or more had, one after the other or at once.
+        Number of track IDs that two or more obstacles had, one after the other or at once.
     """
 
     switches: int
@@ -106,21 +106,21 @@ class NameMistakes:
 
 
 def match(overlaps: np.ndarray, minimum_overlap: float = 0.5) -> np.ndarray:
-    """Pair found and true boxes one to one so that the pairs' overlaps sum to the most.
+    """Pair found and true boxes one to one so that the sum of the overlaps is largest.
 
     Parameters
     ----------
     overlaps : ndarray, shape (N, M)
         From `plane_iou` or `space_iou`.
     minimum_overlap : float
-        Pairs that overlap less are not made.
+        Boxes that overlap less are not paired.
 
     Returns
     -------
     ndarray of int, shape (N,)
         For every found box the index of its true box, or -1.
     """
-    from scipy.optimize import linear_sum_assignment  # here: it takes 0.2 s to import
+    from scipy.optimize import linear_sum_assignment  # imported here, as it takes 0.2 s
 
     overlaps = np.asarray(overlaps, dtype=float)
     allowed = (overlaps >= minimum_overlap) & (overlaps > 0)
@@ -144,7 +144,7 @@ def score_boxes(
     found : ndarray, shape (N, 8, 3)
     truth : ndarray, shape (M, 8, 3)
     minimum_overlap : float
-        Least overlap of a box that counts as found.
+        Smallest overlap at which a box counts as found.
     overlap : callable
         `plane_iou` or `space_iou`.
     """
@@ -157,11 +157,11 @@ def score_stream(
     minimum_overlap: float = 0.5,
     overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
 ) -> Score:
-    """Score a tracker over a stream, with the identity switches it makes.
+    """Score a tracker over a stream, including its identity switches.
 
-    A thing keeps its label from the frame before while their boxes still overlap enough, even
-    if another box overlaps a little more. A switch is counted whenever a thing is found under
-    another label than the last time it was found (CLEAR MOT).
+    An obstacle stays paired with the label that it had last while their boxes overlap enough, even
+    if another box overlaps a little more. A switch is counted whenever an obstacle is found with a
+    different label than the last time (CLEAR MOT).
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def score_stream(
 
 
 def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.ndarray:
-    """The thing whose returns each box holds most of.
+    """Return, for each box, the obstacle with the most returns in it.
 
     Parameters
     ----------
@@ -205,12 +205,12 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
         Upright; the four corners of the floor first, going round.
     cloud : ndarray, shape (n, 3) or (n, 4)
     objects : ndarray of int, shape (n,)
-        The true thing of each return; 0 for none, such as the road.
+        The true obstacle of each return; 0 for none, such as the road.
 
     Returns
     -------
     ndarray of int, shape (N,)
-        0 for a box that holds no return of any thing.
+        0 for a box without returns from an obstacle.
     """
     standing = np.flatnonzero(objects > 0)
     xy, objects = np.asarray(cloud)[standing, :2], objects[standing]
@@ -220,7 +220,7 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
         length = np.maximum((sides**2).sum(axis=1), 1e-9)
         low, high = box[:4, :2].min(axis=0) - 0.1, box[:4, :2].max(axis=0) + 0.1
         near = np.flatnonzero(((xy >= low) & (xy <= high)).all(axis=1))
-        # Thinned clouds have centroids, which lie a little inside of the outermost returns.
+        # Boxes around the centroids of a thinned cloud are slightly too small for all returns.
         share = (xy[near] - corner) @ sides.T / length
         margin = 0.1 / np.sqrt(length)
         held = near[((share >= -margin) & (share <= 1 + margin)).all(axis=1)]
@@ -230,26 +230,26 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
 
 
 def name_mistakes(things: Iterable[np.ndarray], names: Iterable[np.ndarray]) -> NameMistakes:
-    """Count what goes wrong with names: things that change theirs, and names that change hands.
+    """Count track IDs that change on the same obstacle, and IDs that several obstacles had.
 
     Parameters
     ----------
     things : iterable of ndarray of int
-        For each frame the true thing of each box, from `holders`.
+        For each frame, the true obstacle of each box, from `holders`.
     names : iterable of ndarray of int
-        For each frame the name of each box.
+        For each frame, the track ID of each box.
     """
     known: dict[int, set[int]] = {}
     bearers: dict[int, set[int]] = {}
     switches = 0
-    for of_frame, mine in zip(things, names, strict=True):
+    for frame_things, frame_names in zip(things, names, strict=True):
         here: dict[int, set[int]] = {}
-        for thing, name in zip(of_frame.tolist(), mine.tolist(), strict=True):
+        for thing, name in zip(frame_things.tolist(), frame_names.tolist(), strict=True):
             if thing:
                 here.setdefault(thing, set()).add(name)
                 bearers.setdefault(name, set()).add(thing)
         switches += sum(
-            thing in known and not known[thing] & mine_now for thing, mine_now in here.items()
+            thing in known and not known[thing] & now_named for thing, now_named in here.items()
         )
         known |= here
     return NameMistakes(switches, sum(len(had_by) > 1 for had_by in bearers.values()))
