@@ -1,4 +1,4 @@
-"""A guess before the result, and the result beside the guess."""
+"""Ask students for a prediction, and show it next to the result."""
 
 from __future__ import annotations
 
@@ -8,15 +8,12 @@ from html import escape
 
 from utils.display import show
 
-# What was guessed, by question: a cell that runs again keeps it.
+# Guesses by question, so that running a cell again keeps them.
 _GUESSES: dict[str, float | str] = {}
 
 
 class Prediction:
-    """A question, and what somebody guesses.
-
-    Made by `predict`.
-    """
+    """A question with a student's guess, created by `predict`."""
 
     def __init__(self, question: str, choices: tuple[str, ...], unit: str, digits: int) -> None:
         self._question, self._choices = question, choices
@@ -24,31 +21,31 @@ class Prediction:
 
     @property
     def guess(self) -> float | str | None:
-        """What was guessed; None before."""
+        """The guess; None if there is none yet."""
         return _GUESSES.get(self._question)
 
     def compare(self, answer: float | str, why: str) -> None:
-        """Show the guess beside the answer.
+        """Show the guess next to the answer.
 
         Parameters
         ----------
         answer : float or str
-            One of the choices, where there are some; else a number, in the unit of the question.
+            One of the choices if there are any, else a number in the unit of the question.
         why : str
-            Stays folded until somebody asks for it.
+            An explanation, which is folded at first.
 
         Raises
         ------
         ValueError
-            The answer is none of the choices.
+            If the answer is not one of the choices.
         """
         if self._choices and answer not in self._choices:
             raise ValueError(f"{answer!r} is none of the choices: {', '.join(self._choices)}.")
-        guess = "none yet" if self.guess is None else self._said(self.guess)
-        rows = {"Your guess": guess, "Answer": self._said(answer)}
+        guess = "none yet" if self.guess is None else self._as_text(self.guess)
+        rows = {"Your guess": guess, "Answer": self._as_text(answer)}
         show(*told(self._question, rows, why))
 
-    def _said(self, value: float | str) -> str:
+    def _as_text(self, value: float | str) -> str:
         if isinstance(value, str):
             return value
         space = "" if self._unit in ("", "%", "°") else " "
@@ -56,20 +53,20 @@ class Prediction:
 
 
 def told(question: str, rows: dict[str, str], why: str) -> tuple[str, str]:
-    """A question and what is said to it, as HTML and as text.
+    """Format a question and its answers as HTML and as text.
 
     Parameters
     ----------
     question : str
     rows : dict of str to str
-        What stands side by side, by what it is called.
+        Texts to show next to each other, by their labels.
     why : str
-        Stays folded until somebody asks for it.
+        An explanation, which is folded at first.
     """
-    text = "\n".join([question, *(f"{row}: {said}" for row, said in rows.items()), why])
+    text = "\n".join([question, *(f"{row}: {value}" for row, value in rows.items()), why])
     cells = "".join(
-        f"<span style='margin-right:2em'>{row}: <b>{escape(said)}</b></span>"
-        for row, said in rows.items()
+        f"<span style='margin-right:2em'>{row}: <b>{escape(value)}</b></span>"
+        for row, value in rows.items()
     )
     html = (
         "<div style='border-left:4px solid #0072B2;padding:0.3em 0.8em;line-height:1.5'>"
@@ -88,26 +85,26 @@ def predict(
     unit: str = "",
     digits: int = 0,
 ) -> Prediction:
-    """Ask for a guess before the answer can be seen.
+    """Ask for a guess before the answer is shown.
 
     Parameters
     ----------
     question : str
     choices : sequence of str, optional
-        One of them can be chosen.
+        Show these choices.
     between : (float, float), optional
-        A slider between two numbers; without it, and without choices, a number is typed.
+        Show a slider between two numbers. Without it, and without choices, you type a number.
     step : float
-        Of the slider.
+        Step of the slider.
     unit : str
-        Of the number, such as "%" or "m".
+        Unit of the number, such as "%" or "m".
     digits : int
-        Decimals of the number.
+        Number of decimals.
 
     Returns
     -------
     Prediction
-        Its ``compare(answer, why)`` shows both.
+        Call its ``compare(answer, why)`` to show the guess and the answer.
 
     Examples
     --------
@@ -119,12 +116,12 @@ def predict(
 
     prediction = Prediction(question, tuple(choices), unit, digits)
     if hasattr(ipywidgets, "is_still"):
-        among = f" ({', '.join(choices)})" if choices else ""
-        text = f"Your prediction. {question}{among} Write it down before you go on."
+        options = f" ({', '.join(choices)})" if choices else ""
+        text = f"Your prediction. {question}{options} Write it down before you go on."
         show(escape(text), text)
         return prediction
     if choices:
-        # As wide as its longest answer: one that wraps would lie over the next.
+        # As wide as its longest choice, as a wrapped choice would overlap the next.
         entry = ipywidgets.RadioButtons(
             options=list(choices), value=prediction.guess, layout={"width": "max-content"}
         )
@@ -152,7 +149,7 @@ def predict(
             _GUESSES[question] = guess
 
     entry.observe(remember, names="value")
-    say = ipywidgets.HTML(f"<b>Your prediction.</b> {escape(question)}")
-    after = [ipywidgets.Label(unit)] if unit and not choices else []
-    display(ipywidgets.VBox([say, ipywidgets.HBox([entry, *after])]))
+    heading = ipywidgets.HTML(f"<b>Your prediction.</b> {escape(question)}")
+    suffix = [ipywidgets.Label(unit)] if unit and not choices else []
+    display(ipywidgets.VBox([heading, ipywidgets.HBox([entry, *suffix])]))
     return prediction

@@ -1,8 +1,8 @@
-"""Boxes under names, from frame to frame, by the functions of lesson 12.
+"""Track boxes from frame to frame with the functions of lesson 12.
 
-A `Tracker` keeps the books. Whatever is clever about it, the student wrote: where a box should be
-by now (`predict_boxes`), which box it is (`match_boxes`), what to believe (`correct_boxes`), and
-whom to wait for (`coast`). All but the matching may be left out.
+A `Tracker` stores the tracks, and the student's functions decide. They predict where a box should
+be (`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`) and
+keep tracks without a box (`coast`). All of them except `match_boxes` are optional.
 """
 
 from __future__ import annotations
@@ -15,32 +15,31 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 FARTHEST = 1.5
-"""Metres between where a box should be and where it is, up to which it is the same one."""
+"""Largest distance in metres between the expected and the found position of the same box."""
 
 GAIN = 0.5
-"""What lesson 12 measures for the boxes of its street."""
+"""Default gain, as measured in lesson 12 for the boxes of its street."""
 
 PATIENCE = 3
-"""Frames in a row that a track lives on without a box."""
+"""Number of consecutive frames for which a track is kept without a box."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """All that is followed, a row for each: first what has a box in this frame, in its order.
+    """All tracks, one per row; those with a box in this frame come first, in the boxes' order.
 
     Attributes
     ----------
     names : ndarray of int, shape (N,)
-        From 1, and never used again.
+        Track IDs, which start from 1 and are never reused.
     boxes : ndarray, shape (N, 8, 3)
-        Where each is believed to be, in metres.
+        Estimated corners, in metres.
     velocities : ndarray, shape (N, 3)
-        Metres per second, in the frame in which the boxes are given: for a scanner that drives,
-        relative to it.
+        Metres per second, in the coordinate system of the boxes; relative to a moving scanner.
     missed : ndarray of int, shape (N,)
-        Frames in a row without a box, this one included.
+        Number of consecutive frames without a box, including this one.
     age : ndarray of int, shape (N,)
-        Frames in which each had a box.
+        Number of frames with a box.
     """
 
     names: np.ndarray
@@ -50,11 +49,11 @@ class Tracks:
     age: np.ndarray
 
     def __getitem__(self, rows: ArrayLike) -> Tracks:
-        """Some of them."""
+        """Return the tracks in some rows."""
         return Tracks(*(values[rows] for values in vars(self).values()))
 
     def __add__(self, others: Tracks) -> Tracks:
-        """These, and below them the others."""
+        """Return these tracks, followed by the others."""
         pairs = zip(vars(self).values(), vars(others).values(), strict=True)
         return Tracks(*map(np.concatenate, pairs))
 
@@ -64,22 +63,22 @@ NOBODY = Tracks(*(np.zeros((0, *shape), kind) for shape, kind in _SHAPES))
 
 
 class Tracker:
-    """Gives boxes names that last.
+    """Gives boxes lasting track IDs.
 
     Parameters
     ----------
     match : callable
         ``match_boxes(previous, current, max_distance)``: the partner of each current box, or -1.
     predict : callable, optional
-        ``predict_boxes(boxes, velocities, seconds)``: the boxes, moved. Without, a box is looked
-        for where it was.
+        ``predict_boxes(boxes, velocities, seconds)``: the moved boxes. By default, a box is
+        expected where it was.
     correct : callable, optional
-        ``correct_boxes(expected, velocities, found, gain, seconds)``: boxes and velocities,
-        between what was expected and what was found. Without, boxes are where they are found, and
-        keep the velocity that they began with.
+        ``correct_boxes(expected, velocities, found, gain, seconds)``: boxes and velocities between
+        expectation and observation. By default, boxes are where they are found, and velocities do
+        not change.
     coast : callable, optional
-        ``coast(missed, partners, patience)``: for each track its frames in a row without a box,
-        and whether it is kept. Without, what has no box is dropped.
+        ``coast(missed, partners, patience)``: for each track, the number of consecutive frames
+        without a box, and whether to keep it. By default, tracks without a box are dropped.
     max_distance : float
         In metres, for `match`.
     gain : float
@@ -87,15 +86,15 @@ class Tracker:
     patience : int
         In frames, for `coast`.
     newcomer : array_like, shape (3,), optional
-        Velocity of what is seen for the first time, in m/s. By default the median of all that are
-        followed: most things stand, and come towards us as fast as we drive.
+        Initial velocity of new tracks in m/s. By default, the median of all tracks: most obstacles
+        do not move, and approach the ego car at its own speed.
 
     Attributes
     ----------
     tracks : Tracks
-        After the last frame.
+        The tracks after the last frame.
     match : callable
-        As given.
+        The given function.
     """
 
     def __init__(
@@ -118,22 +117,22 @@ class Tracker:
 
     @property
     def knows_velocities(self) -> bool:
-        """Whether it predicts and corrects; else velocities are what they began with."""
+        """Whether velocities are estimated, which needs both `predict` and `correct`."""
         return bool(self._predict and self._correct)
 
     def update(self, found: np.ndarray, seconds: float = 0.1) -> np.ndarray:
-        """Take the boxes of the next frame.
+        """Update the tracks with the boxes of the next frame.
 
         Parameters
         ----------
         found : ndarray, shape (N, 8, 3)
         seconds : float
-            Since the frame before.
+            Time since the previous frame.
 
         Returns
         -------
         ndarray of int, shape (N,)
-            The name of each.
+            The track ID of each box.
         """
         found, old = np.asarray(found, dtype=float).reshape(-1, 8, 3), self.tracks
         expected = old.boxes
@@ -141,13 +140,13 @@ class Tracker:
             expected = np.asarray(self._predict(old.boxes, old.velocities, seconds))
         partners = np.asarray(self.match(expected, found, self._max_distance), dtype=int)
         known = np.flatnonzero((partners >= 0) & (partners < len(old.names)))
-        of = partners[known]
+        rows = partners[known]
         seen = self._newcomers(found)
-        seen.names[known], seen.age[known] = old.names[of], old.age[of] + 1
-        seen.velocities[known] = old.velocities[of]
+        seen.names[known], seen.age[known] = old.names[rows], old.age[rows] + 1
+        seen.velocities[known] = old.velocities[rows]
         if self._correct and len(known):
             seen.boxes[known], seen.velocities[known] = self._correct(
-                expected[of], old.velocities[of], found[known], self._gain, seconds
+                expected[rows], old.velocities[rows], found[known], self._gain, seconds
             )
         new = np.setdiff1d(np.arange(len(found)), known)
         seen.names[new] = self._unused + np.arange(len(new))
@@ -167,7 +166,7 @@ class Tracker:
         )  # fmt: skip
 
     def _waiting(self, expected: np.ndarray, partners: np.ndarray) -> Tracks:
-        """The tracks that have no box in this frame and are kept."""
+        """Return the tracks that are kept without a box in this frame."""
         old = self.tracks
         if not (self._coast and len(old.names)):
             return NOBODY
@@ -178,14 +177,14 @@ class Tracker:
 
 
 def tracker_of(functions: SimpleNamespace, **settings: object) -> Tracker | None:
-    """A tracker of the functions that a notebook of lesson 12 has.
+    """Build a tracker from the functions of a lesson 12 notebook.
 
     Parameters
     ----------
     functions : types.SimpleNamespace
-        From `utils.load_my_functions`. What is missing or still a stub is left out.
+        From `utils.load_my_functions`. Missing functions and stubs are left out.
     **settings : object
-        As `Tracker` takes them, such as ``max_distance``.
+        Settings of `Tracker`, such as ``max_distance``.
 
     Returns
     -------

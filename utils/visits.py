@@ -1,4 +1,4 @@
-"""Which nodes of a kd-tree a search looks at, and what it makes of the others.
+"""Observe which nodes of a kd-tree a search visits, and which it prunes.
 
 >>> with watched(tree) as visited:
 ...     tree.search(target, 0.5)
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Node(Protocol):
-    """A node of a kd-tree, whoever wrote its class."""
+    """A node of a kd-tree, of any class with these attributes."""
 
     point: ArrayLike
     index: int
@@ -26,25 +26,25 @@ class Node(Protocol):
 
 
 class Tree(Protocol):
-    """A kd-tree, whoever wrote its class."""
+    """A kd-tree, of any class with a root."""
 
     root: Node | None
 
 
 @contextmanager
 def watched(tree: Tree) -> Iterator[list[int]]:
-    """Note the index of each node whose point is read, once per node and in order.
+    """Record the index of each node whose point is read, once per node and in order.
 
     Parameters
     ----------
     tree : object
-        With `root`: a node or None. Nodes have `point`, `index`, `left` and `right`, and are
-        objects of a class written in Python.
+        An object with `root`: a node or None. Nodes have `point`, `index`, `left` and `right`, and
+        their class is written in Python.
 
     Yields
     ------
     list of int
-        Fills up as nodes are looked at. Clear it between two searches.
+        Grows as nodes are visited. Clear it between two searches.
     """
     visited, seen, kinds = [], set(), {}
 
@@ -70,10 +70,10 @@ def watched(tree: Tree) -> Iterator[list[int]]:
 
 
 def nodes_of(root: Node | None) -> list[Node]:
-    """All nodes of a tree, parents first; no recursion, and each once: wrong trees have loops."""
+    """Return all nodes of a tree, parents first, each once even if a wrong tree has loops."""
     nodes = [root] if root is not None else []
     seen = set(map(id, nodes))
-    for node in nodes:  # grows while it is walked
+    for node in nodes:  # the list grows during the loop
         for child in (node.left, node.right):
             if child is not None and id(child) not in seen:
                 seen.add(id(child))
@@ -82,7 +82,7 @@ def nodes_of(root: Node | None) -> list[Node]:
 
 
 def depth_of(root: Node | None) -> int:
-    """Number of levels of a tree; 0 without a root."""
+    """Return the number of levels of a tree; 0 without a root."""
     depths = {id(root): 1} if root is not None else {}
     for node in nodes_of(root):
         for child in (node.left, node.right):
@@ -92,18 +92,18 @@ def depth_of(root: Node | None) -> int:
 
 
 def place_of(root: Node | None, index: int) -> str:
-    """Where a node hangs in a tree.
+    """Describe the place of a node in a tree.
 
     Parameters
     ----------
     root : node or None
     index : int
-        Of the node that is looked for.
+        Index of the node to find.
 
     Returns
     -------
     str
-        Such as "left of 5"; "the root", or "not in the tree".
+        Such as "left of 5", "the root" or "not in the tree".
     """
     if root is not None and root.index == index:
         return "the root"
@@ -119,28 +119,28 @@ VISITED, PRUNED, NOT_YET = "looked at", "pruned", "not yet"
 
 
 def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -> dict[int, str]:
-    """What a search has made of each node so far.
+    """Return the state of each node after some steps of a search.
 
-    A branch is pruned once its parent was looked at, if nothing in it is looked at then or later.
+    A branch counts as pruned once its parent was visited, if the search never visits a node in it.
 
     Parameters
     ----------
     root : node or None
     visited : sequence of int
-        Indices of all nodes that the whole search looked at, in order, as `watched` notes them.
+        Indices of all nodes that the whole search visited, in order, as `watched` records them.
     steps : int, optional
-        How many of them it has looked at so far; by default all.
+        Number of nodes visited so far; by default all.
 
     Returns
     -------
     dict of int to str
-        By the id of the node: "looked at", "pruned" or "not yet".
+        By the `id` of the node object: "looked at", "pruned" or "not yet".
     """
     visited = list(visited)
     now, ever = set(visited[:steps]), set(visited)
     nodes = nodes_of(root)
     in_branch = {}
-    # Parents come before their children, so backwards each child is known before its parent.
+    # Parents come before their children, so in reverse each child is done before its parent.
     for node in reversed(nodes):
         branches = [in_branch.get(id(child), set()) for child in (node.left, node.right)]
         kinds = {kind for kind, which in (("now", now), ("ever", ever)) if node.index in which}
@@ -162,13 +162,13 @@ def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -
 def told(
     root: Node | None, visited: Sequence[int], step: int, target: ArrayLike, tolerance: float
 ) -> str:
-    """One step of a search as a sentence: the node, its cut, its branches, its distance.
+    """Describe one step of a search in a sentence: the node, its cut, branches and distance.
 
     Parameters
     ----------
     root : node or None
     visited : sequence of int
-        As for `fates`, of the whole search.
+        As for `fates`, for the whole search.
     step : int
         Counted from 1; 0 is before the search.
     target : (k,) array_like of float
@@ -177,10 +177,10 @@ def told(
     if not 0 < step <= len(visited):
         return "Before the search: only the root waits."
     node = next(node for node in nodes_of(root) if node.index == visited[step - 1])
-    made = fates(root, visited)
+    states = fates(root, visited)
     axis = _depth_in(root, node) % len(target)
     branches = [
-        f"{side} {'no node' if child is None else made[id(child)].replace(VISITED, 'searched')}"
+        f"{side} {'no node' if child is None else states[id(child)].replace(VISITED, 'searched')}"
         for side, child in (("left", node.left), ("right", node.right))
     ]
     distance = math.dist(node.point, target)

@@ -1,4 +1,4 @@
-"""Planes and kd-trees, as checks, the judge's tests and pictures measure them."""
+"""Geometry of planes and kd-trees for checks, hidden tests and pictures."""
 
 from utils.geometry.planes import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
 from utils.geometry.trees import SIDES, TreeNode, grown, in_turn, places_of, regions_of, table_of

@@ -6,13 +6,13 @@ import numpy as np
 
 
 def gaps_from(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Distance of each point from a plane whose normal may have any length; shape (n,)."""
+    """Return the distance of each point from a plane; shape (n,)."""
     gaps = np.asarray(points, dtype=float)[:, :3] @ plane[:3] + plane[3]
     return np.abs(gaps) / np.linalg.norm(plane[:3])
 
 
 def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
-    """Least-squares plane by the covariance matrix, and its root mean square distance.
+    """Return the least-squares plane of some points, and their root mean square distance from it.
 
     Parameters
     ----------
@@ -21,24 +21,26 @@ def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
     Returns
     -------
     plane : numpy.ndarray, shape (4,)
+        From the covariance matrix; its normal has length 1.
     distance : float
+        In the unit of the points.
     """
     centre, variances, directions = spread_of(points)
     return plane_at(centre, directions[:, 0]), math.sqrt(max(variances[0], 0.0))
 
 
 def spread_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean of some points, and variances and directions (as columns) of their spread, rising."""
+    """Return the mean of points, and the ascending variances and directions (columns) of spread."""
     xyz = np.asarray(points, dtype=float)[:, :3]
     centre = xyz.mean(axis=0)
     return centre, *np.linalg.eigh((xyz - centre).T @ (xyz - centre) / len(xyz))
 
 
 def plane_at(place: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """The plane through a place, shape (3,), with a normal, shape (3,); shape (4,)."""
+    """Return the plane, shape (4,), through a point, shape (3,), with a normal, shape (3,)."""
     return np.append(normal, -normal @ place)
 
 
 def with_unit_normal(plane: np.ndarray) -> np.ndarray:
-    """The same plane, all four numbers divided by the length of its normal; shape (4,)."""
+    """Return the same plane, shape (4,), scaled so that its normal has length 1."""
     return plane / np.linalg.norm(plane[:3])

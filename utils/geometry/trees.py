@@ -1,4 +1,4 @@
-"""Kd-trees as they should be: grown from points, walked, and the regions they cut."""
+"""Right kd-trees: build them from points, list their nodes, and find the regions of the nodes."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ SIDES = {"l": "left", "r": "right"}
 
 
 class TreeNode:
-    """A node of a right tree; `arrival` is its place in the order in which points came."""
+    """A node of a right tree; `arrival` is the row of its point in the input."""
 
     def __init__(self, point: list[float], index: int, arrival: int = 0) -> None:
         self.point, self.index, self.arrival = point, index, arrival
@@ -18,7 +18,7 @@ class TreeNode:
 
 
 def in_turn(depth: int, dimensions: int) -> int:
-    """The axis that is compared at a depth: each in its turn, x at the root."""
+    """Return the axis that is compared at a depth: x at the root, then each axis in turn."""
     return depth % dimensions
 
 
@@ -28,9 +28,10 @@ def grown(
     axis_at: Callable[[int, int], int] = in_turn,
     goes_left: Callable[[float, float], bool] = operator.lt,
 ) -> TreeNode | None:
-    """The tree of points that arrive one after another; None without points.
+    """Build the tree that results from inserting points one after another; None without points.
 
-    The first of them is the root and parts the others in two, which arrive on either side.
+    The first point is the root. It divides the others into those on its left and on its right,
+    which keep their order.
 
     Parameters
     ----------
@@ -38,24 +39,24 @@ def grown(
     indices : sequence of int, optional
         By default 0, 1, 2, ...
     axis_at : callable, optional
-        Takes the depth and the number of dimensions; returns the axis that is compared.
+        Takes the depth and the number of dimensions; returns the axis to compare.
     goes_left : callable, optional
-        Takes a coordinate of a point and that of the node where it is.
+        Takes a coordinate of the new point and of the node; returns whether the point goes left.
 
     Returns
     -------
     node or None
-        With `point`, `index`, `left` and `right`.
+        The root, with `point`, `index`, `left` and `right`.
     """
     points, rows = np.asarray(points).tolist(), range(len(points))
-    nodes = [TreeNode(*one) for one in zip(points, indices or rows, rows, strict=True)]
+    nodes = [TreeNode(*values) for values in zip(points, indices or rows, rows, strict=True)]
     waiting = [(nodes, 0)] if nodes else []
-    for (top, *others), depth in waiting:  # grows while it is walked
+    for (top, *others), depth in waiting:  # the list grows during the loop
         axis = axis_at(depth, len(top.point))
         sides = {"left": [], "right": []}
-        for one in others:
-            smaller = goes_left(one.point[axis], top.point[axis])
-            sides["left" if smaller else "right"].append(one)
+        for node in others:
+            smaller = goes_left(node.point[axis], top.point[axis])
+            sides["left" if smaller else "right"].append(node)
         for name, part in sides.items():
             if part:
                 setattr(top, name, part[0])
@@ -64,29 +65,29 @@ def grown(
 
 
 def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
-    """The nodes of a tree by the way to them: "" is the root, "lr" to its left and then right.
+    """Return the nodes of a tree by their paths: "" is the root, "lr" is left and then right.
 
     Returns
     -------
     dict of str to node
-        Level by level.
+        In the order of the levels.
     """
     waiting = [("", root)] if root is not None else []
-    for way, node in waiting:  # grows while it is walked
+    for path, node in waiting:  # the list grows during the loop
         for letter, name in SIDES.items():
             if getattr(node, name) is not None:
-                waiting.append((way + letter, getattr(node, name)))
+                waiting.append((path + letter, getattr(node, name)))
     return dict(waiting)
 
 
 def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
-    """The rows of a tree as `KdTree.plant` takes them.
+    """Return a tree as lists with one entry per node, as `KdTree.plant` takes them.
 
     Returns
     -------
     points : list of list of float
     left, right : list of int
-        Rows of the children; -1 where there is none.
+        Rows of the children; -1 for a missing child.
     indices : list of int
     """
     nodes = list(places_of(root).values())
@@ -101,19 +102,19 @@ def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
 
 
 def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """The region that each node of a right tree falls into.
+    """Return the region of space that contains each node of a right tree.
 
     Returns
     -------
     dict of int to tuple of numpy.ndarray
-        By index: its lowest and its highest corner, both (k,), in part infinite.
+        By index: the lowest and the highest corner, both (k,), which may be infinite.
     """
     places = places_of(root)
     regions = {}
-    for way, node in places.items():
+    for path, node in places.items():
         low, high = np.full((2, len(node.point)), [[-np.inf], [np.inf]])
-        for depth, letter in enumerate(way):
-            axis, split = depth % len(low), places[way[:depth]].point[depth % len(low)]
+        for depth, letter in enumerate(path):
+            axis, split = depth % len(low), places[path[:depth]].point[depth % len(low)]
             if letter == "l":
                 high[axis] = min(high[axis], split)
             else:

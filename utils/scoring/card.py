@@ -217,7 +217,7 @@ def score_card(
 
 @dataclass(frozen=True, eq=False)
 class _ScoredFrame:
-    """Hits of the true boxes at each overlap, (3, M), with their distances and hidden shares, (M,)."""
+    """Scores of a frame: hits (3, M) of its true boxes, with their distances and hidden shares."""
 
     hits: np.ndarray
     found: int
