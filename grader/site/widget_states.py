@@ -113,7 +113,7 @@ def compare(prediction: object, answer: float | str, why: str) -> None:
     """Replace `utils.predictions.Prediction.compare` and show the answer as data."""
     if prediction._choices and answer not in prediction._choices:
         raise ValueError(f"{answer!r} is none of the choices: {', '.join(prediction._choices)}.")
-    text = prediction._said(answer)
+    text = prediction._as_text(answer)
     about = {"question": prediction._question, "answer": text, "why": why}
     _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
 

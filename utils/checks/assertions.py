@@ -369,10 +369,10 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
         Number of columns that the function returns when it keeps rows. Another check tests
         whether that number is right.
     """
-    what = "an array without rows"
-    yours = as_array(answer, what=what)
+    wanted = "an array without rows"
+    yours = as_array(answer, what=wanted)
     if yours.ndim != 2 or yours.shape[1] != columns:
-        yours = as_array(answer, columns=cloud.shape[1], what=what)
+        yours = as_array(answer, columns=cloud.shape[1], what=wanted)
     if len(yours):
         raise CheckFailed(
             "Nothing should be left here.",
@@ -383,11 +383,11 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
 
 def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
     """Return x, y and z of an answer made of rows of a cloud, which may lack the other columns."""
-    what = "an array of rows of the cloud"
-    yours = as_array(answer, what=what)
+    wanted = "an array of rows of the cloud"
+    yours = as_array(answer, what=wanted)
     if yours.ndim == 2 and yours.shape[1] == 3:
         return yours
-    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
+    return as_array(answer, columns=cloud.shape[1], what=wanted)[:, :3]
 
 
 def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:

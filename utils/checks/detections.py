@@ -339,7 +339,7 @@ def _how_missed(thing: Box, boxes: np.ndarray) -> tuple[str, str]:
     if pieces > PIECES:
         return f"there are {pieces} boxes on it", IN_PIECES
     if not len(over):
-        return "no box is over it", ""  # the hint of the check
+        return "no box is over it", ""  # empty: the check has a hint of its own
     longest = max(max(_sides(box)) for box in over)
     if longest > max(thing.size[:2]) + 1.0:
         return (
