@@ -1,47 +1,47 @@
-"""The one error of the cloud readers, and files opened so that it explains what went wrong."""
+"""The only exception of the cloud readers, and file access that raises it with an explanation."""
 
 import os
 import tempfile
 from collections.abc import Container, Iterable
 from pathlib import Path
 
-SHOWN_NAMES = 8  # file names listed in a message before it says "and 14 more"
+SHOWN_NAMES = 8  # file names listed in a message before "and 14 more"
 
 
 class CloudFileError(ValueError):
     """A file cannot be read or written as a point cloud.
 
-    The message is a sentence for the person who meets it: which file, where in it, what was
-    found, what was expected and what to do next. No reader raises anything else.
+    The message is written for the user: the file, the place in it, the value found, the value
+    expected and the next step. The readers raise no other exception for a bad file.
     """
 
 
 def file_error(
     name: str | os.PathLike, place: str, problem: str, advice: str = ""
 ) -> CloudFileError:
-    """Put an error together: ``"cloud.txt, line 7: found 'abc' ... Correct the line."``.
+    """Build an error such as ``"cloud.txt, line 7: found 'abc' ... Correct the line."``.
 
     Parameters
     ----------
     name : str or path
-        The file; only its last part is shown.
+        The file; the message shows only the last part of its path.
     place : str
         Line or byte where reading stopped, for instance ``"line 7"``; may be empty.
     problem, advice : str
-        What was found and expected; what to do next.
+        The value found and the value expected; the next step for the user.
     """
     where = f"{Path(name).name}, {place}" if place else Path(name).name
     return CloudFileError(f"{where}: {problem}.{' ' + advice if advice else ''}")
 
 
 def excerpt(text: object, length: int = 40) -> str:
-    """Quote at most `length` characters of what a file holds, on one line."""
+    """Quote at most `length` characters of a file's content on one line."""
     text = str(text)
     return repr(text if len(text) <= length else text[:length] + "…")
 
 
 def listing(names: Iterable[str]) -> str:
-    """Write names as ``a, b, c``, cut after a few."""
+    """Join names as ``a, b, c``; after `SHOWN_NAMES` of them, give the number of the others."""
     names = list(names)
     more = len(names) - SHOWN_NAMES
     return ", ".join(names[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "")
@@ -50,7 +50,7 @@ def listing(names: Iterable[str]) -> str:
 def missing_file(
     name: str | os.PathLike, folders: Iterable[str | os.PathLike], suffixes: Container[str]
 ) -> CloudFileError:
-    """Say which folders were looked in and which cloud files are there."""
+    """Build the error that names the folders searched and the cloud files in them."""
     searched = dict.fromkeys((Path(folder) / name).parent.absolute() for folder in folders)
     there = sorted(
         entry.name
@@ -70,7 +70,7 @@ def missing_file(
 
 
 def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
-    """Read a whole file; a missing or locked one raises `CloudFileError`."""
+    """Read a whole file; a missing or locked file raises `CloudFileError`."""
     try:
         return path.read_bytes()
     except FileNotFoundError:
@@ -84,9 +84,9 @@ def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all: to a temporary name first, then renamed.
+    """Write a file atomically, under a temporary name that is then changed to the final one.
 
-    A reader, or a second process writing the same file, never meets half of it.
+    A reader, or a second process that writes the same file, never sees half of it.
     """
     temporary = None
     try:
@@ -102,7 +102,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def _umask() -> int:
-    """Read the process's file mode mask (the system can only tell it by setting it)."""
+    """Return the process's file mode mask; the system reveals it only when it is set."""
     mask = os.umask(0o022)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""The file formats by suffix, and the two calls most people need."""
+"""File formats by suffix, and the two functions that most callers need."""
 
 import os
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):
-    """How the bytes of a file become a cloud and back."""
+    """Functions that turn the bytes of a file into a cloud and back."""
 
     decode: Callable[[bytes, str], np.ndarray]
     encode: Callable[[np.ndarray], bytes]
@@ -34,7 +34,7 @@ SUFFIXES = tuple(FORMATS)
 
 
 def read_cloud(path: str | os.PathLike) -> np.ndarray:
-    """Read a point cloud; the file's suffix says which format it has.
+    """Read a point cloud in the format given by the file's suffix.
 
     Parameters
     ----------
@@ -44,13 +44,13 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape (n, 3) or (n, 4)
-        x y z in metres, then intensity where the file has it. float64, or float32 where that
-        is what the file holds.
+        x y z in metres, then intensity if the file has it. float32 if the file stores float32,
+        otherwise float64.
 
     Raises
     ------
     CloudFileError
-        The file is missing or malformed; the message says where and what to do.
+        The file is missing or malformed; the message gives the place and the next step.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     (117482, 4)
     """
     path = Path(path)
-    if os.path.isdir(path):  # Path.is_dir raises on names that no file can have
+    if os.path.isdir(path):  # Path.is_dir raises on names that are not valid file names
         raise file_error(
             path,
             "",
@@ -71,20 +71,20 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
 
 
 def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
-    """Write a point cloud; the file's suffix says in which format.
+    """Write a point cloud in the format given by the file's suffix.
 
     Parameters
     ----------
     path : str or path
-        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file. An existing file is replaced, whole
-        or not at all.
+        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file. An existing file is replaced
+        atomically.
     cloud : array_like, shape (n, 3) or (n, 4)
-        KITTI files have four float32 columns: a missing intensity is written as 0 there.
+        KITTI files have four float32 columns; a missing intensity is written as 0 in them.
 
     Raises
     ------
     CloudFileError
-        The array is no cloud, the suffix is unknown, or the file cannot be written.
+        The array is not a cloud, the suffix is unknown, or the file cannot be written.
     """
     path = Path(path)
     form = _format_of(path)
@@ -104,7 +104,7 @@ def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
 
 
 def _format_of(path: Path) -> Format:
-    """Look the suffix up; capital letters do not matter."""
+    """Return the format of a path's suffix, ignoring case."""
     try:
         return FORMATS[path.suffix.lower()]
     except KeyError:

@@ -1,4 +1,4 @@
-"""KITTI's velodyne scans: float32 records of x y z reflectance, nothing else in the file."""
+"""KITTI's Velodyne scans: files of float32 records x y z reflectance without a header."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ def decode_kitti(data: bytes, name: str = "cloud.bin") -> np.ndarray:
     Returns
     -------
     ndarray, shape (n, 4), float32
-        x y z in metres and reflectance 0..1. An empty file is an empty cloud.
+        x y z in metres and reflectance 0..1. An empty file gives an empty cloud.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def decode_kitti(data: bytes, name: str = "cloud.bin") -> np.ndarray:
 
 
 def encode_kitti(cloud: np.ndarray) -> bytes:
-    """Write a cloud as KITTI records; a missing intensity becomes 0."""
+    """Encode a cloud as KITTI records; a missing intensity becomes 0."""
     records = np.zeros((len(cloud), 4), "<f4")
     records[:, : cloud.shape[1]] = cloud
     return records.tobytes()

@@ -1,14 +1,14 @@
-"""LZF, the small compression inside PCD's ``binary_compressed`` (Marc Lehmann's liblzf).
+"""LZF, the compression of PCD's ``binary_compressed`` encoding (Marc Lehmann's liblzf).
 
-The stream is a row of two kinds of items: literal runs ``000LLLLL`` (L + 1 bytes follow) and
-references ``LLLooooo [LLLLLLLL] oooooooo`` (copy L + 2 bytes from o + 1 bytes back; L = 7 says
-that a byte to add follows).
+The stream is a sequence of two kinds of items. In a literal run ``000LLLLL``, L + 1 bytes follow.
+A reference ``LLLooooo [LLLLLLLL] oooooooo`` copies L + 2 bytes from o + 1 bytes back; L = 7 means
+that one more length byte follows, which is added to L.
 """
 
 LONGEST_LITERAL = 32
 LONGEST_MATCH = 264
 FARTHEST_MATCH = 8192
-LARGEST_RATIO = LONGEST_MATCH / 3  # three bytes can stand for so many, never more
+LARGEST_RATIO = LONGEST_MATCH / 3  # a reference of three bytes gives at most LONGEST_MATCH bytes
 
 
 def decompress(data: bytes, size: int) -> bytes:
@@ -39,7 +39,7 @@ def decompress(data: bytes, size: int) -> bytes:
             if start < 0:
                 raise ValueError(f"byte {position - 1} refers to before the beginning")
             repeated = unpacked[start : start + length]
-            if distance < length:  # the copy overlaps itself: a repeating pattern
+            if distance < length:  # a copy that overlaps itself is a repeating pattern
                 repeated = (repeated * (length // distance + 1))[:length]
             unpacked += repeated
         if len(unpacked) > size:
@@ -50,7 +50,7 @@ def decompress(data: bytes, size: int) -> bytes:
 
 
 def compress(data: bytes) -> bytes:
-    """Pack `data`; greedy, with the latest occurrence of every three bytes as candidate."""
+    """Pack `data` greedily; the candidate for a match is the latest place with the same hash."""
     packed = bytearray()
     latest: dict[int, int] = {}
     position = literal = 0
@@ -70,7 +70,7 @@ def compress(data: bytes) -> bytes:
 
 
 def _match(data: bytes, candidate: int, position: int) -> int:
-    """Count equal bytes at two places, 0 when the earlier one is out of reach."""
+    """Count the equal bytes from two places on; 0 if the earlier place is out of reach."""
     if position - candidate > FARTHEST_MATCH or candidate < 0:
         return 0
     longest = min(LONGEST_MATCH, len(data) - position)

@@ -1,4 +1,4 @@
-"""Clouds in NumPy's ``.npz`` archives, under the name ``cloud``."""
+"""Clouds in NumPy's ``.npz`` archives, stored as the array ``cloud``."""
 
 import io
 import zipfile
@@ -9,7 +9,7 @@ import numpy as np
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing
 
 LARGEST_RATIO = 100  # unpacked to packed bytes; real clouds stay below 10
-ALWAYS_ALLOWED = 64 << 20  # bytes that may be unpacked however well they were packed
+ALWAYS_ALLOWED = 64 << 20  # bytes that may be unpacked at any compression ratio
 FORMAT_VERSIONS = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
@@ -19,8 +19,8 @@ FORMAT_VERSIONS = {
 def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
     """Read the array ``cloud`` from the bytes of an ``.npz`` archive.
 
-    Pickled objects are never loaded, and nothing is unpacked before the sizes announced in the
-    archive and in the array's own header agree and are plausible.
+    Pickled objects are never loaded. Points are unpacked only after the size in the archive has
+    proved plausible and equal to the size in the array's own header.
 
     Returns
     -------
@@ -30,11 +30,12 @@ def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        No archive, no such array, no numbers, another shape, or damaged data.
+        The data are damaged or not an archive, or the array ``cloud`` is missing, not numeric or
+        of the wrong shape.
     """
     try:
         archive = zipfile.ZipFile(io.BytesIO(data))
-    # Damage can also look like an archive of the future, or like a name in no alphabet.
+    # A damaged archive can also look like one of a newer version, or like an undecodable name.
     except (zipfile.BadZipFile, NotImplementedError, ValueError) as error:
         raise file_error(
             name,
@@ -47,7 +48,7 @@ def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
 
 
 def encode_npz(cloud: np.ndarray) -> bytes:
-    """Write a cloud as a compressed ``.npz`` archive; the same cloud gives the same bytes."""
+    """Encode a cloud as a compressed ``.npz`` archive; equal clouds give equal bytes."""
     buffer = io.BytesIO()
     np.savez_compressed(buffer, cloud=cloud)
     return buffer.getvalue()
@@ -79,7 +80,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             values = np.frombuffer(stream.read(wanted + 1), kind)  # + 1 to reach the checksum
     except CloudFileError:
         raise
-    except Exception as error:  # zlib, lzma, struct, tokenizer ...: whatever damage can provoke
+    except Exception as error:  # damage provokes errors of zlib, lzma, struct, tokenizer ...
         raise file_error(
             name,
             "array 'cloud'",
@@ -100,7 +101,7 @@ def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
 
 
 def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: str) -> int:
-    """Return the number of bytes of the array, if it is a cloud and they are there."""
+    """Return the size of the array in bytes, or raise if it is not a complete cloud."""
     if kind.kind not in "fiu":
         raise file_error(name, "array 'cloud'", f"found {excerpt(kind)}, expected numbers")
     if len(shape) != 2 or shape[1] not in (3, 4):

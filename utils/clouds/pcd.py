@@ -18,9 +18,9 @@ ADVICE = "Was the file copied completely?"
 def decode_pcd(data: bytes, name: str = "cloud.pcd") -> np.ndarray:
     """Read a cloud from the bytes of a PCD file.
 
-    Fields may come in any order, among others and with padding; an organised cloud is read row
-    by row. Where POINTS and WIDTH x HEIGHT disagree, the one that fits the body counts.
-    The viewpoint is not applied, as PCL does not apply it either.
+    Fields may be in any order, mixed with other fields and padded; an organised cloud is read row
+    by row. If POINTS and WIDTH x HEIGHT disagree, the number that fits the body is used.
+    As in PCL, the viewpoint is not applied.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def decode_pcd(data: bytes, name: str = "cloud.pcd") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        Naming the line or byte that is not as the format wants it.
+        The file is malformed; the message names the line or byte.
     """
     header = read_header(data, name)
     body = memoryview(data)[header.start :]
@@ -39,18 +39,18 @@ def decode_pcd(data: bytes, name: str = "cloud.pcd") -> np.ndarray:
 
 
 def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
-    """Write a cloud as PCD.
+    """Encode a cloud as PCD.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4), float32 or float64
-        Written as the type that it has.
+        Written in its own type.
     encoding : {"binary", "ascii", "binary_compressed"}
 
     Raises
     ------
     ValueError
-        Another encoding.
+        The encoding is unknown.
     """
     if encoding not in ENCODINGS:
         raise ValueError(f"encoding is one of {', '.join(ENCODINGS)}, not {encoding!r}")
@@ -99,7 +99,7 @@ def _ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
 
 
 def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) -> CloudFileError:
-    """Find the first line that is not so many numbers."""
+    """Build the error for the first line that does not consist of `columns` numbers."""
     for number, line in enumerate(lines, lines_above + 1):
         fields = line.split()
         try:
@@ -119,7 +119,7 @@ def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) ->
 def _binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     for points in header.announced:
         size = points * header.step
-        # PCL pads some files with zeros to a page; others end in a newline.
+        # PCL pads some files with zeros to a whole page; others end in a newline.
         if len(body) < size or bytes(body[size:]).strip(b"\0\r\n"):
             continue
         if points == 0:
@@ -161,21 +161,21 @@ def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
             f"the compressed data are damaged ({excerpt(error, 80)})",
             ADVICE,
         ) from None
-    fields = zip(*_fields(header), strict=True)  # field after field: offsets grow with the points
+    fields = zip(*_fields(header), strict=True)  # one field after another, not one point
     return _columns(
         [np.frombuffer(raw, kind, points, offset * points) for kind, offset in fields], header
     )
 
 
 def _fields(header: PcdHeader) -> tuple[list[np.dtype], list[int]]:
-    """Kinds of the wanted fields, and their byte offsets in one point."""
+    """Return the types of the wanted fields and their byte offsets in one point."""
     sizes = [kind.itemsize * count for kind, count in zip(header.kinds, header.counts, strict=True)]
     offsets = [sum(sizes[:field]) for field in header.wanted]
     return [header.kinds[field] for field in header.wanted], offsets
 
 
 def _columns(columns: list[np.ndarray], header: PcdHeader) -> np.ndarray:
-    """Put one array per field side by side."""
+    """Combine one array per field into a cloud."""
     cloud = np.empty((len(columns[0]), len(columns)), header.precision)
     for index, column in enumerate(columns):
         cloud[:, index] = column
@@ -192,5 +192,5 @@ def _wrong_size(header: PcdHeader, found: str, name: str) -> CloudFileError:
 
 
 def _announced(header: PcdHeader) -> str:
-    """Write how many points the header announces: ``"12"``, or ``"12 or 24"``."""
+    """Return the announced number of points as text: ``"12"``, or ``"12 or 24"``."""
     return " or ".join(map(str, dict.fromkeys(header.announced)))

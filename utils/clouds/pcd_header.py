@@ -1,4 +1,4 @@
-"""The head of a PCD file: which fields it has, how many points, and how they are stored."""
+"""The header of a PCD file: its fields, the number of points and the encoding of its body."""
 
 from collections.abc import Container
 from dataclasses import dataclass
@@ -15,46 +15,46 @@ LONGEST_HEADER = 1 << 16  # bytes
 
 @dataclass(frozen=True)
 class PcdHeader:
-    """What the head of a PCD file says about its body."""
+    """Description of the body of a PCD file."""
 
     names: tuple[str, ...]
     kinds: tuple[np.dtype, ...]
     counts: tuple[int, ...]
-    announced: tuple[int, ...]  # numbers of points: POINTS, WIDTH x HEIGHT; they may disagree
+    announced: tuple[int, ...]  # POINTS and WIDTH x HEIGHT, which may disagree
     encoding: str
     start: int  # byte where the body begins
     lines: int  # lines above the body
 
     @property
     def step(self) -> int:
-        """Bytes of one point."""
+        """Size of one point in bytes."""
         return sum(
             kind.itemsize * count for kind, count in zip(self.kinds, self.counts, strict=True)
         )
 
     @property
     def wanted(self) -> list[int]:
-        """Which fields are x, y, z and, where there is one, intensity."""
+        """Indices of the fields x, y, z and, if there is one, intensity."""
         return [self.names.index(name) for name in cloud_fields(self.names)]
 
     @property
     def precision(self) -> np.dtype:
-        """float32, or float64 where one of the wanted fields needs it."""
+        """float32, or float64 if one of the wanted fields needs it."""
         return np.result_type(np.float32, *(self.kinds[field] for field in self.wanted))
 
 
 def cloud_fields(names: Container[str]) -> list[str]:
-    """Choose the names that make a cloud: x, y, z and, where there is one, intensity."""
+    """Return the names of a cloud's fields: x, y, z and, if `names` has one, intensity."""
     return ["x", "y", "z", *[name for name in INTENSITY_NAMES if name in names][:1]]
 
 
 def read_header(data: bytes, name: str) -> PcdHeader:
-    """Read the head of the file, which ends with the line DATA.
+    """Read the header of the file, which ends with the line DATA.
 
     Raises
     ------
     CloudFileError
-        A line is missing or says something impossible.
+        A line is missing or invalid.
     """
     entries: dict[str, tuple[int, list[str]]] = {}
     position = line = 0
@@ -77,7 +77,7 @@ def read_header(data: bytes, name: str) -> PcdHeader:
 
 
 def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> PcdHeader:
-    """Turn the words of the header into a `PcdHeader`, or say which line is wrong."""
+    """Turn the words of the header into a `PcdHeader`, or raise an error that names the line."""
     line, words = entries["DATA"]
     if words[:1] not in ([encoding] for encoding in ENCODINGS):
         raise file_error(
@@ -133,7 +133,7 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
 def _numbers(
     entries: dict[str, tuple[int, list[str]]], key: str, length: int, name: str
 ) -> tuple[int, ...]:
-    """Read `length` whole numbers from a line of the header."""
+    """Return the `length` whole numbers in a line of the header."""
     line, words = entries[key]
     if len(words) != length or not all(
         w.isascii() and w.isdecimal() and len(w) < 19 for w in words

@@ -1,4 +1,4 @@
-"""Folders of clouds as lazy sequences, in the order a person would count them."""
+"""Folders of clouds as lazy sequences in natural order (frame2 before frame10)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from utils.clouds.formats import SUFFIXES, read_cloud
 
 @dataclass(frozen=True)
 class CloudFolder(Sequence):
-    """The clouds of some files, read one at a time when they are asked for.
+    """A lazy sequence of the clouds in some files; each access reads one file.
 
     Attributes
     ----------
@@ -45,17 +45,17 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
     folder : str or path
         Folder of .txt, .csv, .xyz, .bin, .pcd or .npz files; its subfolders are not searched.
     suffix : str, optional
-        Which files to take, for instance ``".pcd"``; needed where there are several kinds.
+        Suffix of the files to read, for instance ``".pcd"``; needed if there are several kinds.
 
     Returns
     -------
     CloudFolder
-        Reads a cloud of shape (n, 3) or (n, 4) at each access.
+        Each access reads a cloud of shape (n, 3) or (n, 4).
 
     Raises
     ------
     CloudFileError
-        No such folder, no clouds in it, or several kinds of them.
+        The folder does not exist, or contains no clouds or clouds of several kinds.
     """
     folder = Path(folder)
     if folder.is_file():
@@ -98,7 +98,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
 
 
 def natural_order(path: Path) -> tuple[list, str]:
-    """Sort key under which frame2 comes before frame10."""
+    """Return a sort key that puts frame2 before frame10."""
     pieces = re.split(r"([0-9]+)", path.name.lower())
     numbered = [int(piece) if index % 2 else piece for index, piece in enumerate(pieces)]
     return numbered, path.name

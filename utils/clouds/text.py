@@ -1,8 +1,8 @@
-"""Clouds as text: one point per line, x y z and perhaps intensity.
+"""Clouds as text: one point per line, x y z and optionally intensity.
 
-Whatever people and programs write is taken: blanks, tabs, commas or semicolons, headers,
-comments, a leading number of points, any line ending, UTF-8 or UTF-16. What cannot be a
-cloud is refused with the number of the line.
+The reader accepts the usual variants: spaces, tabs, commas or semicolons, headers, comments, a
+leading number of points, any line ending, UTF-8 or UTF-16. For any other text, the error gives
+the number of the line.
 """
 
 import codecs
@@ -28,18 +28,18 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
     data : bytes
         The file's content.
     name : str
-        The file's name, for messages.
+        The file's name in messages.
 
     Returns
     -------
     ndarray, shape (n, 3) or (n, 4), float64
-        Not-a-number and infinite values are kept. Without a single point the header has to
-        name the columns ``x y z [intensity]``.
+        NaN and infinite values are kept. A file without points must have a header that names the
+        columns ``x y z [intensity]``.
 
     Raises
     ------
     CloudFileError
-        Naming the first line that is not `EXPECTED`.
+        The text is not a cloud; the message names the first line that is not as `EXPECTED`.
     """
     lines = _characters(data, name).split("\n")
     first, names = _skip_header(lines)
@@ -74,17 +74,17 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
 
 
 def encode_text(cloud: np.ndarray, separator: str = " ", decimals: int | None = None) -> bytes:
-    """Write a cloud as text.
+    """Encode a cloud as text.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        A header line is written only when n = 0, to keep the number of columns.
+        A header line is written only if n = 0, to keep the number of columns.
     separator : str
-        Between two numbers.
+        Text between two numbers.
     decimals : int, optional
-        Digits after the point (3: millimetres). By default as many as are needed to read the
-        same numbers back.
+        Digits after the decimal point (3 for millimetres). By default, the fewest digits that
+        read back as the same number.
     """
     columns = ("x", "y", "z", "intensity")[: cloud.shape[1]]
     if not len(cloud):
@@ -96,20 +96,20 @@ def encode_text(cloud: np.ndarray, separator: str = " ", decimals: int | None = 
 
 
 def shortest_digits(cloud: np.ndarray) -> Iterator[Iterable[str]]:
-    """Yield each row as texts with the fewest digits that read back as the same numbers."""
+    """Return the rows as texts with the fewest digits that read back as the same numbers."""
     if cloud.dtype == np.float32:
         return iter(cloud.astype(str).tolist())
     return (map(repr, row) for row in cloud.tolist())
 
 
 def _characters(data: bytes, name: str) -> str:
-    """Decode the file with plain newlines; refuse what is no text at all."""
+    """Decode the file and normalise its newlines; refuse binary data and web pages."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         text = data.decode("utf-16", errors="replace")
     else:
         try:
             text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:  # an accent in an old header; digits are the same everywhere
+        except UnicodeDecodeError:  # an old header with an accent; digits decode the same
             text = data.decode("latin-1")
     if (position := text.find("\0")) >= 0:
         raise file_error(
@@ -129,7 +129,7 @@ def _characters(data: bytes, name: str) -> str:
 
 
 def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
-    """Find the index of the first line of data, and the column names above it."""
+    """Return the index of the first line of data, and the column names above it."""
     names: list[str] = []
     for index, line in enumerate(lines):
         if fields := split_fields(line):
@@ -143,7 +143,7 @@ def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
 
 
 def _announced_points(lines: list[str], first: int) -> int | None:
-    """Read a lone whole number above the points, as CloudCompare and .pts files write it."""
+    """Return the number of points if a line above them gives it, as in .pts files."""
     fields = split_fields(lines[first]) if first < len(lines) else []
     if len(fields) == 1 and re.fullmatch("[0-9]{1,18}", fields[0]):
         return int(fields[0])
@@ -151,7 +151,7 @@ def _announced_points(lines: list[str], first: int) -> int | None:
 
 
 def _rows(lines: list[str], start: int, name: str) -> np.ndarray:
-    """Convert the data lines: all at once if they are well formed, else one by one."""
+    """Convert the data lines: all at once if they are well formed, otherwise one by one."""
     body = "\n".join(lines[start:])
     if not (("," in body or ";" in body) and EMPTY_FIELD.search(body)):
         try:
@@ -159,12 +159,12 @@ def _rows(lines: list[str], start: int, name: str) -> np.ndarray:
             if rows.shape[1] in (3, 4):
                 return rows
         except ValueError:
-            pass  # the careful pass knows why, or knows better
+            pass  # the slower pass either names the faulty line or accepts the text
     return _rows_one_by_one(lines, start, name)
 
 
 def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
-    """Convert the data lines, stopping at the first faulty one with its number."""
+    """Convert the data lines one by one; the error gives the number of the first faulty line."""
     rows: list[list[float]] = []
     for index in range(start, len(lines)):
         fields = split_fields(lines[index])
@@ -207,14 +207,14 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
 
 
 def split_fields(line: str) -> list[str]:
-    """Split a line without its comment; an empty field between two commas stays, as ``""``."""
+    """Split a line without its comment; an empty field between two commas becomes ``""``."""
     line = COMMENT.split(line, maxsplit=1)[0].replace('"', "").strip()
     fields = SEPARATOR.split(line) if line else []
     return fields[:-1] if fields and not fields[-1] else fields
 
 
 def _number(field: str) -> float | None:
-    """Convert a field, or return None; Python's 1_000 is not a number in a file."""
+    """Convert a field, or return None if it is not a number; ``1_000`` is not one in a file."""
     try:
         return float(field) if "_" not in field else None
     except ValueError:

@@ -1,7 +1,7 @@
-"""Recordings: clouds with times, and true boxes where somebody labelled them.
+"""Recordings: clouds with times, and true boxes if the recording is labelled.
 
-`read_bag` opens a ROS recording, `read_kitti_raw` a drive of KITTI; `utils.recordings.sources`
-knows some that can be fetched. Each is a lazy sequence.
+`read_bag` opens a ROS recording and `read_kitti_raw` a KITTI drive, each as a lazy sequence.
+`utils.recordings.sources` lists recordings that can be downloaded.
 """
 
 from utils.recordings.kitti_labels import (

@@ -1,4 +1,4 @@
-"""Files from the internet: continued where they broke off, checked, unpacked safely."""
+"""Downloads that resume after an interruption, verify checksums and unpack safely."""
 
 import http.client
 import os
@@ -14,27 +14,28 @@ BLOCK = 1 << 18  # bytes read at a time
 
 
 class DownloadError(OSError):
-    """A file could not be fetched; the message is a sentence with what to do next."""
+    """A file could not be downloaded; the message gives the next step."""
 
 
 def download(url: str, path: Path, checksum: str | None = None) -> None:
-    """Fetch a file once, through pooch.
+    """Download a file with pooch, unless it is already there.
 
-    What arrives is kept in ``<path>.part``, so that the next attempt, now or in the next session,
-    goes on from there. The file gets its name only when it is complete and its checksum is right.
+    Received bytes are kept in ``<path>.part``, so that the next attempt resumes the download, even
+    in a later session. The file gets its final name only when it is complete and its checksum
+    matches.
 
     Parameters
     ----------
     url : str
     path : Path
-        Where to keep it; nothing happens if it is there and as the checksum says.
+        Target; a file that exists there and matches the checksum is not downloaded again.
     checksum : str, optional
         SHA-256 of the file.
 
     Raises
     ------
     DownloadError
-        There is no connection, no such address, or the file is not the expected one.
+        There is no connection, the address does not exist, or the checksum does not match.
     """
     try:
         import pooch
@@ -44,7 +45,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
             "pip install pooch."
         ) from None
 
-    logger = pooch.get_logger()  # writes to standard error, which graders take for a failure
+    logger = pooch.get_logger()  # some graders count output on standard error as a failure
     level = logger.level
     logger.setLevel("WARNING")
     try:
@@ -70,7 +71,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
 
 
 def _resume(path: Path) -> Callable:
-    """Make a downloader for pooch that goes on from ``<path>.part``."""
+    """Return a downloader for pooch that resumes from ``<path>.part``."""
     part = path.with_name(path.name + ".part")
 
     def downloader(url: str, target: str, _pooch: object) -> None:
@@ -83,7 +84,7 @@ def _resume(path: Path) -> Callable:
             except urllib.error.HTTPError:
                 raise
             except (OSError, http.client.HTTPException):
-                if _size(part) <= before:  # as long as something arrives, go on
+                if _size(part) <= before:  # retry only while new bytes arrive
                     raise
         os.replace(part, target)
 
@@ -95,13 +96,13 @@ def _size(path: Path) -> int:
 
 
 def _append_rest(url: str, part: Path) -> None:
-    """Ask for the bytes that are still missing in `part`, and append them."""
+    """Request the bytes that are still missing in `part`, and append them."""
     present = _size(part)
     request = urllib.request.Request(url, headers={"Range": f"bytes={present}-"} if present else {})
     try:
         response = urllib.request.urlopen(request, timeout=TIMEOUT)
     except urllib.error.HTTPError as error:
-        if error.code == 416 and present:  # nothing behind the end: complete, or of other content
+        if error.code == 416 and present:  # nothing after the end: complete, or another file
             if error.headers.get("Content-Range", "").endswith(f"*/{present}"):
                 return
             part.unlink()
@@ -119,20 +120,20 @@ def _append_rest(url: str, part: Path) -> None:
 
 
 def unpack(archive: Path, folder: Path, wanted: Callable[[str], bool]) -> None:
-    """Unpack some files of a zip archive; run again after an interruption, it goes on.
+    """Unpack some files of a zip archive; a second run after an interruption resumes.
 
     Parameters
     ----------
     archive : Path
     folder : Path
-        Nothing is written outside it, whatever the archive says.
+        Target folder; members whose paths lead outside it are skipped.
     wanted : callable
-        Which names to unpack.
+        Takes a member's name; members for which it is false are skipped.
 
     Raises
     ------
     DownloadError
-        The archive is damaged; it is deleted so that the next run fetches it again.
+        The archive is damaged; it is deleted so that the next run downloads it again.
     """
     try:
         with zipfile.ZipFile(archive) as file:

@@ -1,8 +1,8 @@
 """KITTI's labels and calibration files: boxes in the laser scanner's coordinates.
 
-KITTI labels objects in the rectified camera frame (x right, y down, z forward, the position at
-the middle of the box's floor, angles about the downward axis). Here they become what the rest of
-the course uses: x forward, y left, z up, the centre of the box, yaw about the upward axis.
+KITTI labels objects in the rectified camera frame: x right, y down, z forward, the position at
+the centre of the box's bottom face, angles about the downward axis. The readers convert them to
+the course's convention: x forward, y left, z up, the centre of the box, yaw about the upward axis.
 
 Sources: the readme files of the object, tracking and raw data development kits,
 https://www.cvlibs.net/datasets/kitti; Geiger et al., "Vision meets robotics: the KITTI dataset",
@@ -18,19 +18,19 @@ import numpy as np
 from utils.boxes import Box
 from utils.clouds.errors import excerpt, file_error, read_bytes
 
-UNKNOWN = (float("nan"),) * 2  # KITTI says nothing about velocities
+UNKNOWN = (float("nan"),) * 2  # KITTI does not label velocities
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Where the left colour camera is, seen from the laser scanner.
+    """Pose of the left colour camera relative to the laser scanner.
 
     Attributes
     ----------
     camera_from_sensor : ndarray, shape (4, 4)
-        Takes homogeneous scanner coordinates to the rectified camera frame, in metres.
+        Transforms homogeneous scanner coordinates to the rectified camera frame, in metres.
     projection : ndarray, shape (3, 4)
-        Takes homogeneous rectified camera coordinates to pixels of the left colour image.
+        Maps homogeneous rectified camera coordinates to pixels of the left colour image.
     """
 
     camera_from_sensor: np.ndarray
@@ -38,7 +38,7 @@ class Calibration:
 
 
 def read_calibration(path: str | os.PathLike) -> Calibration:
-    """Read how camera and scanner stand to each other.
+    """Read the calibration between camera and scanner.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def read_calibration(path: str | os.PathLike) -> Calibration:
         mounting = _matrix(path, ["Tr_velo_to_cam", "Tr_velo_cam"], (3, 4))
         rectification = _matrix(path, ["R0_rect", "R_rect"], (3, 3))
         projection = _matrix(path, ["P2"], (3, 4))
-    with np.errstate(all="ignore"):  # of what is no rotation, or no number
+    with np.errstate(all="ignore"):  # the file may contain NaN or huge numbers
         camera_from_sensor = np.vstack([rectification @ mounting, [0, 0, 0, 1]])
         turn = camera_from_sensor[:3, :3]
         turns = np.allclose(turn @ turn.T, np.eye(3), atol=0.01)
@@ -81,19 +81,19 @@ def read_object_labels(path: str | os.PathLike, calibration: Calibration) -> tup
     ----------
     path : str or path
     calibration : Calibration
-        Of the same frame.
+        Calibration of the same frame.
 
     Returns
     -------
     tuple of utils.boxes.Box
-        In sensor coordinates. The kind is KITTI's class in lower case, the identity counts the
-        lines from 0; velocity is not-a-number and returns 0 because the file does not know
-        them. Regions marked DontCare are left out.
+        Boxes in sensor coordinates. The kind is KITTI's class in lower case; the identity counts
+        the objects from 0. The velocity is NaN and the number of returns 0, because the file does
+        not contain them. Regions marked DontCare are left out.
 
     Raises
     ------
     CloudFileError
-        Naming the line that is not a label.
+        A line is not a label; the message names it.
     """
     rows = _label_rows(Path(path), columns=15)
     return tuple(
@@ -104,12 +104,12 @@ def read_object_labels(path: str | os.PathLike, calibration: Calibration) -> tup
 def read_tracking_labels(path: str | os.PathLike, calibration: Calibration) -> dict[int, tuple]:
     """Read a label file of the tracking benchmark (``label_02/0000.txt``).
 
-    Parameters and errors as in `read_object_labels`.
+    Parameters and errors are those of `read_object_labels`.
 
     Returns
     -------
     dict of int to tuple of utils.boxes.Box
-        The boxes of each frame that has any; identity is KITTI's track number.
+        The boxes of each frame that has any; the identity is KITTI's track ID.
     """
     frames: dict[int, tuple] = {}
     for words, numbers in _label_rows(Path(path), columns=17):
@@ -119,14 +119,14 @@ def read_tracking_labels(path: str | os.PathLike, calibration: Calibration) -> d
 
 
 def _label_rows(path: Path, columns: int) -> list[tuple[list[str], list[float]]]:
-    """Split a label file into words, and the seven numbers h w l x y z rotation of each line.
+    """Return the words and the seven numbers h w l x y z rotation of each line of a label file.
 
-    Benchmark results have a score as one more column, which is ignored.
+    Benchmark results have an additional column for the score, which is ignored.
     """
     rows = []
     for line, text in enumerate(read_bytes(path, (".txt",)).decode("latin-1").splitlines(), 1):
         words = text.split()
-        kind = columns - 15  # where the class stands: behind frame and track, if there are any
+        kind = columns - 15  # column of the class, which follows frame and track if there are any
         if len(words) not in (0, columns, columns + 1):
             raise file_error(
                 path,
@@ -153,7 +153,7 @@ def _label_rows(path: Path, columns: int) -> list[tuple[list[str], list[float]]]
 
 
 def _box(kind: str, identity: int, numbers: list[float], calibration: Calibration) -> Box:
-    """Turn height, width, length, position and rotation in the camera frame into a box."""
+    """Convert height, width, length, position and rotation in the camera frame to a box."""
     height, width, length, x, y, z, rotation = numbers
     sensor_from_camera = np.linalg.inv(calibration.camera_from_sensor)
     centre = sensor_from_camera @ (x, y - height / 2, z, 1)
@@ -170,7 +170,7 @@ def _box(kind: str, identity: int, numbers: list[float], calibration: Calibratio
 
 
 def _matrix(path: Path, names: list[str], shape: tuple[int, ...]) -> np.ndarray:
-    """Read a row of numbers by its name, with or without a colon behind the name."""
+    """Read the matrix in the line with one of the names; a colon may follow the name."""
     for line, text in enumerate(read_bytes(path, (".txt",)).decode("latin-1").splitlines(), 1):
         words = text.split()
         if words and words[0].rstrip(":") in names:

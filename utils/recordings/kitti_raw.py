@@ -1,4 +1,4 @@
-"""Drives of KITTI's raw data: scans, times and tracklets from the folder they unpack to."""
+"""Drives of KITTI's raw data: scans, times and tracklets of an unpacked drive."""
 
 import os
 import xml.etree.ElementTree as ElementTree
@@ -20,20 +20,19 @@ def read_kitti_raw(folder: str | os.PathLike) -> Recording:
     Parameters
     ----------
     folder : str or path
-        The drive's folder, for instance ``2011_09_26/2011_09_26_drive_0005_sync``, which holds
+        The drive's folder, for instance ``2011_09_26/2011_09_26_drive_0005_sync``. It contains
         ``velodyne_points`` and, if you downloaded the tracklets, ``tracklet_labels.xml``.
 
     Returns
     -------
     Recording
-        Frames with cloud (n, 4), boxes and time. Tracklets are given in the scanner's
-        coordinates; their identity is the tracklet's number and their velocity, which is
-        relative to the moving scanner and not labelled, is not-a-number.
+        Frames with cloud (n, 4), boxes and time. Boxes are in the scanner's coordinates; their
+        identity is the tracklet's number. Their velocity is NaN, because KITTI does not label it.
 
     Raises
     ------
     CloudFileError
-        No such drive, or a file in it is malformed.
+        The drive does not exist, or one of its files is malformed.
     """
     folder = Path(folder)
     scans = folder / "velodyne_points" / "data"
@@ -62,17 +61,17 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
     Returns
     -------
     dict of int to tuple of utils.boxes.Box
-        The boxes of each frame that has any, by the number in the scan's file name. In sensor
-        coordinates; ``returns`` is 0 until a frame of the recording counts them.
+        The boxes of each frame that has any, by the number in the scan's file name. They are in
+        sensor coordinates; ``returns`` is 0 until a frame of the recording counts them.
 
     Raises
     ------
     CloudFileError
-        The file is no XML, or no list of tracklets.
+        The file is not XML, or not a list of tracklets.
     """
     path = Path(path)
     data = read_bytes(path, (".xml",))
-    if b"<!ENTITY" in data:  # the way XML files blow up in memory; KITTI's have none
+    if b"<!ENTITY" in data:  # nested entities can fill the memory; KITTI's files have none
         raise file_error(path, "", "the file defines XML entities, which no KITTI file does")
     boxes: dict[int, tuple] = {}
     try:
@@ -83,7 +82,7 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
             for frame, pose in enumerate(item.findall("poses/item"), first):
                 x, y, z, yaw = _numbers(pose, "tx", "ty", "tz", "rz")
                 box = Box(
-                    centre=(x, y, z + size[2] / 2),  # KITTI gives the floor's middle
+                    centre=(x, y, z + size[2] / 2),  # KITTI gives the centre of the bottom face
                     size=size,
                     yaw=yaw,
                     kind=kind,
@@ -103,7 +102,7 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
 
 
 def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
-    """Read finite numbers from the children of an element."""
+    """Return the finite numbers in the named children of an element."""
     texts = [item.findtext(name) for name in names]
     if None in texts:
         raise ValueError(f"<{names[texts.index(None)]}> is missing")
@@ -114,7 +113,7 @@ def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
 
 
 def _frame_numbers(clouds: CloudFolder) -> list[int]:
-    """Read the frame numbers off the file names: some drives lack a scan here and there."""
+    """Return the frame numbers in the file names, as some drives lack a few scans."""
     for path in clouds.paths:
         if not (path.stem.isascii() and path.stem.isdecimal()):
             raise file_error(path, "", "expected a frame number as the name, as in 0000000000.bin")
@@ -122,7 +121,7 @@ def _frame_numbers(clouds: CloudFolder) -> list[int]:
 
 
 def _times(path: Path, numbers: list[int]) -> np.ndarray:
-    """Read when each scan was taken, in seconds since the first; 10 Hz without the file."""
+    """Return the time of each scan in seconds since the first; without the file, assume 10 Hz."""
     if not path.exists():
         return (np.array(numbers) - numbers[0]) / 10
     lines = read_bytes(path).decode("latin-1").split("\n")

@@ -1,4 +1,4 @@
-"""Recordings as lazy sequences of frames, with true boxes where somebody labelled them."""
+"""Recordings as lazy sequences of frames, with true boxes if the recording is labelled."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from utils.boxes import inside
 
 @dataclass(frozen=True, eq=False)
 class RecordedFrame:
-    """One scan of a recording; `cloud`, `boxes` and `time` as in a simulated frame.
+    """One scan of a recording; it has the `cloud`, `boxes` and `time` of a simulated frame.
 
     Attributes
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
     boxes : tuple of utils.boxes.Box
-        Labelled objects in sensor coordinates; empty where nothing was labelled.
+        Labelled objects in sensor coordinates; empty if the scan has no labels.
     time : float
         Seconds since the first frame.
     """
@@ -30,12 +30,12 @@ class RecordedFrame:
 
 @dataclass(frozen=True, eq=False)
 class Recording(Sequence):
-    """The frames of a recording; a cloud is read when its frame is asked for.
+    """A lazy sequence of the frames of a recording; each access reads one cloud.
 
     Attributes
     ----------
     clouds : sequence of ndarray
-        One cloud per frame, itself lazy.
+        One cloud per frame; this sequence is lazy as well.
     times : ndarray, shape (number of frames,)
         Seconds since the first frame.
     boxes : tuple of tuple of utils.boxes.Box, optional

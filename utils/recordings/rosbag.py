@@ -1,6 +1,6 @@
 """Clouds from ROS recordings, without ROS: .bag files, .db3 and .mcap files and their folders.
 
-The `rosbags` library takes the recordings apart; what a PointCloud2 message means is read here.
+The `rosbags` library reads the recordings; this module decodes their PointCloud2 messages.
 https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html
 """
 
@@ -31,7 +31,7 @@ SUFFIXES = (".bag", ".db3", ".mcap")
 
 @dataclass(frozen=True, eq=False)
 class Bag(Sequence):
-    """The clouds of one topic of a recording, read one at a time when they are asked for.
+    """A lazy sequence of the clouds of one topic of a recording; each access reads one message.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class Bag(Sequence):
         A file, or the folder of a ROS 2 recording.
     topic : str
     timestamps : ndarray, shape (number of messages,), int64
-        When each message was recorded, in nanoseconds since 1970.
+        Recording time of each message, in nanoseconds since 1970.
     repeats : ndarray, shape (number of messages,), int64
-        How many messages before it have the same timestamp.
+        Number of earlier messages with the same timestamp.
     """
 
     path: Path
@@ -72,7 +72,9 @@ class Bag(Sequence):
 
     def _read(self, reader: Reader1 | Reader2, index: int) -> np.ndarray:
         time = int(self.timestamps[index])
-        connections = [each for each in reader.connections if each.topic == self.topic]
+        connections = [
+            connection for connection in reader.connections if connection.topic == self.topic
+        ]
         messages = reader.messages(connections, start=time, stop=time + 1)
         for repeat, (_, _, data) in enumerate(messages):
             if repeat == self.repeats[index]:
@@ -89,14 +91,14 @@ class Bag(Sequence):
 def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     """Open the point clouds of a ROS recording as a lazy sequence.
 
-    The recording is run through once to learn the timestamps; clouds are read when asked for.
+    Opening reads the timestamps of all messages; a cloud is decoded when it is accessed.
 
     Parameters
     ----------
     path : str or path
         A ROS 1 .bag, a ROS 2 .db3 or .mcap, or the folder of a ROS 2 recording.
     topic : str, optional
-        Which PointCloud2 topic; needed where the recording has several.
+        A PointCloud2 topic; needed if the recording has several.
 
     Returns
     -------
@@ -106,15 +108,20 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     Raises
     ------
     CloudFileError
-        No recording, no such topic, or a damaged file.
+        The file is missing, damaged or not a recording, or it lacks the topic.
     """
     path = Path(path)
     if not path.exists():
         raise missing_file(path.name, [path.parent], SUFFIXES)
     with _opened(path) as reader:
-        topics = sorted({each.topic for each in reader.connections if each.msgtype == MESSAGE})
+        topics = sorted(
+            {connection.topic for connection in reader.connections if connection.msgtype == MESSAGE}
+        )
         if not topics:
-            others = listing(sorted({each.topic for each in reader.connections})) or "nothing"
+            others = (
+                listing(sorted({connection.topic for connection in reader.connections}))
+                or "nothing"
+            )
             raise file_error(path, "", f"there is no topic of type PointCloud2, only {others}")
         if topic is None and len(topics) > 1 or topic not in (None, *topics):
             raise file_error(
@@ -124,7 +131,7 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
                 f'Choose one of them, for instance topic="{topics[0]}".',
             )
         topic = topic or topics[0]
-        connections = [each for each in reader.connections if each.topic == topic]
+        connections = [connection for connection in reader.connections if connection.topic == topic]
         seen: dict[int, int] = {}
         timestamps, repeats = [], []
         for _, time, _ in reader.messages(connections):
@@ -135,15 +142,15 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
 
 
 def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
-    """Turn a PointCloud2 message into a cloud.
+    """Convert a PointCloud2 message to a cloud.
 
     Parameters
     ----------
     message : object
-        With the attributes of ``sensor_msgs/PointCloud2``: fields anywhere in a point, points
-        with padding, rows with padding, either byte order.
+        An object with the attributes of ``sensor_msgs/PointCloud2``. Its fields may be anywhere in
+        a point, its points and rows may be padded, and its byte order may be either.
     name, number : str, int
-        Where the message comes from, for errors.
+        Origin and index of the message, shown in errors.
 
     Returns
     -------
@@ -159,7 +166,7 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
     wanted = cloud_fields(fields)
     if not fields.keys() >= set("xyz") or any(
-        fields[each].datatype not in KINDS for each in wanted
+        fields[field].datatype not in KINDS for field in wanted
     ):
         raise file_error(
             name,
@@ -167,13 +174,13 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
             f"the fields are {listing(fields) or 'none'}, expected x, y and z as numbers",
         )
     order = ">" if message.is_bigendian else "<"
-    kinds = [np.dtype(order + KINDS[fields[each].datatype]) for each in wanted]
+    kinds = [np.dtype(order + KINDS[fields[field].datatype]) for field in wanted]
     precision = np.result_type(np.float32, *kinds)
     height, width, step = message.height, message.width, message.point_step
     if height * width == 0:
         return np.empty((0, len(wanted)), precision)
-    row_step = step * width if height == 1 else message.row_step  # drivers forget it for one row
-    ends = [fields[each].offset + kind.itemsize for each, kind in zip(wanted, kinds, strict=True)]
+    row_step = step * width if height == 1 else message.row_step  # some drivers omit it for one row
+    ends = [fields[field].offset + kind.itemsize for field, kind in zip(wanted, kinds, strict=True)]
     if (
         max(ends) > step
         or step * width > row_step
@@ -188,16 +195,16 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
         )
     cloud = np.empty((height, width, len(wanted)), precision)
     data = np.ascontiguousarray(message.data)
-    for index, (each, kind) in enumerate(zip(wanted, kinds, strict=True)):
+    for index, (field, kind) in enumerate(zip(wanted, kinds, strict=True)):
         cloud[:, :, index] = np.ndarray(
-            (height, width), kind, data, fields[each].offset, (row_step, step)
+            (height, width), kind, data, fields[field].offset, (row_step, step)
         )
     return cloud.reshape(-1, len(wanted))
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
-    """Open a recording with the reader of its kind; whatever goes wrong names the file."""
+    """Open a recording with the reader for its kind; every error names the file."""
     if path.suffix not in SUFFIXES and not path.is_dir():
         raise file_error(
             path,
@@ -221,7 +228,7 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
             yield reader
     except CloudFileError:
         raise
-    except Exception as error:  # rosbags lets struct, sqlite, lz4, yaml ... errors through
+    except Exception as error:  # rosbags passes on errors of struct, sqlite, lz4, yaml ...
         raise file_error(
             path,
             "",
@@ -232,7 +239,10 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
 
 @cache
 def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
-    """The function that unpacks a message; PointCloud2 is the same in all releases of a ROS."""
+    """Return the function that unpacks messages of ROS 1 or 2.
+
+    PointCloud2 is the same in all releases of one ROS generation.
+    """
     from rosbags.typesys import Stores, get_typestore
 
     if generation == 1:
@@ -241,9 +251,9 @@ def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
 
 
 class _BoundedPath(type(Path())):
-    """A path whose files never read, and so never allocate, more than they hold.
+    """A path whose files never read, and so never allocate, more bytes than they contain.
 
-    Lengths in a damaged recording are arbitrary; rosbags asks for as many bytes as they say.
+    Lengths in a damaged recording are arbitrary, and rosbags requests as many bytes as they say.
     """
 
     def open(self, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:

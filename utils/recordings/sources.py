@@ -1,4 +1,4 @@
-"""Real recordings that the course can use but does not ship: where they are, on what terms."""
+"""Real recordings that the course can use but does not ship: their addresses and licences."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,15 +31,15 @@ class RecordingSource:
     Attributes
     ----------
     address : str
-        What the file names are appended to.
+        Base address to which the file names are appended.
     files : dict of str to str or None
-        Names with their SHA-256 where it is known.
+        SHA-256 of each file by name; None if it is unknown.
     read : callable
-        Opens the folder in which the files lie, unpacked.
+        Opens the folder of the unpacked files.
     about : str
-        What it shows.
+        Description of the recording.
     licence : str
-        Its terms, shown before the first download.
+        Terms of use, shown before the first download.
     """
 
     address: str
@@ -50,7 +50,7 @@ class RecordingSource:
 
 
 def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> RecordingSource:
-    """Describe a folder of numbered PCD files taken at 10 Hz."""
+    """Describe a folder of numbered PCD files recorded at 10 Hz."""
     names = {f"{number:010d}.pcd": sums.get(number) for number in range(count)}
     return RecordingSource(f"{UDACITY}/{folder}", names, _read_frames, about)
 
@@ -61,7 +61,7 @@ def _read_frames(folder: Path) -> Recording:
 
 
 def _drive(day: str, number: str, about: str) -> RecordingSource:
-    """Describe a drive of KITTI's raw data with its calibration and tracklets."""
+    """Describe a drive of KITTI's raw data, including its calibration and tracklets."""
     drive = f"{day}_drive_{number}"
     names = (f"{day}_calib.zip", f"{drive}/{drive}_tracklets.zip", f"{drive}/{drive}_sync.zip")
     return RecordingSource(
@@ -86,28 +86,28 @@ SOURCES = {
 
 
 def fetch(name: str, cache: Path) -> Recording:
-    """Open a recording, fetching what of it is not in the cache yet.
+    """Open a recording, downloading the files that are not yet in the cache.
 
     Parameters
     ----------
     name : str
         A key of `SOURCES`.
     cache : Path
-        Each recording has a folder in it.
+        Folder in which each recording has a subfolder.
 
     Raises
     ------
     ValueError
-        There is no recording of this name.
+        There is no recording with this name.
     DownloadError
-        It cannot be fetched.
+        A file cannot be downloaded.
     """
     if name not in SOURCES:
         known = "; ".join(f"{key!r} ({source.about})" for key, source in SOURCES.items())
         raise ValueError(f"There is no recording {name!r}. There are: {known}.")
     source = SOURCES[name]
     folder = cache / name
-    complete = folder / ".complete"  # written last: without it the download goes on
+    complete = folder / ".complete"  # written last, so if it is missing the download resumes
     if not complete.exists():
         print(f"{name}: {source.about}. {source.licence}")
         folder.mkdir(parents=True, exist_ok=True)
@@ -117,6 +117,6 @@ def fetch(name: str, cache: Path) -> Recording:
             if path.suffix == ".zip":
                 unpack(path, folder, lambda member: not member.endswith(".png"))
         complete.touch()
-        for archive in folder.glob("*.zip"):  # mostly camera images, and large
+        for archive in folder.glob("*.zip"):  # large, and mostly camera images
             archive.unlink()
     return source.read(folder)
