@@ -1,1 +1,1 @@
-"""Notebooks as files: their code, cut down to what some functions need, and your own functions."""
+"""Notebook files: read cells, slice out the code of an exercise, load a student's functions."""

@@ -1,14 +1,15 @@
-"""All functions that are one edit away from one that somebody wrote.
+"""Generate all functions that are one edit away from a student's function.
 
-An edit is what a slip of the pen is, undone: another operator or comparison, a constant off by one,
-a sign, an axis, two things exchanged, a call, an index or a name too many or too few, a statement
-one level too deep. What an edit makes an edit undoes, but for what would have to be invented: a
-whole statement, or a term that stands nowhere. Singh et al. ("Automated feedback generation for
-introductory programming assignments", PLDI 2013) write such rules down for each exercise, and have
-a solver compare with a model answer; here they are the same for all, and who tries them asks the
-changed function.
+An edit undoes a slip: another operator or comparison, a constant off by one, a sign, an axis, or
+two things swapped. It may also add or remove a call, an index or a name, or move a statement.
+Every edit can be undone by another edit, unless that would have to invent a whole statement or a
+term that is not in the function.
 
-This module reads text that strangers wrote, and runs in the sandbox for that reason.
+Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
+write such rules for each exercise and let a solver compare with a model answer. Here the rules are
+the same for all exercises, and the caller runs each changed function.
+
+This module reads untrusted text, so it runs in the sandbox.
 """
 
 from __future__ import annotations
@@ -21,26 +22,26 @@ from dataclasses import dataclass
 from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
 from utils.notebooks.statements import Statement
 
-# Of one function; the likeliest edits come first.
+# Limit for all edits together; the likeliest come first.
 MOST_EDITS = 600
-# A function of more lines is no exercise of this course.
+# No exercise of this course has a longer function.
 MOST_LINES = 120
 
-_ENTERED = ("break", "continue", "return")
+_JUMPS = ("break", "continue", "return")
 
 
 @dataclass(frozen=True)
 class Edit:
-    """Some lines of a cell, and what stands in their place.
+    """A replacement for some lines of a cell.
 
     Attributes
     ----------
     cell : int
         Number of the code cell.
     first, last : int
-        Numbers of its lines.
+        First and last line that are replaced.
     text : str
-        What takes their place.
+        The new lines.
     statement : str
         The whole changed statement.
     """
@@ -53,31 +54,32 @@ class Edit:
 
 
 def edits_of(cells: list[str], statements: Iterable[Statement]) -> list[Edit]:
-    """Each way to change one of some functions, or classes, by one edit.
+    """List the ways to change one of some functions or classes by one edit.
 
     Parameters
     ----------
     cells : list of str
         Source of the notebook's code cells.
     statements : iterable of Statement
-        The definitions in question.
+        The definitions to change.
 
     Returns
     -------
     list of Edit
-        `MOST_EDITS` at most, the likeliest first. Some are no Python; who runs them will see.
+        At most `MOST_EDITS`, the likeliest first. Some are not valid Python, so the caller must
+        expect a SyntaxError.
     """
     found = []
     for statement in statements:
         try:
-            found += _edits_of_one(cells, statement)
+            found += _edits_of_statement(cells, statement)
         except (ValueError, IndexError, SyntaxError, RecursionError, MemoryError):
-            continue  # text that means something else than it says
-    found.sort(key=lambda ranked: ranked[0])
-    return [edit for _, edit in found[:MOST_EDITS]]
+            continue  # the text of the cell does not match its syntax tree
+    found.sort(key=lambda pair: pair[0])
+    return [found_edit for _, found_edit in found[:MOST_EDITS]]
 
 
-def _edits_of_one(cells: list[str], statement: Statement) -> Iterator[tuple[int, Edit]]:
+def _edits_of_statement(cells: list[str], statement: Statement) -> Iterator[tuple[int, Edit]]:
     node = statement.node
     decorators = [decorator.lineno for decorator in getattr(node, "decorator_list", ())]
     first, last = min([node.lineno, *decorators]), node.end_lineno
@@ -87,7 +89,7 @@ def _edits_of_one(cells: list[str], statement: Statement) -> Iterator[tuple[int,
     if last - first >= MOST_LINES or ast.dump(tree.body[0]) != ast.dump(node):
         return
     seen = {block}
-    for rank, text in sorted(_texts(block, tree), key=lambda ranked: ranked[0]):
+    for rank, text in sorted(_changed_blocks(block, tree), key=lambda pair: pair[0]):
         changed = text()
         if changed not in seen:
             seen.add(changed)
@@ -97,7 +99,7 @@ def _edits_of_one(cells: list[str], statement: Statement) -> Iterator[tuple[int,
 
 
 def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
-    """The lines that differ, and no others."""
+    """Build an edit of only the lines that differ."""
     new = changed.split("\n")
     begin = 0
     while begin < min(len(lines), len(new)) and lines[begin] == new[begin]:
@@ -105,15 +107,15 @@ def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
     end = 0
     while end < min(len(lines), len(new)) - begin and lines[-1 - end] == new[-1 - end]:
         end += 1
-    # What only takes lines away, or puts some between two, says so beside a line that stays.
+    # An edit that only deletes or only inserts lines also includes the unchanged line before them.
     if begin in (len(lines) - end, len(new) - end):
         begin -= 1
     text = "\n".join(new[begin : len(new) - end])
     return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed)
 
 
-def _texts(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
-    """What makes a changed block, with a rank: 0 for what is likeliest."""
+def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
+    """Yield functions that build a changed block, each with its rank; 0 is the likeliest."""
     source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
@@ -123,14 +125,14 @@ def _texts(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str
             continue
         for rank, begin, end, text in edits_of_node(source, node, parent, field, names):
             yield rank, functools.partial(source.with_text, begin, end, text)
-    for rank, text in _returning(block, function, names):
+    for rank, text in _with_return(block, function, names):
         yield rank, functools.partial(str, text)
-    for text in _moved(block, function):
+    for text in _moved_statements(block, function):
         yield 2, functools.partial(str, text)
 
 
 def _walk(node: ast.AST, parent: ast.AST | None = None, field: str = "") -> Iterator[tuple]:
-    """Each node inside, with what it belongs to and as what; without signatures."""
+    """Yield each node with its parent and its field there; skip signatures and decorators."""
     yield node, parent, field
     for name, value in ast.iter_fields(node):
         if name in ("annotation", "returns", "decorator_list", "args") and isinstance(
@@ -148,8 +150,8 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
             yield node.value
 
 
-def _returning(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """The block with a name returned in the end, or a part of an argument, where nothing is."""
+def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
+    """Add a final return of a name, or of a part of an argument, if the function has none."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -159,8 +161,8 @@ def _returning(block: str, function: ast.AST, names: Names) -> Iterator[tuple[in
                 yield 4, f"{end}{whole}[~{name}]"
 
 
-def _moved(block: str, function: ast.AST) -> Iterator[str]:
-    """The block with some statements one level out or in, exchanged, left out or ended early."""
+def _moved_statements(block: str, function: ast.AST) -> Iterator[str]:
+    """Yield the block with statements moved one level out or in, swapped, deleted or cut short."""
     lines = block.split("\n")
     for parent in ast.walk(function):
         for field in ("body", "orelse", "finalbody"):
@@ -182,20 +184,20 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[st
             yield _shifted(lines, first, rest, outer - depth)
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
-            if inner:  # into what stands before it, with some that follow
-                for end in [one.end_lineno for one in body[position:]]:
+            if inner:  # into the block before it, with some of the statements that follow
+                for end in [following.end_lineno for following in body[position:]]:
                     yield _shifted(lines, first, end, inner[0].col_offset - depth)
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]
             yield "\n".join([*lines[:here], *exchanged, *lines[last:]])
         if len(body) > 1:
             yield "\n".join([*lines[:first], *lines[last:]])
-    for word in _ENTERED:
+    for word in _JUMPS:
         yield "\n".join([*lines[:rest], " " * depth + word, *lines[rest:]])
 
 
 def _shifted(lines: list[str], first: int, last: int, by: int) -> str:
-    """The lines with some of them moved to the right, or to the left."""
+    """Return the lines with some of them indented, or unindented if `by` is negative."""
     moved = [
         (" " * by + line if by > 0 else line[-by:]) if line.strip() else line
         for line in lines[first:last]

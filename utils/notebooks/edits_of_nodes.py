@@ -1,4 +1,4 @@
-"""What one slip makes of one node of a function's tree; see `utils.notebooks.edits`."""
+"""Edits of one node of a function's syntax tree; see `utils.notebooks.edits`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import builtins
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-_COMPARED = {
+_COMPARISONS = {
     ast.Lt: ("<=", ">", ">=", "!="),
     ast.LtE: ("<", ">=", ">", "=="),
     ast.Gt: (">=", "<", "<=", "!="),
@@ -46,7 +46,7 @@ _SIGNS = {
     ast.And: "and",
     ast.Or: "or",
 }
-_INSTEAD = {
+_REPLACEMENTS = {
     "+": ("-", "*"),
     "-": ("+", "/"),
     "*": ("/", "+", "@", "**", "&"),
@@ -90,24 +90,24 @@ _TWINS = (
     ("log", "exp"),
 )
 _TWIN = {}
-for _one, _other in _TWINS:
-    _TWIN.setdefault(_one, []).append(_other)
-    _TWIN.setdefault(_other, []).append(_one)
+for _left, _right in _TWINS:
+    _TWIN.setdefault(_left, []).append(_right)
+    _TWIN.setdefault(_right, []).append(_left)
 _COMMUTE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
-_ALONG_AN_AXIS = frozenset(
+_AXIS_FUNCTIONS = frozenset(
     ["sum", "mean", "min", "max", "any", "all", "argmin", "argmax", "median", "prod"]
     + ["std", "var", "norm", "sort", "argsort", "cumsum"]
 )
 _WRAPS = ("-{}", "abs({})", "{} ** 0.5", "{} ** 2")
 _COLUMNS = ("[:, 0]", "[:, 1]", "[:, 2]")
-_NUMBERS = ("[0]", "[1]", "[2]")
+_INDICES = ("[0]", "[1]", "[2]")
 _SLICES = (
     *("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()"),
     *_COLUMNS,
 )
-_OF_EACH_ROW = (".all(axis=1)", ".any(axis=1)")
+_ROW_TESTS = (".all(axis=1)", ".any(axis=1)")
 _CALLS = ("len({})", "{}.sum()", "np.floor({})", "np.linalg.norm({})", "np.isfinite({})")
-_BY_A_NAME = ("{} / {}", "{} * {}", "{} + {}", "{} - {}")
+_COMBINATIONS = ("{} / {}", "{} * {}", "{} + {}", "{} - {}")
 _KEYWORDS = {
     "choice": ("replace=False", "size=2", "size=3"),
     **dict.fromkeys(("zeros", "ones", "empty", "full", "array"), ("dtype=bool", "dtype=int")),
@@ -115,7 +115,7 @@ _KEYWORDS = {
 
 
 class SourceText:
-    """A text, and where the nodes of its tree stand in it."""
+    """A source text that can be addressed by the nodes of its syntax tree."""
 
     def __init__(self, text: str) -> None:
         self._bytes = text.encode()
@@ -124,37 +124,38 @@ class SourceText:
             self._starts.append(self._starts[-1] + len(line) + 1)
 
     def span(self, node: ast.AST) -> tuple[int, int]:
-        """Where a node begins and ends."""
+        """Return where a node begins and ends, in bytes."""
         return (
             self._starts[node.lineno - 1] + node.col_offset,
             self._starts[node.end_lineno - 1] + node.end_col_offset,
         )
 
     def text(self, begin: int, end: int) -> str:
-        """What stands between two places."""
+        """Return the text between two positions."""
         return self._bytes[begin:end].decode()
 
     def of(self, node: ast.AST) -> str:
-        """A node's text."""
+        """Return the text of a node."""
         return self.text(*self.span(node))
 
     def with_text(self, begin: int, end: int, text: str) -> str:
-        """All of it, with something else between two places."""
+        """Return the whole text with the part between two positions replaced."""
         return (self._bytes[:begin] + text.encode() + self._bytes[end:]).decode()
 
 
 @dataclass(frozen=True)
 class Names:
-    """What a function calls things.
+    """The names in a function.
 
     Attributes
     ----------
     arguments : list of str
         Its parameters.
     bound : list of str
-        These, and what is assigned.
+        Its parameters and the names that it assigns.
     missing : list of str
-        What it reads, and neither assigns nor calls; Python's own names are none of them.
+        Names that it reads but neither assigns nor calls, without builtins and names whose
+        attributes it uses.
     """
 
     arguments: list[str]
@@ -163,7 +164,7 @@ class Names:
 
 
 def names_in(function: ast.AST) -> Names:
-    """The names in a function, or a class, each once, in their order."""
+    """Collect the names in a function or a class, each once, in the order of the tree."""
     arguments, bound, read, elsewhere = {}, {}, {}, {*dir(builtins)}
     for node in ast.walk(function):
         if isinstance(node, ast.arg):
@@ -180,29 +181,29 @@ def names_in(function: ast.AST) -> Names:
 def edits_of_node(
     source: SourceText, node: ast.AST, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Rank, begin, end and new text of each edit at a node.
+    """Yield rank, begin, end and new text of each edit of a node.
 
     Parameters
     ----------
     source : SourceText
     node, parent : ast.AST
-        The node, and what it belongs to.
+        The node and its parent.
     field : str
-        As what.
+        The field of the parent that contains the node.
     names : Names
-        Those of the function.
+        Names of the function.
 
     Yields
     ------
     tuple of int, int, int, str
-        Of rank 0 are the likeliest.
+        The likeliest edits have rank 0.
     """
     value = getattr(node, "value", None)
     if isinstance(node, ast.Compare):
-        yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARED)
+        yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     elif isinstance(node, ast.BoolOp):
         yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
-        yield from _without_one(source, node.values, node)
+        yield from _single_operands(source, node.values, node)
     elif isinstance(node, ast.BinOp):
         yield from _of_binary(source, node)
     elif isinstance(node, ast.UnaryOp):
@@ -217,7 +218,7 @@ def edits_of_node(
     elif isinstance(node, ast.Call):
         yield from _of_call(source, node, names)
     elif isinstance(node, (ast.Tuple, ast.List)):
-        yield from _exchanged(source, node.elts, 0 if field == "value" else 1)
+        yield from _swapped_pairs(source, node.elts, 0 if field == "value" else 1)
     elif isinstance(node, ast.Attribute):
         yield from _of_attribute(source, node)
     elif isinstance(node, ast.Subscript):
@@ -228,8 +229,8 @@ def edits_of_node(
         for twin in _TWIN.get(node.id, ()):
             yield 1, *source.span(node), twin
         if node.id in names.bound:
-            for other in names.bound:
-                yield 4, *source.span(node), other
+            for name in names.bound:
+                yield 4, *source.span(node), name
     elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
         yield 2, *_with_comma(source, node, parent), ""
     elif isinstance(node, ast.Return) and value is not None:
@@ -257,15 +258,15 @@ def _operators(
 ) -> Iterator[tuple[int, int, int, str]]:
     for left, operator, right in zip(operands, operators, operands[1:], strict=False):
         sign = _SIGNS[type(operator)]
-        others = table[type(operator)] if table else _INSTEAD[sign]
+        replacements = table[type(operator)] if table else _REPLACEMENTS[sign]
         begin, end = source.span(left)[1], source.span(right)[0]
         at = source.text(begin, end).find(sign)
         if at >= 0:
-            for other in others:
-                yield 0, begin + at, begin + at + len(sign), other
+            for replacement in replacements:
+                yield 0, begin + at, begin + at + len(sign), replacement
 
 
-def _without_one(
+def _single_operands(
     source: SourceText, operands: list[ast.expr], node: ast.expr
 ) -> Iterator[tuple[int, int, int, str]]:
     for kept in operands if len(operands) == 2 else ():
@@ -278,23 +279,23 @@ def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, 
     if small:
         yield 0, *source.span(node), f"({source.of(node.left)})"
     else:
-        yield from _without_one(source, [node.left, node.right], node)
+        yield from _single_operands(source, [node.left, node.right], node)
     if not isinstance(node.op, _COMMUTE):
-        yield 1, *_both(source, node.left, node.right)
+        yield 1, *_swapped(source, node.left, node.right)
 
 
-def _both(source: SourceText, one: ast.expr, other: ast.expr) -> tuple[int, int, str]:
-    """Two neighbours exchanged."""
-    (begin, middle), (further, end) = source.span(one), source.span(other)
-    return begin, end, source.of(other) + source.text(middle, further) + source.of(one)
+def _swapped(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
+    """Swap two nodes; return where they begin and end, and the new text between."""
+    (begin, middle), (further, end) = source.span(first), source.span(second)
+    return begin, end, source.of(second) + source.text(middle, further) + source.of(first)
 
 
 def _of_augmented(source: SourceText, node: ast.AugAssign) -> Iterator[tuple[int, int, int, str]]:
     sign = _SIGNS[type(node.op)]
     begin, end = source.span(node.target)[1], source.span(node.value)[0]
     at = source.text(begin, end).find(sign + "=")
-    for other in (*_INSTEAD[sign], ""):
-        yield 0, begin + at, begin + at + len(sign) + 1, f"{other}="
+    for replacement in (*_REPLACEMENTS[sign], ""):
+        yield 0, begin + at, begin + at + len(sign) + 1, f"{replacement}="
 
 
 def _of_constant(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
@@ -302,11 +303,11 @@ def _of_constant(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, 
     if isinstance(value, bool):
         yield 0, begin, end, str(not value)
     elif isinstance(value, int):
-        for rank, other in ((0, value + 1), (0, value - 1), (3, value + 2), (3, value - 2)):
-            yield rank, begin, end, f"({other})" if other < 0 else str(other)
+        for rank, changed in ((0, value + 1), (0, value - 1), (3, value + 2), (3, value - 2)):
+            yield rank, begin, end, f"({changed})" if changed < 0 else str(changed)
     elif isinstance(value, float):
-        for other in (value / 2, value * 2, value + 1, value - 1):
-            yield 3, begin, end, f"({other!r})"
+        for changed in (value / 2, value * 2, value + 1, value - 1):
+            yield 3, begin, end, f"({changed!r})"
 
 
 def _of_call(
@@ -317,13 +318,13 @@ def _of_call(
         yield 1, *source.span(node), f"({source.of(node.args[0])})"
     if isinstance(node.func, ast.Attribute) and not node.args:
         yield 1, *source.span(node), source.of(node.func.value)
-    yield from _exchanged(source, node.args, 1)
+    yield from _swapped_pairs(source, node.args, 1)
     if node.args:
-        yield from _with_one_more(source, node.args, names.bound, 5)
+        yield from _with_added_name(source, node.args, names.bound, 5)
         for keyword in _KEYWORDS.get(name, ()):
             end = source.span(node)[1]
             yield 3, end - 1, end, f", {keyword})"
-    if name in _ALONG_AN_AXIS and not any(word.arg == "axis" for word in node.keywords):
+    if name in _AXIS_FUNCTIONS and not any(word.arg == "axis" for word in node.keywords):
         begin, end = source.span(node)
         comma = ", " if node.args or node.keywords else ""
         for axis in (0, 1, -1):
@@ -338,17 +339,17 @@ def _of_call(
             yield 1, *source.span(node), f"range({source.of(node.args[1])})"
 
 
-def _exchanged(
+def _swapped_pairs(
     source: SourceText, nodes: list[ast.expr], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Two of some exchanged, and one of them left out."""
+    """Swap two of the nodes, rotate three of them, or leave one out."""
     if len(nodes) > 4:
         pairs = list(zip(nodes, nodes[1:], strict=False))
     else:
-        pairs = [(one, other) for k, one in enumerate(nodes) for other in nodes[k + 1 :]]
-    pairs = [(one, other) for one, other in pairs if not isinstance(one, ast.Starred)]
-    for one, other in pairs:
-        yield rank, *_both(source, one, other)
+        pairs = [(left, right) for k, left in enumerate(nodes) for right in nodes[k + 1 :]]
+    pairs = [(left, right) for left, right in pairs if not isinstance(left, ast.Starred)]
+    for left, right in pairs:
+        yield rank, *_swapped(source, left, right)
     if len(nodes) == 3:
         first, second, third = map(source.of, nodes)
         begin, end = source.span(nodes[0])[0], source.span(nodes[-1])[1]
@@ -396,7 +397,7 @@ def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, i
 
 
 def _with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
-    """Where a keyword argument stands, with the comma before it, or behind it."""
+    """Return the span of a keyword argument together with the comma before it."""
     begin, end = source.span(node)
     before = [
         source.span(argument)[1]
@@ -413,16 +414,16 @@ def _of_return(
     value = node.value
     yield 5, *source.span(node), source.of(value)
     several = value.elts if isinstance(value, ast.Tuple) else [value]
-    yield from _with_one_more(source, several, names.bound, 4)
+    yield from _with_added_name(source, several, names.bound, 4)
     if not isinstance(value, ast.Tuple):
         for whole in names.arguments:
             yield 3, *source.span(value), f"{whole}[{source.of(value)}]"
 
 
-def _with_one_more(
+def _with_added_name(
     source: SourceText, nodes: list[ast.expr], names: list[str], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
-    """A name before, between or behind some nodes."""
+    """Insert a name before, between or after some nodes."""
     if any(isinstance(node, ast.GeneratorExp) for node in nodes):
         return
     for name in names:
@@ -438,7 +439,7 @@ def _of_assignment(
 ) -> Iterator[tuple[int, int, int, str]]:
     target = node.targets[0]
     targets = target.elts if isinstance(target, ast.Tuple) else [target]
-    yield from _with_one_more(source, targets, names.missing, 1)
+    yield from _with_added_name(source, targets, names.missing, 1)
     if isinstance(target, (ast.Name, ast.Subscript)):
         begin = source.span(target)[1]
         end = source.span(node.value)[0]
@@ -446,7 +447,7 @@ def _of_assignment(
         for sign in ("+=", "-=", "&=", "|="):
             yield 2, begin + at, begin + at + 1, sign
     if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
-        yield 2, *_both(source, target, node.value)
+        yield 2, *_swapped(source, target, node.value)
 
 
 def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
@@ -460,7 +461,7 @@ def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, st
 def _wrapped(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str
 ) -> Iterator[tuple[int, int, int, str]]:
-    """A value as it goes into something: with a sign, a root, a part, a copy more."""
+    """Wrap a value where it is used: with a sign, a root, an index, a slice or a copy."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List, ast.Subscript)
     tested = isinstance(parent, (ast.If, ast.While, ast.IfExp)) and field == "test"
     placed = isinstance(parent, into) and field in ("value", "args", "elts", "slice")
@@ -486,9 +487,9 @@ def _wrapped(
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
         for part in _SLICES if atom and placed else ():
             yield 2, begin, end, inner + part
-        for part in (*_COLUMNS, *_NUMBERS) if operand and isinstance(node, ast.Name) else ():
+        for part in (*_COLUMNS, *_INDICES) if operand and isinstance(node, ast.Name) else ():
             yield 3, begin, end, inner + part
-        for part in _OF_EACH_ROW if placed and not _is_arithmetic(node) else ():
+        for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
             yield 1, begin, end, f"{inner}.T"
@@ -502,7 +503,7 @@ def _wrapped(
 def _with_a_name(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """A value in a call, or multiplied with a name that the function has, and the like."""
+    """Put a value into a call, or combine it with one of the function's names."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List)
     operand = isinstance(parent, (ast.BinOp, ast.Compare))
     if not operand and not (isinstance(parent, into) and field in ("value", "args", "elts")):
@@ -514,12 +515,12 @@ def _with_a_name(
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
-    for form in _BY_A_NAME:
+    for form in _COMBINATIONS:
         for name in names.bound:
             yield 5, begin, end, f"({form.format(inner if atom else f'({inner})', name)})"
 
 
 def _is_arithmetic(node: ast.expr) -> bool:
-    """Whether it is no mask: a sum, a product, a power."""
+    """Return whether a node is arithmetic, such as a sum, and not a combination of masks."""
     masks = (ast.BitAnd, ast.BitOr, ast.BitXor)
     return isinstance(node, ast.BinOp) and not isinstance(node.op, masks)

@@ -1,7 +1,8 @@
-"""What a lesson forbids, because it does the exercise: how it is refused, and what stands for it.
+"""Stand-ins for modules that a lesson forbids because they solve its exercise.
 
-Libraries import such modules for purposes of their own, scikit-learn a graph search with its first
-line. They find a module in which every name is there, and refuses to be used.
+Libraries import such modules for their own purposes; scikit-learn, for example, imports a graph
+search in its first line. They get a module that has every name, and each name raises an error as
+soon as it is called.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ import functools
 from collections.abc import Iterable
 from types import ModuleType
 
-# Compiled code that links against compiled code looks for it as soon as it is imported:
-# `scipy.interpolate` for these.
+# Compiled modules look up the C functions that they link against as soon as they are imported;
+# `scipy.interpolate` links against these.
 _MESH = "__pyx_t_5scipy_7spatial_6_qhull_DelaunayInfo_t *"
 _LINKED = {
     "scipy.spatial._qhull": {
@@ -25,69 +26,69 @@ _LINKED = {
 
 
 def forbidden_part(name: str, modules: Iterable[str]) -> str | None:
-    """That one of some modules which a dotted name is, or lies in."""
+    """Return the module that a dotted name equals or is inside; None if there is none."""
     return next((module for module in modules if f"{name}.".startswith(f"{module}.")), None)
 
 
 def refusal(module: str) -> ImportError:
-    """What is raised where code imports, or uses, what its lesson forbids."""
+    """Build the error for code that imports or uses a module that its lesson forbids."""
     sentence = f"{module} is not allowed in this lesson: it does the exercise for you"
     return ImportError(sentence, name=module)
 
 
 class StandIn(type):
-    """The kind of all names in a module that is not there.
+    """Metaclass of all names in a stand-in module.
 
-    Each is a class, as a class can be had for a base, by `isinstance` and as a decorator's argument
-    before anybody uses it. Call it, and it refuses.
+    Each name is a class, because library code may use it as a base, in `isinstance` or as a
+    decorator's argument without calling it. A call raises the refusal.
     """
 
     def __call__(cls, *arguments: object, **keywords: object) -> None:
-        """Refuse."""
+        """Raise the refusal."""
         raise refusal(cls.forbidden)
 
     def __getattr__(cls, name: str) -> StandIn:
-        """A method, or what else may lie in it."""
-        return _inside(name, cls.__module__, cls.forbidden)
+        """Return a stand-in for a method or any other attribute."""
+        return _attribute(name, cls.__module__, cls.forbidden)
 
 
 class StandInModule(ModuleType):
-    """A module that is not there, with every name that anybody asks for.
+    """A stand-in for a forbidden module, which has every name.
 
     Parameters
     ----------
     name : str
     forbidden : str
-        What the lesson forbids: this, or what it lies in.
+        The module that the lesson forbids: this one or one that contains it.
     """
 
     def __init__(self, name: str, forbidden: str) -> None:
         super().__init__(name)
         self.__forbidden__ = forbidden
         if name in _LINKED:
-            self.__pyx_capi__ = _unusable(name)
+            self.__pyx_capi__ = _unusable_functions(name)
 
     def __getattr__(self, name: str) -> StandIn:
-        """A stand-in; the same one each time."""
-        value = _inside(name, self.__name__, self.__forbidden__)
+        """Return a stand-in for a name; it is the same object at every access."""
+        value = _attribute(name, self.__name__, self.__forbidden__)
         setattr(self, name, value)
         return value
 
 
 def stand_in(name: str, module: str, forbidden: str) -> StandIn:
-    """What stands for a function or a class of a forbidden module."""
+    """Return a stand-in for a function or a class of a forbidden module."""
     return StandIn(name, (), {"__module__": module, "forbidden": forbidden})
 
 
-def _inside(name: str, module: str, forbidden: str) -> StandIn:
-    if name.startswith("__"):  # by these Python asks what a thing can do
+def _attribute(name: str, module: str, forbidden: str) -> StandIn:
+    if name.startswith("__"):  # Python probes these to find out an object's abilities
         raise AttributeError(name)
     return stand_in(name, module, forbidden)
 
 
 @functools.cache
-def _unusable(module: str) -> dict[str, object]:
-    """Functions of C that can be linked against; whoever could call one is refused before."""
+def _unusable_functions(module: str) -> dict[str, object]:
+    """Return C functions to link against; a caller gets the refusal before reaching them."""
     import ctypes
 
     new = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)(

@@ -1,19 +1,19 @@
-"""A code cell as Python, in which commands to the notebook do nothing.
+"""Parse a code cell as Python in which IPython commands do nothing.
 
-`%matplotlib inline`, `!pip list` and `plot?` are for the one who sits before the notebook. Where
-its functions are wanted, and nobody sits there, they are `None`. Every line keeps its number, so
-that an error is told where its author finds it.
+`%matplotlib inline`, `!pip list` and `plot?` are for a person at the notebook. Code that only
+needs the notebook's functions gets `None` in their place. Every line keeps its number, so that an
+error points to the student's own line.
 """
 
 from __future__ import annotations
 
 import ast
 
-# The bodies of these run in the notebook's own namespace; other cell magics hold another
-# language, or throw-away code.
+# The bodies of these run in the notebook's own namespace; other cell magics contain another
+# language or throw-away code.
 _PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
-# For each command IPython reads the cell anew. A person writes a few; what is left after so many
-# is a mistake in Python, which costs its cell.
+# IPython reads the whole cell again for each command. A student writes a few commands; a cell with
+# more than this is treated as invalid Python.
 _MOST_COMMANDS = 100
 
 
@@ -28,23 +28,23 @@ def parse_cell(source: str) -> ast.Module:
     Returns
     -------
     ast.Module
-        Its nodes stand in the lines of `source`.
+        Its nodes have the line numbers of `source`.
 
     Raises
     ------
     SyntaxError
-        It is no Python, magics or not.
+        The cell is not valid Python, even without its magics.
     """
     try:
         tree = ast.parse(source)
     except SyntaxError:
         source = _without_magics(source)
         tree = ast.parse(source)
-    return _Muted().visit(tree) if "get_ipython" in source else tree
+    return _MagicsRemover().visit(tree) if "get_ipython" in source else tree
 
 
-class _Muted(ast.NodeTransformer):
-    """Puts `None` where a method of IPython is called: that is what a magic turns into."""
+class _MagicsRemover(ast.NodeTransformer):
+    """Replaces calls of IPython's methods, which magics are translated into, by `None`."""
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if ast.unparse(node.func).startswith("get_ipython()."):
@@ -53,7 +53,7 @@ class _Muted(ast.NodeTransformer):
 
 
 def _without_magics(source: str) -> str:
-    """Python text of a cell with IPython magics."""
+    """Return the Python text of a cell with IPython magics."""
     blank = source[: len(source) - len(source.lstrip())].count("\n")
     source = source.split("\n", blank)[-1]
     first, _, rest = source.partition("\n")
@@ -64,11 +64,11 @@ def _without_magics(source: str) -> str:
 
 
 def _transform(source: str) -> str:
-    """IPython's own translation; needed for few cells and slow to import."""
+    """Translate magics with IPython, which few cells need and which is slow to import."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):
-        """Fills up with blank lines what it makes one line of, and comes to an end."""
+        """Pads joined lines with blank lines, and stops after `_MOST_COMMANDS` commands."""
 
         def do_token_transforms(self, lines: list[str]) -> list[str]:
             for _ in range(_MOST_COMMANDS):

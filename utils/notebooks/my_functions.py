@@ -1,6 +1,7 @@
-"""Fetch functions out of a notebook of one's own, without running the notebook.
+"""Load your functions from another notebook without running all of it.
 
-A notebook tells a story: it loads, draws, plays. Of that only what the functions need is executed.
+A notebook also loads clouds, draws them and plays films. Only the statements that the functions
+need are executed.
 """
 
 from __future__ import annotations
@@ -22,9 +23,9 @@ from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 from utils.notebooks.statements import Statement
 
 _PROJECT = Path(__file__).resolve().parents[2]
-# What these do at the top level of a notebook is its story: pictures, films, and streets that
-# take seconds to simulate.
-_STORY = (
+# At the top level of a notebook, these modules only present: they make pictures, films, and streets
+# that take seconds to simulate.
+_PRESENTATION_MODULES = (
     "matplotlib.pyplot",
     "utils.drive",
     "utils.films",
@@ -40,38 +41,38 @@ _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 def load_my_functions(
     name: str | os.PathLike, paste: str | Iterable[str] = ()
 ) -> SimpleNamespace | None:
-    """Fetch the functions that you wrote in another notebook. Save that notebook first.
+    """Load the functions that you wrote in another notebook. Save that notebook first.
 
     Parameters
     ----------
     name : str or path
-        Such as ``"06_filter_ground.ipynb"``. Looked for in the working folder, in the folders
-        beside it and in the course's ``notebooks``; or give a path.
+        A path, or a name such as ``"06_filter_ground.ipynb"``. A name is searched for in the
+        working folder, in the folders next to it and in the course's ``notebooks``.
     paste : str or iterable of str, optional
-        Names of functions to print, with all of that notebook that they use: imports, constants,
-        other functions. They are ready to be pasted where they are needed, and nothing runs.
+        Names of functions to print, ready to be pasted, with everything they use from that
+        notebook: imports, constants, other functions. Nothing runs in this case.
 
     Returns
     -------
     types.SimpleNamespace or None
-        None where something is printed; else the functions and classes of the notebook, as
-        attributes. A function that is still a stub raises NotImplementedError, with a sentence,
-        when it is called; it has an attribute ``is_stub``.
+        The functions and classes of the notebook as attributes; None if `paste` is given. A
+        function that is still a stub has an attribute ``is_stub`` and raises NotImplementedError
+        with an explanation when it is called.
 
     Raises
     ------
     FileNotFoundError
-        There is no such notebook; the message says where it was looked for.
+        The notebook does not exist; the message names the folders searched.
     ValueError
         The file is not a notebook.
     LookupError
-        It does not define what is to be printed.
+        The notebook does not define a function to print.
 
     Notes
     -----
-    What the functions need runs: a table that they look things up in, a cloud that one of them
-    uses. Pictures, films and simulated streets are made for none but those that the notebook
-    checks, and whatever the notebook prints stays there.
+    Statements that the functions need are executed, for example a lookup table or a cloud that one
+    of them uses. Pictures, films and simulated streets are made only if a function that the
+    notebook checks needs them. Output of the notebook is discarded.
 
     Examples
     --------
@@ -88,7 +89,7 @@ def load_my_functions(
         return None
     _LOADING.add(path)
     try:
-        # Sliders run what they decorate.
+        # A slider runs the function that it decorates.
         statements = slicing.parse_notebook(cells)[0]
         statements = [found for found in statements if not _is_slider(found.node)]
         names = _functions(statements)
@@ -98,7 +99,7 @@ def load_my_functions(
 
 
 def _find(wanted: Path) -> Path:
-    """The notebook of this name in the usual places."""
+    """Find a notebook by its name in the usual folders."""
     if wanted.suffix != ".ipynb":
         wanted = wanted.with_name(wanted.name + ".ipynb")
     here = Path.cwd()
@@ -108,7 +109,7 @@ def _find(wanted: Path) -> Path:
         *sorted((_PROJECT / "notebooks").glob("*/")),
     ]
     for folder in folders:
-        # Folders of other people may be closed to us.
+        # Folders of other users may not be readable.
         with contextlib.suppress(OSError):
             if (folder / wanted).is_file():
                 return folder / wanted
@@ -131,7 +132,7 @@ def _find(wanted: Path) -> Path:
 
 
 def _cells(path: Path) -> list[str]:
-    """Source of a notebook's code cells."""
+    """Return the source of a notebook's code cells."""
     try:
         cells = decode_notebook(path.read_bytes(), path.name).code
     except UnreadableNotebook:
@@ -140,7 +141,7 @@ def _cells(path: Path) -> list[str]:
             "there, and try again."
         ) from None
     for number, source in enumerate(cells, start=1):
-        # So that Python can show the line in which one of these functions fails.
+        # Tracebacks can then show the line in which one of these functions fails.
         filename = _filename(path.name, number)
         linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
     return cells
@@ -157,7 +158,7 @@ def _is_slider(node: ast.stmt) -> bool:
 
 
 def _functions(statements: list[Statement]) -> set[str]:
-    """Names of the functions and classes that the statements define."""
+    """Return the names of the functions and classes that the statements define."""
     names = set()
     for statement in statements:
         value = getattr(statement.node, "value", None)
@@ -171,18 +172,18 @@ def _functions(statements: list[Statement]) -> set[str]:
 
 
 def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
-    """The statements that functions need, in the order of the notebook.
+    """Return the statements that functions need, in the order of the notebook.
 
-    An exercise gets all that it needs, as the judge gives it. Another function gets that too,
-    unless the story would be told for it: then it gets definitions and plain constants.
+    An exercise gets all statements that it needs, as in the judge. Any other function gets only
+    definitions and plain constants if it would otherwise run pictures, films or simulations.
     """
-    story = set(_story_names(statements))
+    presentation = set(_presentation_names(statements))
     plain = [statement for statement in statements if _is_plain(statement.node)]
     kept = set()
     for name in names:
         needed = slicing.slice_for([name], statements)
         if not slicing.is_checked(name, statements) and any(
-            statement.uses & story and not isinstance(statement.node, _DEFINITIONS)
+            statement.uses & presentation and not isinstance(statement.node, _DEFINITIONS)
             for statement in needed
         ):
             needed = slicing.slice_for([name], plain)
@@ -190,19 +191,22 @@ def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
     return [statement for statement in statements if statement in kept]
 
 
-def _story_names(statements: list[Statement]) -> Iterator[str]:
-    """Names under which a notebook imports what tells its story."""
+def _presentation_names(statements: list[Statement]) -> Iterator[str]:
+    """Yield the names under which a notebook imports modules that only present."""
     for statement in statements:
         if isinstance(statement.node, (ast.Import, ast.ImportFrom)):
             module = getattr(statement.node, "module", None)
             for alias in statement.node.names:
                 origin = f"{module}.{alias.name}" if module else alias.name
-                if any(f"{origin}.".startswith(f"{teller}.") for teller in _STORY):
+                if any(
+                    f"{origin}.".startswith(f"{presentation}.")
+                    for presentation in _PRESENTATION_MODULES
+                ):
                     yield alias.asname or alias.name.split(".")[0]
 
 
 def _is_plain(node: ast.stmt) -> bool:
-    """Whether a statement defines or imports something, or names a constant without a call."""
+    """Return whether a statement is a definition, an import, or an assignment without a call."""
     if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
         return isinstance(node.value, ast.Lambda) or not any(
             isinstance(part, (ast.Call, ast.Await, ast.NamedExpr, ast.Yield, ast.comprehension))
@@ -212,13 +216,13 @@ def _is_plain(node: ast.stmt) -> bool:
 
 
 def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[str, Callable]:
-    """Execute statements; the functions and classes of these names as they were last defined."""
-    # Data classes look their module up. Nobody can import one with a dot before the suffix.
+    """Execute statements; return the last definition of each function or class in `names`."""
+    # Data classes look up their module. No import can clash with a name that ends in ".ipynb".
     module = sys.modules[notebook] = ModuleType(notebook)
     found = {}
-    with contextlib.redirect_stdout(io.StringIO()):  # what a notebook prints is for its reader
+    with contextlib.redirect_stdout(io.StringIO()):  # output belongs in the other notebook
         for statement in needed:
-            _execute_one(statement, module)
+            _execute_statement(statement, module)
             found.update(
                 (name, getattr(module, name))
                 for name in statement.binds & names
@@ -227,14 +231,14 @@ def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[st
     return found
 
 
-def _execute_one(statement: Statement, module: ModuleType) -> None:
-    """Execute a statement in a module; a stub says that it is one when it is called."""
+def _execute_statement(statement: Statement, module: ModuleType) -> None:
+    """Execute a statement in a module; define a stub so that a call explains it is unfinished."""
     node, notebook = statement.node, module.__name__
     if is_stub(node):
         setattr(module, node.name, _stub(node.name, notebook))
         return
-    # A statement that fails is passed over. Whoever needs it gets Python's own words when the
-    # function is called.
+    # A statement that fails is skipped. A function that needs it fails with Python's own message
+    # when it is called.
     with contextlib.suppress(Exception, SystemExit):
         code = slicing.compile_statement(statement, _filename(notebook, statement.cell))
         exec(code, vars(module))

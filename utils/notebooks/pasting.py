@@ -1,4 +1,4 @@
-"""Functions as text, with all that they use: to be pasted into another notebook."""
+"""Source of functions and of everything they use, to be pasted into another notebook."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _IMPORTS = (ast.Import, ast.ImportFrom)
 
 
 def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[str]:
-    """Source of some functions and of what they need, as it stands in a notebook.
+    """Return the source of some functions and of the statements that they need.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
     Returns
     -------
     list of str
-        One for each statement, in the order of the notebook.
+        One text per statement, in the order of the notebook.
 
     Raises
     ------
@@ -55,12 +55,12 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
 
 
 def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
-    """One text of some functions: imports, where they come from, and what they need.
+    """Return one text of some functions: imports, a comment with their origin, definitions.
 
     Parameters
     ----------
     names, cells, origin
-        As for `texts_of`.
+        The parameters of `texts_of`.
     """
     texts = texts_of(names, cells, origin)
     imports = [text for text in texts if is_import(text)]
@@ -70,12 +70,12 @@ def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
 
 
 def is_import(text: str) -> bool:
-    """Whether a statement imports something."""
+    """Return whether a statement is an import."""
     return isinstance(ast.parse(text).body[0], _IMPORTS)
 
 
 def is_stub(node: ast.stmt) -> bool:
-    """Whether a statement defines a function that nobody has written yet."""
+    """Return whether a statement defines a function that is not written yet."""
     last = node.body[-1] if isinstance(node, ast.FunctionDef) else None
     return (
         isinstance(last, ast.Raise)

@@ -1,10 +1,10 @@
-"""What turns the bytes of a notebook file into its cells.
+"""Turn the bytes of a notebook file into its cells.
 
-Editors, browsers and disks spoil notebooks in many ways. Each step below undoes one of them, and
-says in a sentence what it did wherever something may be missing.
+Editors, browsers and disks damage notebooks in many ways. Each step below repairs one kind of
+damage, and returns a sentence about it if something may be missing.
 
-The file may be a stranger's, and this may run in the sandbox: standard library only, no pattern
-that looks twice at a letter.
+The file is untrusted, and this module may run in the sandbox. It therefore uses only the standard
+library and only patterns that do not backtrack.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-# Each bracket becomes an object of a hundred bytes, so a small file could fill the memory.
+# Each bracket becomes an object of about a hundred bytes, so a small file could fill the memory.
 MOST_BRACKETS = 2_000_000
 MOST_CELLS = 20_000
 _TEXT_IN_JSON = re.compile(r'"(?:[^"\\]|\\.)*+"', re.DOTALL)
@@ -24,21 +24,21 @@ _LESSON_IN_JSON = re.compile(r'"lidar_obstacle_lab"\s*:\s*\{\s*"lesson"\s*:\s*"(
 
 
 class UnreadableNotebook(Exception):
-    """The file is not a notebook; `str()` is the sentence to show."""
+    """The file is not a notebook; `str()` is the message to show."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell.
+    """One cell of a notebook.
 
     Attributes
     ----------
     kind : {"code", "markdown", "raw"}
     source : str
     grade_id : str
-        What nbgrader calls it; empty where it does not say.
+        ID of the cell in nbgrader; empty if it has none.
     attachments : dict
-        Pictures in it, as the file has them: anything a stranger likes.
+        Attached pictures as stored in the file; untrusted and not validated.
     """
 
     kind: str
@@ -49,15 +49,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class Notebook:
-    """The cells of a notebook, and what it says about itself.
+    """The cells of a notebook, and its metadata.
 
     Attributes
     ----------
     cells : tuple of Cell
     lesson_name : str
-        Name of the lesson that it was released as; empty where it does not say.
+        Name of the released lesson according to the metadata; empty if it is not there.
     mended : tuple of str
-        What was wrong with the file and what was done about it, one sentence each.
+        One sentence for each fault of the file, with the repair.
     """
 
     cells: tuple[Cell, ...]
@@ -66,13 +66,13 @@ class Notebook:
 
     @property
     def code(self) -> tuple[str, ...]:
-        """Source of each code cell."""
+        """Source of each code cell, in order."""
         return tuple(cell.source for cell in self.cells if cell.kind == "code")
 
 
 @dataclass
 class _Draft:
-    """What the steps work on, from bytes to cells."""
+    """State that the steps fill in, from bytes to cells."""
 
     name: str
     data: bytes
@@ -85,18 +85,19 @@ class _Draft:
 
 
 def decode_notebook(data: bytes, name: str) -> Notebook:
-    """Find the cells in the bytes of a notebook file.
+    """Read the cells from the bytes of a notebook file.
 
     Parameters
     ----------
     data : bytes
         JSON of nbformat 3 or later.
     name : str
-        What sentences call the file.
+        Name of the file in messages.
 
     Raises
     ------
     UnreadableNotebook
+        The file is not a notebook, or is too large to read.
     """
     draft = _Draft(name, data)
     sentences = [step(draft) for step in STEPS]
@@ -104,7 +105,7 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
 
 
 def _decode(draft: _Draft) -> str:
-    """Turn bytes into text: UTF-8, or what Windows makes of it."""
+    """Decode bytes as UTF-8, or as one of the encodings that Windows programs save."""
     data = draft.data
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding, sentence = "utf-16", ""
@@ -135,10 +136,10 @@ def _decode(draft: _Draft) -> str:
 
 
 def _count_brackets(draft: _Draft) -> str:
-    """Refuse what would fill the memory."""
+    """Refuse a file whose parsed content would fill the memory."""
     text = draft.text
     if text.count("[") + text.count("{") > MOST_BRACKETS:
-        text = _TEXT_IN_JSON.sub("", text)  # those in texts become no objects
+        text = _TEXT_IN_JSON.sub("", text)  # brackets inside strings do not become objects
         if text.count("[") + text.count("{") > MOST_BRACKETS:
             raise UnreadableNotebook(
                 f"{draft.name} holds more than {MOST_BRACKETS:,} lists and entries, most of them "
@@ -149,7 +150,7 @@ def _count_brackets(draft: _Draft) -> str:
 
 
 def _parse(draft: _Draft) -> str:
-    """Read JSON; what stands behind it is left out, and of a damaged file the whole cells kept."""
+    """Parse JSON; ignore text after its end, and keep the complete cells of a damaged file."""
     text = draft.text.lstrip(" \t\r\n\0")
     try:
         draft.content, end = json.JSONDecoder().raw_decode(text)
@@ -174,7 +175,7 @@ def _parse(draft: _Draft) -> str:
 
 
 def _whole_cells(text: str) -> dict:
-    """The cells of a notebook up to the place where its file breaks off."""
+    """Return a notebook with the cells that are complete before the file breaks off."""
     begin = re.search(r'"cells"\s*:\s*\[', text)
     cells, place = [], begin.end() if begin else len(text)
     decoder = json.JSONDecoder()
@@ -192,14 +193,14 @@ def _whole_cells(text: str) -> dict:
 
 
 def _find_cells(draft: _Draft) -> str:
-    """Look where the notebook's format keeps its cells.
+    """Find the list of cells in the place that the notebook's format prescribes.
 
-    A file may hold both kinds; a person with Jupyter sees those of its own format alone.
+    A file may contain both kinds of lists; Jupyter shows only the cells of the file's own format.
     """
     content = draft.content if isinstance(draft.content, dict) else {}
     number = content.get("nbformat")
     old = number < 4 if type(number) is int else "cells" not in content
-    sheets = _listed(content.get("worksheets")) if old else [content]
+    sheets = _as_list(content.get("worksheets")) if old else [content]
     lists = [sheet.get("cells") for sheet in sheets if isinstance(sheet, dict)]
     if not any(isinstance(cells, list) for cells in lists):
         raise UnreadableNotebook(
@@ -207,15 +208,15 @@ def _find_cells(draft: _Draft) -> str:
             "in the .ipynb file that Jupyter saves."
         )
     draft.old = old
-    draft.found = [cell for cells in lists for cell in _listed(cells)]
-    course = _entries(_entries(content.get("metadata")).get("lidar_obstacle_lab"))
+    draft.found = [cell for cells in lists for cell in _as_list(cells)]
+    course = _as_dict(_as_dict(content.get("metadata")).get("lidar_obstacle_lab"))
     name = course.get("lesson")
     draft.lesson_name = name if isinstance(name, str) else ""
     return ""
 
 
 def _read_cells(draft: _Draft) -> str:
-    """Read each cell, whatever it lacks."""
+    """Read each cell, even if some of its entries are missing."""
     if len(draft.found) > MOST_CELLS:
         raise UnreadableNotebook(
             f"{draft.name} has {len(draft.found):,} cells; more than {MOST_CELLS:,} are not read. "
@@ -229,8 +230,8 @@ def _read_cells(draft: _Draft) -> str:
     return ""
 
 
-# From bytes to cells. Each takes the draft one step further and returns what it mended, if that
-# may cost somebody something.
+# The steps from bytes to cells. Each returns a sentence about its repair if work of the student may
+# be lost by it.
 STEPS: tuple[Callable[[_Draft], str], ...] = (
     _decode,
     _count_brackets,
@@ -243,28 +244,28 @@ STEPS: tuple[Callable[[_Draft], str], ...] = (
 def _cell(cell: dict, old: bool) -> Cell:
     kind = cell.get("cell_type")
     if kind not in ("code", "markdown", "raw"):
-        # "heading" and "html" are of nbformat 3. A cell without a type runs if it could.
+        # nbformat 3 has "heading" and "html". A cell without a type counts as code if it looks so.
         runs = kind is None and ("outputs" in cell or "input" in cell)
         kind = "code" if runs else "raw" if kind == "html" else "markdown"
     places = ("input", "source") if old and kind == "code" else ("source", "input")
-    grading = _entries(_entries(cell.get("metadata")).get("nbgrader"))
+    grading = _as_dict(_as_dict(cell.get("metadata")).get("nbgrader"))
     grade_id = grading.get("grade_id")
     return Cell(
         kind,
         next((_text(cell[place]) for place in places if place in cell), ""),
         grade_id if isinstance(grade_id, str) else "",
-        _entries(cell.get("attachments")),
+        _as_dict(cell.get("attachments")),
     )
 
 
 def _text(source: object) -> str:
-    lines = [source] if isinstance(source, str) else _listed(source)
+    lines = [source] if isinstance(source, str) else _as_list(source)
     return "".join(line for line in lines if isinstance(line, str))
 
 
-def _listed(value: object) -> list:
+def _as_list(value: object) -> list:
     return value if isinstance(value, list) else []
 
 
-def _entries(value: object) -> dict:
+def _as_dict(value: object) -> dict:
     return value if isinstance(value, dict) else {}

@@ -1,12 +1,12 @@
-"""The part of a notebook that an exercise needs.
+"""Program slicing: the statements of a notebook that an exercise needs.
 
-A notebook is a story: it loads a street, draws it, tries things out. The judge, and another
-notebook, want the student's functions and what those functions use, and nothing that costs time
-or can fail beside them. So the notebook is cut backwards from the functions' names: a top-level
-statement stays when it binds, or changes, a name that is needed; the names it uses are then
-needed too.
+A notebook also loads a street, draws it and tries things out. The judge, or another notebook, needs
+only the student's functions and the statements that those functions use; other statements cost
+time and may fail. The notebook is therefore sliced backwards from the functions' names. A top-level
+statement is kept if it binds or changes a name that is needed; the names that it uses are then
+needed as well.
 
-This module reads text that strangers wrote, and runs in the sandbox for that reason.
+This module reads untrusted text, so it runs in the sandbox.
 """
 
 import __future__
@@ -20,7 +20,7 @@ from utils.notebooks.statements import Statement, describe
 
 
 def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
-    """Top-level statements of a notebook's code cells.
+    """Parse the top-level statements of a notebook's code cells.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
     -------
     statements : list of Statement
     problems : list of str
-        A sentence for each cell that is not Python.
+        One sentence for each cell that is not valid Python.
     """
     statements, problems, future = [], [], 0
     for number, source in enumerate(cells, start=1):
@@ -45,7 +45,7 @@ def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
                 f"Code cell {number} is not valid Python, so it was skipped: "
                 f"{error.msg} (line {error.lineno}: {line[:80]!r})."
             )
-        except Exception as error:  # strangers' text breaks parsers in ways of its own
+        except Exception as error:  # untrusted text can break the parser in many ways
             problems.append(
                 f"Code cell {number} could not be read ({type(error).__name__}), so it was skipped."
             )
@@ -53,24 +53,24 @@ def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
 
 
 def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Statement]:
-    """The statements that the functions of some names need, in the order of the notebook."""
+    """Return the statements that the named functions need, in the order of the notebook."""
     kept = set().union(*(_needed_by(name, statements) for name in names))
     return [statements[position] for position in sorted(kept)]
 
 
 def lines_of(names: Iterable[str], statements: list[Statement]) -> list[list[int]]:
-    """Where a notebook writes functions, and those of its own functions that these need.
+    """Locate the named functions in a notebook, and the functions and classes that they need.
 
     Returns
     -------
     list of [int, int, int]
-        Number of the code cell, first and last line.
+        Number of the code cell, first line and last line of each definition.
     """
     return places_of(slice_for(names, statements))
 
 
 def places_of(statements: Iterable[Statement]) -> list[list[int]]:
-    """Where the functions and classes among some statements of a notebook stand; see `lines_of`."""
+    """Return cell, first and last line of each function or class among some statements."""
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return [
         [statement.cell, statement.node.lineno, statement.node.end_lineno]
@@ -80,12 +80,12 @@ def places_of(statements: Iterable[Statement]) -> list[list[int]]:
 
 
 def is_checked(name: str, statements: list[Statement]) -> bool:
-    """Whether a `check(name)` follows the last definition: then it is an exercise."""
+    """Return whether a `check(name)` follows the last definition, as for every exercise."""
     return _end_of_exercise(name, statements) < len(statements)
 
 
 def end_of_checks(names: Iterable[str], statements: list[Statement]) -> int:
-    """Position of the last ``check(name)`` of some names; 0 without one."""
+    """Return the position of the last ``check(name)`` for one of the names; 0 if there is none."""
     names = tuple(names)
     return max(
         (
@@ -98,9 +98,9 @@ def end_of_checks(names: Iterable[str], statements: list[Statement]) -> int:
 
 
 def _needed_by(name: str, statements: list[Statement]) -> set[int]:
-    """Positions of the statements that one function needs."""
-    # `sys.setrecursionlimit(...)` and its like work by what they do to the interpreter, so
-    # they count even when no function names `sys`.
+    """Return the positions of the statements that one function needs."""
+    # Statements such as `sys.setrecursionlimit(...)` change the interpreter, so they count even if
+    # the function does not mention `sys`.
     needed, kept = {name, "sys"}, set()
     modules = {
         name
@@ -116,7 +116,7 @@ def _needed_by(name: str, statements: list[Statement]) -> set[int]:
         for position, statement in enumerate(statements):
             touched = statement.binds | statement.changes | (statement.calls - modules)
             if position >= end:
-                # The lesson goes on, and may use a helper's name for something of its own.
+                # After the exercise, the lesson may reuse a helper's name for something else.
                 touched = touched - early
             if position not in kept and touched & needed:
                 kept.add(position)
@@ -126,7 +126,7 @@ def _needed_by(name: str, statements: list[Statement]) -> set[int]:
 
 
 def _end_of_exercise(name: str, statements: list[Statement]) -> int:
-    """Position of the `check(name)` that follows its last definition; the end without one."""
+    """Return the position of the `check(name)` after the last definition, or the end."""
     last = max(
         (
             position
@@ -142,41 +142,41 @@ def _end_of_exercise(name: str, statements: list[Statement]) -> int:
 
 
 def _is_check(node: ast.stmt, name: str) -> bool:
-    """Whether a statement is ``check(name)``, with or without more arguments."""
+    """Return whether a statement is ``check(name)``, with or without more arguments."""
     return (
         isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Call)
-        and _names(node.value.func, "check")
-        and any(_names(argument, name) for argument in node.value.args[:1])
+        and _is_name(node.value.func, "check")
+        and any(_is_name(argument, name) for argument in node.value.args[:1])
     )
 
 
-def _names(node: ast.expr, name: str) -> bool:
+def _is_name(node: ast.expr, name: str) -> bool:
     return isinstance(node, ast.Name) and node.id == name
 
 
 def compile_statement(statement: Statement, filename: str) -> CodeType:
-    """Compile a statement.
+    """Compile a statement with the ``__future__`` flags of its notebook.
 
     Parameters
     ----------
     statement : Statement
     filename : str
-        What tracebacks will say.
+        File name in tracebacks.
     """
     module = ast.Module([statement.node], type_ignores=[])
     return compile(module, filename, "exec", flags=statement.future, dont_inherit=True)
 
 
 def imported_modules(statements: Iterable[Statement]) -> Iterator[tuple[int, str]]:
-    """Find what statements import, wherever it stands in them.
+    """Yield the modules that statements import, including imports nested inside them.
 
     Yields
     ------
     cell : int
-        Of the statement, counted from 1.
+        Number of the statement's cell, counted from 1.
     module : str
-        Its dotted name.
+        Dotted name of the module.
     """
     for statement in statements:
         for node in ast.walk(statement.node):
@@ -184,7 +184,7 @@ def imported_modules(statements: Iterable[Statement]) -> Iterator[tuple[int, str
 
 
 def imported_by(node: ast.AST) -> Iterator[str]:
-    """Dotted names of what one node imports: modules, and what may be a module in one."""
+    """Yield the dotted names that one node imports: modules, and members that may be modules."""
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names)
     elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -193,7 +193,7 @@ def imported_by(node: ast.AST) -> Iterator[str]:
 
 
 def _future_flags(nodes: list[ast.stmt]) -> int:
-    """Compiler flags that hold from a cell on; statements are compiled one by one."""
+    """Return the compiler flags that a cell's ``__future__`` imports set for later statements."""
     names = [
         alias.name
         for node in nodes

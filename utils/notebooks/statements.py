@@ -1,4 +1,4 @@
-"""What a top-level statement of a notebook does with names: it binds, uses or changes them."""
+"""The names that a top-level statement of a notebook binds, uses or changes."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ class Statement:
         Number of its code cell.
     node : ast.stmt
     binds, uses : frozenset of str
-        Names.
+        Names that it assigns or imports; names that it reads.
     changes : frozenset of str
         Names whose objects it changes.
     calls : frozenset of str
-        Names of which it calls a method for its effect alone: a change, unless they are modules.
+        Names with a method that it calls only for the effect. This counts as a change of the
+        object, unless the name is a module.
     future : int
         Compiler flags of the ``from __future__ import`` statements so far.
     """
@@ -37,7 +38,7 @@ class Statement:
 
 
 def describe(cell: int, node: ast.stmt, future: int) -> Statement:
-    """Find out what a statement does with names.
+    """Determine the names that a statement binds, uses, changes and calls.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
         Number of its code cell.
     node : ast.stmt
     future : int
-        Compiler flags under which it stands.
+        Compiler flags that apply to the statement.
     """
     inside = _without_functions(node)
     table = symtable.symtable(_source(node, inside), "<cell>", "exec")
@@ -56,10 +57,10 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     }
     for inner in _inner_tables(table):
         uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
-    # One in a comprehension binds outside of it.
+    # An assignment expression in a comprehension binds a name outside it.
     binds |= {inner.target.id for inner in inside if isinstance(inner, ast.NamedExpr)}
     if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
-        binds.add("sys")  # it may bind anything, so it always stays
+        binds.add("sys")  # it may bind any name, so every slice keeps it
     return Statement(
         cell,
         node,
@@ -72,17 +73,17 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
 
 
 def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
-    """Text of a statement in which the names of comprehensions are their own."""
+    """Return the text of a statement, with comprehensions that have a scope of their own."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
     source = ast.unparse(node)
     if any(isinstance(inner, comprehensions) for inner in inside):
-        # The node itself stays as it is; to read its text anew is quicker than to copy it.
+        # The node itself must not change, and parsing its text again is faster than copying it.
         source = ast.unparse(_Generators().visit(ast.parse(source)))
     return source
 
 
 class _Generators(ast.NodeTransformer):
-    """Makes generators of comprehensions: Python 3.12 counts names of those to what is around."""
+    """Turns comprehensions into generators, as Python 3.12 adds their names to the outer scope."""
 
     def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
         self.generic_visit(node)
@@ -102,7 +103,7 @@ def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]
 
 
 def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
-    """Names whose objects a statement changes, given its nodes.
+    """Yield the names whose objects a statement changes, given its nodes.
 
     ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
     ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
@@ -124,7 +125,7 @@ def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
 
 
 def _called_names(inside: list[ast.AST]) -> Iterator[str]:
-    """Names of which a statement calls a method and drops the result: ``a.append(b)``."""
+    """Return the names with a method that is called only for its effect: ``a.append(b)``."""
     return (_root(inner.value.func) for inner in inside if _is_bare_call(inner))
 
 
@@ -137,7 +138,7 @@ def _is_bare_call(node: ast.AST) -> bool:
 
 
 def _without_functions(node: ast.stmt) -> list[ast.AST]:
-    """The nodes of a statement, less definitions: those change nothing until they are called."""
+    """Return the nodes of a statement; none for a definition, which changes nothing by itself."""
     definition = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
     return [] if definition else list(ast.walk(node))
 
