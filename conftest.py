@@ -1,4 +1,4 @@
-"""What the project's own tests share."""
+"""Fixtures and hooks that the project's tests share."""
 
 import gc
 import os
@@ -21,9 +21,9 @@ ENOUGH = 2**31  # bytes
 
 
 def pytest_configure(config):
-    """Hear Ctrl-C, which tests press, and write to memory, as gradebooks wait for the disk.
+    """Put temporary files into memory, as gradebooks wait for the disk, and enable Ctrl-C.
 
-    A script that runs tests in the background lets them ignore Ctrl-C.
+    Some tests press Ctrl-C, which a process ignores if a script started it in the background.
     """
     if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ENOUGH:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
@@ -32,7 +32,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish(session):
-    """Keep garbage collection from visiting all collected tests: it took a tenth of the run."""
+    """Exclude the collected tests from garbage collection, which took a tenth of the run."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000)
@@ -40,9 +40,9 @@ def pytest_collection_finish(session):
 
 @pytest.fixture(autouse=True, scope="session")
 def one_cache_of_statements():
-    """Let all gradebooks of a process share the SQL statements that SQLAlchemy has compiled.
+    """Share the SQL statements that SQLAlchemy has compiled among all gradebooks of a process.
 
-    SQLAlchemy keeps them for each engine, and each gradebook has an engine of its own.
+    SQLAlchemy caches them per engine, and each gradebook has an engine of its own.
     """
     create_engine, engines = nbgrader.api.create_engine, {}
 
@@ -59,7 +59,7 @@ def one_cache_of_statements():
 
 
 def pytest_unconfigure(config):
-    """Say below the summary what was skipped, and how to get what was missing."""
+    """List the reasons of skipped tests below the summary."""
     reporter = config.pluginmanager.getplugin("terminalreporter")
     if reporter is None:  # a worker of pytest-xdist
         return
@@ -72,13 +72,13 @@ def pytest_unconfigure(config):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """One process more than processors, as many tests wait: for a clock or another's end."""
+    """Start one process more than there are processors, as many tests wait for something."""
     return len(os.sched_getaffinity(0)) + 1
 
 
 @pytest.fixture(scope="session")
 def sandbox():
-    """The sandbox to run code with: bubblewrap, or a plain process for the tests' own code."""
+    """Sandbox that runs code in tests: bubblewrap, or a plain process if it is not available."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
         return demand_walls()
     try:
@@ -89,7 +89,7 @@ def sandbox():
 
 @pytest.fixture(scope="session")
 def real_clouds():
-    """Folder of real recordings, named by REAL_CLOUDS; tests that need it skip without."""
+    """Folder of real recordings, from REAL_CLOUDS; without it, tests that need it are skipped."""
     folder = os.environ.get("REAL_CLOUDS")
     if not folder:
         pytest.skip(RECORDINGS)
@@ -98,21 +98,21 @@ def real_clouds():
 
 @pytest.fixture(autouse=True)
 def no_figures_of_others():
-    """A test that counts figures meets none that an earlier test left open."""
+    """Close the figures of earlier tests, as some tests count open figures."""
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
 
 
 @pytest.fixture(autouse=True)
 def recursion_limit_of_its_own():
-    """A variant that is run in this process may raise the limit; the next test starts as Python."""
+    """Restore the recursion limit, which stored answers run in this process may raise."""
     before = sys.getrecursionlimit()
     yield
     sys.setrecursionlimit(before)
 
 
-# Of what is tried many times over, or takes very long, `make test` runs those whose parameters
-# begin like this, and `make proof` all. What is not in the table runs in both.
+# Tests with many parameters or a long run time. `make test` runs only the cases whose parameters
+# begin with one of these texts; `make proof` runs all. Other tests run in both.
 A_FEW_OF_MANY = {
     "test_solution_earns_everything_on_four_more_seeds": ("01",),
     "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
@@ -290,17 +290,17 @@ A_FEW_OF_MANY = {
 }
 
 
-# What is costly to make is made once in a process, so these run in one: a module for itself, or
-# with others that need the same.
+# Modules that run in one process, because each process makes their costly fixtures once. Modules
+# with the same value share a process.
 TOGETHER = {
     **{name: name for name in ("test_build", "test_scenes", "test_hermetic", "test_markdown")},
     "test_chroot": "folders for a root",
     **dict.fromkeys(("test_standalone", "test_site", "test_release"), "standalone notebooks"),
-    "test_requirements": "standalone notebooks",  # as test_release, it looks for all imports
+    "test_requirements": "standalone notebooks",  # like test_release, it searches for all imports
 }
 
 
-# The name of a lesson by itself, and by each of its exercises.
+# Name of a lesson by its own name and by the name of each of its exercises.
 LESSONS = {
     key: lesson.name
     for lesson in every_lesson()
@@ -310,9 +310,10 @@ LESSONS = {
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item):
-    """Mark what only `make proof` runs and what runs in one process, before marks are looked at.
+    """Mark the tests that only `make proof` runs and those that share a process.
 
-    Scenes, right answers and notebooks are made once in a process.
+    The hook runs first, so that pytest's selection by markers sees these markers. Each process
+    makes scenes, right answers and notebooks once.
     """
     begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
     if begins is not None and not item.name.partition("[")[2].startswith(begins):
@@ -321,7 +322,7 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.xdist_group(group))
 
 
-# What takes longest comes first, so that no processor waits for another in the end.
+# The slowest modules start first, so that all processes finish at about the same time.
 LONGEST = (
     *("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_site", "test_course"),
     *("test_text", "test_judge", "test_cheap_answers"),
@@ -330,7 +331,7 @@ LONGEST = (
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Sort the tests by length."""
+    """Sort the tests by run time, the slowest modules first."""
     names = [item.path.stem for item in items]
     order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
     # Later lessons work on larger clouds.
@@ -339,16 +340,17 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node, error):
-    """End the run when a process dies in a test, as one does that stands still: it is named.
+    """End the run when a process dies in a test, for example in one that hangs.
 
-    pytest-xdist would hand that test to the next process, and kill it, too, or wait for ever.
+    pytest-xdist would give that test to the next process and lose that process as well, or wait
+    forever.
     """
     if error:
         node.config.pluginmanager.getplugin("dsession").triggershutdown()
 
 
 def _lesson_of(item):
-    """Name of the lesson that a test is about: by its file, its marker or its parameters."""
+    """Return the name of the lesson that a test is about, from its folder or its parameters."""
     if item.path.parent.name in LESSONS:
         return item.path.parent.name
     values = getattr(item, "callspec", None) and item.callspec.params.values()

@@ -1,6 +1,6 @@
-"""What a notebook imports: clouds, the simulated scanner, pictures and checks.
+"""The names that notebooks import: clouds, the simulated scanner, pictures and checks.
 
-Everything here is loaded when it is first used, so that ``import utils`` is quick.
+Each name is loaded when it is first used, so that ``import utils`` is fast.
 """
 
 import importlib
@@ -8,7 +8,7 @@ import sys
 from importlib.machinery import ModuleSpec
 from types import FunctionType, ModuleType
 
-_HOME = {
+_MODULE_OF = {
     "check": "utils.checks",
     "load_cloud": "utils.datasets",
     "load_sequence": "utils.datasets",
@@ -25,14 +25,14 @@ _HOME = {
     "replay": "utils.replays",
     "write_cloud": "utils.clouds",
 }
-# What lies elsewhere by now than lessons say, which are in the hands of students.
-_RENAMED = {
+# Modules that have moved; notebooks that students already have import the old names.
+_MOVED = {
     "ground": "utils.simulator.ground",
     "recording": "utils.films",
     "streets": "utils.simulator.streets",
     "traffic": "utils.simulator.traffic",
 }
-_MODULES = _RENAMED | {
+_MODULES = _MOVED | {
     name: f"utils.{name}"
     for name in (
         "boxes",
@@ -52,12 +52,12 @@ _MODULES = _RENAMED | {
     )
 }
 
-__all__ = [*_HOME, *_MODULES, "health"]
+__all__ = [*_MODULE_OF, *_MODULES, "health"]
 
 
 def __getattr__(name: str) -> FunctionType | ModuleType:
-    if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
+    if name in _MODULE_OF:
+        return getattr(importlib.import_module(_MODULE_OF[name]), name)
     if name in _MODULES:
         return importlib.import_module(_MODULES[name])
     raise AttributeError(f"module 'utils' has no attribute {name!r}")
@@ -67,34 +67,34 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-class _Renamed:
-    """Has ``from utils.ground import Ground`` find the module that goes by another name."""
+class _MovedModules:
+    """Import hook that redirects old module names: ``from utils.ground import Ground``."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        room, _, part = name.rpartition(".")
-        return ModuleSpec(name, _Renamed) if room == __name__ and part in _RENAMED else None
+        package, _, part = name.rpartition(".")
+        return ModuleSpec(name, _MovedModules) if package == __name__ and part in _MOVED else None
 
     @staticmethod
     def create_module(spec: ModuleSpec) -> None:
-        """Python's own will do, as it is not kept."""
+        """Return None for Python's default module, which `exec_module` replaces."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
         part = module.__name__.rpartition(".")[2]
-        sys.modules[module.__name__] = importlib.import_module(_RENAMED[part])
+        sys.modules[module.__name__] = importlib.import_module(_MOVED[part])
 
 
-sys.meta_path.append(_Renamed)
+sys.meta_path.append(_MovedModules)
 
 
 def health() -> str:
-    """One line on whether this machine is ready for the course."""
+    """Return one line that says whether this machine is ready for the course."""
     import platform
     from importlib import metadata, util
     from pathlib import Path
 
-    # In a browser there is no pip but the notebook's own.
+    # In a browser, only the notebook's own pip exists.
     install = "%pip install" if sys.platform == "emscripten" else "pip install"
     needed = ("numpy", "scipy", "matplotlib", "shapely")
     if missing := [name for name in needed if not util.find_spec(name)]:

@@ -1,4 +1,4 @@
-"""Named samples: the course's cloud, simulated sequences, recordings from the internet."""
+"""Named data sets: the course's cloud, simulated sequences, recordings from the internet."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ SCENES = {"highway": "highway", "city": "city_block", "cyclist": "cyclist"}
 
 
 def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
-    """Load a point cloud: the course's own, or a file of yours.
+    """Load a point cloud: the course's own, or one of your files.
 
     Parameters
     ----------
     name : str or path
-        A file as seen from the working folder; where there is none, one in the project's
+        A path relative to the working folder or, if it does not exist there, to the project's
         ``data`` folder. Any format of `utils.clouds.read_cloud`.
 
     Returns
     -------
     ndarray, shape (n, 3) or (n, 4)
-        x forward, y left, z up in metres, the sensor at the origin; then intensity.
+        x forward, y left, z up in metres, with the sensor at the origin; then intensity.
 
     Raises
     ------
     CloudFileError
-        The file is in neither place, or malformed; the message says what to do.
+        The file is in neither folder, or malformed; the message gives the next step.
     """
     path = Path(name).expanduser()
     for folder in (Path.cwd(), DATA):  # an absolute path stays as it is
@@ -54,24 +54,24 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
 
 
 def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
-    """Load a simulated sequence; made once with a progress bar, then read from the cache.
+    """Load a simulated sequence; the first call makes its frames, later calls use the cache.
 
     Parameters
     ----------
     name : {"highway", "city", "cyclist"}
     seed : int
-        Another seed, another street.
+        Seed of the street.
 
     Returns
     -------
     sequence of utils.simulator.frames.Frame
-        Lazy: each frame, with ``cloud`` (n, 4), ``boxes``, ``time`` and the truth of every return
-        in ``scan``, is read when asked for. It equals what `utils.scenes` makes.
+        A lazy sequence: each access reads a frame with ``cloud`` (n, 4), ``boxes``, ``time`` and
+        the truth of every return in ``scan``. The frames equal those of `utils.scenes`.
 
     Raises
     ------
     ValueError
-        There is no sequence of this name.
+        There is no sequence with this name.
     """
     if name not in SCENES:
         raise ValueError(f"There is no sequence {name!r}. There are: {', '.join(SCENES)}.")
@@ -82,20 +82,20 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
     frames = CachedFrames(stream, folder, range(len(stream)))
     missing = [index for index in range(len(frames)) if not frames.path(index).exists()]
     for index in progress(missing, f"Making the sequence {name}") if missing else ():
-        if not _keep(stream[index], frames.path(index)):
-            break  # no room or no right to write: frames are made when they are asked for
+        if not _write_frame(stream[index], frames.path(index)):
+            break  # the disk is full or read-only, so frames are made when they are accessed
     return frames
 
 
 def fetch_recording(name: str) -> Recording:
-    """Fetch a real recording, once; interrupted, it goes on where it stopped.
+    """Fetch a real recording once; an interrupted download resumes.
 
-    Nothing of it is part of this project: its licence is shown before the first download.
+    The recordings are not part of this project. Their licence is shown before the first download.
 
     Parameters
     ----------
     name : {"udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005"}
-        Whose recording, and which drive.
+        Name of the recording.
 
     Returns
     -------
@@ -105,9 +105,9 @@ def fetch_recording(name: str) -> Recording:
     Raises
     ------
     ValueError
-        There is no recording of this name.
+        There is no recording with this name.
     utils.recordings.download.DownloadError
-        There is no connection, or the files are not what they should be.
+        There is no connection, or the files are not the expected ones.
     """
     from utils.recordings.sources import fetch
 
@@ -115,26 +115,26 @@ def fetch_recording(name: str) -> Recording:
 
 
 def cache_folder() -> Path:
-    """Where made and fetched data are kept: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
+    """Return the folder of cached data: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
     if folder := os.environ.get("LIDAR_LAB_CACHE"):
         return Path(folder).expanduser()
-    import platformdirs  # every Jupyter brings it; pooch, which has the same, Colab may lack
+    import platformdirs  # part of every Jupyter; Colab may lack pooch, which has the same function
 
     return Path(platformdirs.user_cache_dir("lidar-obstacle-lab"))
 
 
 @dataclass(frozen=True)
 class CachedFrames(Sequence):
-    """Frames kept as files; one that is missing or damaged is made again.
+    """A lazy sequence of frames cached in files; a missing or damaged frame is made again.
 
     Attributes
     ----------
     stream : sequence of utils.simulator.frames.Frame
-        Makes the frames.
+        Source that makes the frames.
     folder : Path
-        Holds one file for each.
+        Folder with one file per frame.
     numbers : range
-        Which frames of the stream these are.
+        Indices of these frames in the stream.
     """
 
     stream: Sequence
@@ -153,23 +153,23 @@ class CachedFrames(Sequence):
             return _read_frame(path)
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error):
             frame = self.stream[self.numbers[index]]
-            _keep(frame, path)
+            _write_frame(frame, path)
             return frame
 
     def path(self, index: int) -> Path:
-        """Name the file of frame `index`."""
+        """Return the file of frame `index`."""
         return self.folder / f"{self.numbers[index]:04d}.npz"
 
 
 def _simulator_version() -> str:
-    """A fingerprint of the code that makes the frames, so that a change makes them anew."""
+    """Return a hash of the simulator's code, so that a change of it makes the frames again."""
     folder = Path(__file__).parent / "simulator"
     code = b"".join(path.read_bytes() for path in sorted(folder.glob("*.py")))
     return hashlib.sha256(code).hexdigest()[:12]
 
 
-def _keep(frame: Frame, path: Path) -> bool:
-    """Write a frame to the cache; tell whether that was possible."""
+def _write_frame(frame: Frame, path: Path) -> bool:
+    """Write a frame to the cache; return whether that was possible."""
     buffer = io.BytesIO()
     truth = {"time": frame.time, "boxes": [asdict(box) for box in frame.boxes]}
     arrays = {field.name: getattr(frame.scan, field.name) for field in fields(frame.scan)}
@@ -183,7 +183,7 @@ def _keep(frame: Frame, path: Path) -> bool:
 
 
 def _read_frame(path: Path) -> Frame:
-    """Read a frame that `_keep` wrote."""
+    """Read a frame that `_write_frame` wrote."""
     from utils.boxes import Box
     from utils.simulator import Scan
     from utils.simulator.frames import Frame

@@ -1,4 +1,4 @@
-"""What the first cell of each notebook does, once the course's folder is found."""
+"""Setup by the first cell of each notebook, after it has found the course's folder."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from utils.lent import lend_answers
 from utils.static_widgets import stand_in
 from utils.tracebacks import show_no_frames_of_ours
 
-# A figure is dark on white, and so is a scene in space. In a dark notebook they are turned round,
-# and turned back in hue: blue stays blue. JupyterLab, then VS Code.
-# A page that a notebook is exported to has open what the notebook folds: one line of it is enough,
-# and can be dragged open. Lines of code are wrapped there, and in JupyterLab on a phone, which
-# shows 43 columns of the hundred that code may have.
+# Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue back,
+# so that blue stays blue; the first selectors are those of JupyterLab, the last of VS Code.
+# An exported page shows the cells that the notebook folds, so it reduces each to one line, which
+# the reader can drag open. Lines of code are wrapped there, and also in JupyterLab on a phone,
+# which shows 43 of at most 100 columns.
 STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
@@ -31,12 +31,15 @@ body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere
 
 
 def begin(number: str) -> None:
-    """Say whether everything is there, do without sliders, lend answers, suit the dark.
+    """Check the installation and prepare the notebook for a lesson.
+
+    This replaces missing sliders, adds the style of dark notebooks, shortens tracebacks and
+    provides the stored answers of earlier lessons.
 
     Parameters
     ----------
     number : str
-        Of the lesson, such as "06".
+        Number of the lesson, such as "06".
     """
     print(health())
     stand_in()

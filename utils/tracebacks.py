@@ -1,6 +1,6 @@
-"""A traceback shows the lines that somebody wrote in a notebook, and none of the course's.
+"""Tracebacks that show only the lines of a notebook, without the course's own code.
 
-Nor does it leave empty axes behind, which would be all that a picture shows that came to no end.
+After an error, empty figures are closed, because an interrupted plot would show only empty axes.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from types import FrameType, TracebackType
 
 from utils.display import shell
 
-_OURS = str(Path(__file__).parent)  # as Python calls it, which may be by a link
+_COURSE_FOLDER = str(Path(__file__).parent)  # not resolved, as frames may name a symbolic link
 
 
 def show_no_frames_of_ours() -> None:
-    """From now on, leave out of each traceback what is the course's, and what that calls."""
+    """Remove the course's frames, and the frames they call, from all later tracebacks."""
     if shell() is None or hasattr(shell().showtraceback, "leaves_out"):
         return
     show = shell().showtraceback
@@ -25,8 +25,8 @@ def show_no_frames_of_ours() -> None:
     @functools.wraps(show)
     def show_theirs(exc_tuple: tuple | None = None, *arguments: object, **options: object) -> None:
         kind, error, trace = exc_tuple or sys.exc_info()
-        for one in _chain(error):
-            one.__traceback__ = without_ours(one.__traceback__)
+        for link in _chain(error):
+            link.__traceback__ = without_ours(link.__traceback__)
         if error is not None:
             trace = without_ours(trace)
         show((kind, error, trace), *arguments, **options)
@@ -37,26 +37,26 @@ def show_no_frames_of_ours() -> None:
 
 
 def without_ours(trace: TracebackType | None) -> TracebackType | None:
-    """A traceback less the course's frames, and what libraries do on their behalf.
+    """Return a traceback without the course's frames and the library frames that they call.
 
     Returns
     -------
     types.TracebackType or None
-        A new one; None where nothing is left.
+        A new traceback; None if no frame is left.
     """
     kept, ours = [], False
     while trace:
         frame = trace.tb_frame
-        if frame.f_code.co_filename.startswith(_OURS):
+        if frame.f_code.co_filename.startswith(_COURSE_FOLDER):
             ours = True
-        elif _is_of_a_notebook(frame):
+        elif _is_notebook_frame(frame):
             ours = False
         if not ours:
             kept.append(trace)
         trace = trace.tb_next
     rest = None
-    for one in reversed(kept):
-        rest = TracebackType(rest, one.tb_frame, one.tb_lasti, one.tb_lineno)
+    for entry in reversed(kept):
+        rest = TracebackType(rest, entry.tb_frame, entry.tb_lasti, entry.tb_lineno)
     return rest
 
 
@@ -68,13 +68,16 @@ def _close_empty_figures() -> None:
             pyplot.close(figure)
 
 
-def _is_of_a_notebook(frame: FrameType) -> bool:
-    """What is run from text has no file: a cell, or a function fetched from another notebook."""
+def _is_notebook_frame(frame: FrameType) -> bool:
+    """Return whether a frame runs a cell, or a function loaded from another notebook.
+
+    Code that is run from text has no file.
+    """
     return frame.f_globals.get("__name__") == "__main__" or "__file__" not in frame.f_globals
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
-    """An exception, and those while which, or because of which, it was raised."""
+    """Yield an exception, then its cause or context, and so on."""
     seen = set()
     while error is not None and id(error) not in seen:
         seen.add(id(error))
