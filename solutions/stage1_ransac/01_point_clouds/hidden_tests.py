@@ -20,13 +20,13 @@ def distances_by_hand(cloud):
 
 
 def assert_measured(student, cloud):
-    """Compare with plain Python."""
+    """Compare the answer with distances computed in plain Python."""
     answer = student.horizontal_distance(cloud.copy())
     assert_distances(answer, cloud, distances_by_hand(cloud))
 
 
 def some_of(cloud, seed, n):
-    """n random rows."""
+    """Return n random rows of a cloud."""
     return cloud[np.random.default_rng(seed).choice(len(cloud), n, replace=False)]
 
 
@@ -97,7 +97,7 @@ def test_distances_in_single_precision(student, seed):
 
 
 def is_good(row):
-    """Whether a row is a point, in plain Python."""
+    """Return whether a row is a valid point, computed in plain Python."""
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
@@ -112,13 +112,16 @@ def assert_cleaned(student, cloud):
 
 
 def whole(cloud):
-    """A copy without what is tested by itself: lost returns, and points with a 0 in them."""
+    """Return a copy without lost returns and without points that have a coordinate of 0.
+
+    Other tests check these cases.
+    """
     xyz = cloud[:, :3]
     return cloud[(xyz != 0).all(axis=1) & (np.abs(xyz.sum(axis=1)) > 1e-6)]
 
 
 def broken(cloud, seed, share=0.2):
-    """A copy in which some returns are lost, as (0, 0, 0, 0) or with one or three NaN."""
+    """Return a copy in which some returns are lost, as (0, 0, 0, 0) or with one or three NaN."""
     rng = np.random.default_rng(seed)
     cloud = whole(cloud)
     kind = rng.integers(0, 3, len(cloud))
@@ -192,7 +195,7 @@ def test_points_with_a_zero_stay(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 1000)
-    cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]  # none is near without two of them
+    cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]  # far away even with two zeros
     for row in range(0, len(cloud), 3):
         cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
     assert_cleaned(student, cloud)
@@ -230,7 +233,7 @@ def test_three_columns_cleaned(student, seed):
 )
 def test_order_and_precision_cleaned(student, seed):
     cloud = broken(samples.patch_of_course_cloud(seed, 300), seed)
-    # Twice the same good point is twice a point.
+    # Equal points stay separate rows.
     twice = np.repeat(cloud[:20], 2, axis=0)
     for scan in (cloud.astype(np.float32), np.asfortranarray(cloud[::-1]), twice):
         answer = student.drop_invalid(scan.copy())

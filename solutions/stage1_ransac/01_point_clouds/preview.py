@@ -1,4 +1,4 @@
-"""Lesson 01: one turn of the scanner, as it sees the street and as a map."""
+"""Lesson 01: one turn of the scanner, as a panorama of the street and as a map."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,7 @@ from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.plots.style import COLOURS
 
-# Azimuth of the label in the upper picture; the thing on the map, and how far from it the label is.
+# Azimuth of the label in the panorama; position of the object on the map and offset of its label.
 LABELLED = {
     "cyclist": (41, (3.4, 2.0), (-12, 32)),
     "turning car": (20.5, (7.0, 3.4), (24, 32)),

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 02. Titles and hints are shown to students; the code is not.
 
-RANSAC is random, so its tests count successes over many seeds. What is demanded leaves so much
-room that a right answer fails less than once in a thousand million times.
+RANSAC is random, so its tests count successes over many seeds. The margins are so wide that a right
+answer fails less than once in a thousand million runs.
 """
 
 import functools
@@ -35,7 +35,7 @@ from utils.checks.lesson_02 import require_plain_distances as assert_plain_case
 
 
 def some_pairs(seed, n, reach=20.0):
-    """n pairs of points at least a metre apart."""
+    """Return n pairs of points at least a metre apart."""
     rng = np.random.default_rng(seed)
     p = rng.uniform(-reach, reach, (n, 2))
     angle, apart = rng.uniform(0, 2 * math.pi, n), rng.uniform(1, reach, n)
@@ -75,8 +75,8 @@ def test_unit_normals(student, seed):
 def test_lines_in_special_directions(student, seed):
     require_slanted_lines(student.line_through)
     for p, q in zip(*some_pairs(seed + 1, 4), strict=True):
-        for other in ([p[0], q[1] + 30], [q[0] + 30, p[1]]):
-            assert_on_line(student.line_through(p.copy(), np.array(other)), p, other)
+        for end in ([p[0], q[1] + 30], [q[0] + 30, p[1]]):
+            assert_on_line(student.line_through(p.copy(), np.array(end)), p, end)
 
 
 @hidden(
@@ -118,7 +118,7 @@ def test_close_points_have_a_line(student, seed):
 
 
 def distances_by_hand(points, p, q):
-    """From the line through two points, signed: area of a parallelogram over its base."""
+    """Return signed distances from the line through p and q: area of a parallelogram over base."""
     base = math.dist(p, q)
     return np.array(
         [
@@ -129,21 +129,24 @@ def distances_by_hand(points, p, q):
 
 
 def equation(p, q):
-    """The line through two points."""
+    """Return the line (a, b, c) through two points."""
     base = math.dist(p, q)
     a, b = (p[1] - q[1]) / base, (q[0] - p[0]) / base
     return np.array([a, b, -(a * p[0] + b * p[1])])
 
 
 def assert_measured(student, points, p, q):
-    """The distances from the line through two points are right, on both of its sides."""
+    """Check the distances from the line through two points, on both of its sides."""
     signed, line = distances_by_hand(points, p, q), equation(p, q)
     answer = student.point_line_distance(points.copy(), line.copy())
     assert_line_distances(answer, points, line, np.abs(signed))
 
 
 def assert_measured_on_one_side(student, points, p, q):
-    """The same where a x + b y + c is positive, which is the side with more points."""
+    """Check the distances on one side of the line, where a x + b y + c > 0.
+
+    The points p and q are swapped if that puts more points on this side.
+    """
     beside = distances_by_hand(points, p, q) > 0
     if 2 * beside.sum() < len(points):
         p, q, beside = q, p, ~beside
@@ -151,7 +154,7 @@ def assert_measured_on_one_side(student, points, p, q):
 
 
 def through_origin(seed, n):
-    """n pairs of points whose lines run through (0, 0)."""
+    """Return n pairs of points whose lines pass through (0, 0)."""
     return [(-2 * q, q) for q in some_pairs(seed, n)[1]]
 
 
@@ -227,7 +230,7 @@ def test_distances_of_few_and_single(student, seed):
 
 
 def wall_of_course_cloud(seed, n):
-    """n points of the course's scan at the height of the sensor: a house front and clutter."""
+    """Return n points of the course's scan at sensor height: a house front and clutter."""
     cloud = samples.course_cloud()
     x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]
     rows = np.flatnonzero((np.abs(z) < 0.3) & (x > -1) & (x < 14) & (y < -1) & (y > -12))
@@ -247,14 +250,14 @@ def _most_inliers(data, tolerance):
 
 
 def most_inliers(points, tolerance):
-    """The most points near a line through any two of them: all pairs are tried."""
+    """Return the largest number of points near a line through two of them; tries all pairs."""
     return _most_inliers(np.ascontiguousarray(points, dtype=float).tobytes(), tolerance)
 
 
 def successes(student, clouds, max_iterations, tolerance, marked=False):
     """Yield for each cloud whether a line with 80 % of the possible inliers is found.
 
-    With ``marked``, whether the mask also holds 80 % of what it should, and little else.
+    With ``marked``, the mask must also contain 80 % of the points near the line, and few others.
     """
     for number, points in enumerate(clouds):
         rng = np.random.default_rng(1000 + number)
@@ -267,7 +270,7 @@ def successes(student, clouds, max_iterations, tolerance, marked=False):
 
 
 def are_at_least(needed, flags):
-    """Whether so many of the flags are True; of the rest nobody is asked."""
+    """Return whether at least `needed` flags are True; stop as soon as that is known."""
     return sum(itertools.islice(filter(None, flags), needed)) == needed
 
 
@@ -284,8 +287,8 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
     raise CheckFailed("A line with most of the points that lie on one is found too seldom.")
 
 
-# The chances below are those of a single run to miss, where no early stop is made; they were
-# counted over all pairs of 2000 scenes. One that stops at 99 % misses at most once in 100.
+# "misses" is the chance that one run without early stopping fails, counted over all pairs of 2000
+# scenes. An answer that stops early at 99 % misses at most once in 100 runs.
 
 
 @hidden(
@@ -309,12 +312,12 @@ def test_fresh_lines(student, seed):
 def test_own_inliers(student, seed):
     require_line_in_crowd(student.ransac_line)
     for run, tolerance in enumerate((0.3, 0.3, 0.6, 1.8)):
-        # So rough a wall that any change of the line moves points into the band or out of it.
+        # The wall is so rough that any change of the line moves points into or out of the band.
         rough, _ = wall_and_clutter((seed, run, 2), 25, 10, noise=0.8)
         rng = np.random.default_rng(run)
         answer = student.ransac_line(rough.copy(), 40, tolerance, rng)
         assert_mask_matches_line(answer, rough, tolerance)
-    # Of few samples, where the best of many hides nothing.
+    # With few samples, the best line is too poor to hide a wrong mask.
     clouds = [wall_and_clutter((seed, run, 4), 14, 26)[0] for run in range(40)]
     calls = [
         (points, 2 + run % 2, 0.4, np.random.default_rng(run)) for run, points in enumerate(clouds)
@@ -357,7 +360,7 @@ def test_moved_and_scaled(student, seed):
     turned = points @ np.array([[cosine, sine], [-sine, cosine]]) + [300.0, -200.0]
     assert_mostly_found(student, [turned] * 6, 80, 0.4, 3)
     assert_mostly_found(student, [points * 40] * 6, 80, 16.0, 3)
-    small = points[::-1] / 50  # no two of them are a metre apart
+    small = points[::-1] / 50  # all points are within a metre of each other
     assert_mostly_found(student, [small] * 6, 80, 0.008, 3)
 
 
@@ -374,7 +377,7 @@ def test_upright(student, seed):
         wall = rng.uniform(-9, 9, (30, 2))
         wall[:20, column] = 4.0
         beside = wall[20:, column]
-        beside += np.where(beside < 4, -1, 1)  # none makes a line that is nearly upright
+        beside += np.where(beside < 4, -1, 1)  # no outlier gives a nearly upright line
         assert_mostly_found(student, [wall] * 6, 80, 0.2, 3)
 
 
@@ -387,7 +390,7 @@ def test_upright(student, seed):
 def test_two_points(student, seed):
     require_line_in_crowd(student.ransac_line)
     p, q = (points[0] for points in some_pairs(seed + 5, 1))
-    third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line of the others
+    third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line through p and q
     three = np.array([p, q, third])
     for line in lines_from_two_rounds(student.ransac_line, three):
         if line is None:
@@ -409,7 +412,7 @@ def test_iterations_count(student, seed):
     assert_no_round_is_missing(student.ransac_line)
     points, _ = wall_and_clutter((seed, 3), 14, 46)
     misses = (not found for found in successes(student, [points] * 48, 1, 0.3))
-    if not are_at_least(25, misses):  # a good sample: 1 in 25
+    if not are_at_least(25, misses):  # 1 sample in 25 is good
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 the line is found in most runs. A single sample of two "
@@ -444,7 +447,7 @@ def test_many_equal_points(student, seed):
     rng = np.random.default_rng(seed)
     wall = wall_and_clutter((seed, 4), 12, 0)[0]
     for run in range(24):
-        # A first sample of equal points has the chance 0.5, and forty of them none.
+        # The chance of equal points in the first sample is 0.5, in forty samples practically 0.
         alike = np.repeat(rng.uniform(12, 20, (1, 2)), 28, axis=0)
         points = rng.permutation(np.vstack([alike, wall]))
         answer = student.ransac_line(points, 40, 0.3, np.random.default_rng(run))

@@ -1,4 +1,4 @@
-"""Lesson 02: the quiz points with a line by least squares, and with one by RANSAC."""
+"""Lesson 02: the quiz points with a line from least squares, and with one from RANSAC."""
 
 import matplotlib.pyplot as plt
 import numpy as np

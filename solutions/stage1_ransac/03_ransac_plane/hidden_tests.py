@@ -1,8 +1,8 @@
 """Hidden tests of lesson 03. Titles and hints are shown to students; the code is not.
 
-RANSAC is judged by what it finds, with so many iterations that a right answer fails less than
-once in a thousand million runs: where p is the chance that one sample succeeds, N iterations
-fail with probability (1 - p)^N.
+RANSAC is judged by its result, with so many iterations that a right answer fails less than once in
+a thousand million runs. If p is the chance that one sample succeeds, N iterations fail with
+probability (1 - p)^N.
 """
 
 import functools
@@ -60,13 +60,13 @@ from utils.geometry import gaps_from
 
 
 def random_plane(rng):
-    """A unit normal in any direction, and an offset; shape (4,)."""
+    """Return a random unit normal and an offset, shape (4,)."""
     normal = rng.normal(size=3)
     return np.append(normal / np.linalg.norm(normal), rng.uniform(-5, 5))
 
 
 def random_triangle(rng, size=5.0):
-    """Three points far from one line; shape (3, 3)."""
+    """Return three points that are far from collinear, shape (3, 3)."""
     while True:
         triangle = rng.uniform(-size, size, (3, 3))
         sides = triangle[1:] - triangle[0]
@@ -147,7 +147,7 @@ def test_lines(student, seed):
 
 
 def in_front(points, plane):
-    """Those in front of the parallel plane through the sensor, and of the plane."""
+    """Return the points in front of both the plane and its parallel through the sensor."""
     height = points[:, :3].astype(float) @ plane[:3]
     return points[(height > 0.01) & (height + plane[3] > 0.01)]
 
@@ -244,7 +244,7 @@ def test_forms_of_points(student, seed):
 
 
 def tilted(cloud, rng):
-    """The cloud as a scanner sees it that is mounted askew, at any height."""
+    """Return the cloud as seen by a scanner that is mounted at an angle and at any height."""
     lean, heading = rng.uniform(0.2, 0.7), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
     upright = np.cross(axis, [0.0, 0.0, 1.0])
@@ -257,15 +257,15 @@ def tilted(cloud, rng):
 
 @functools.lru_cache(maxsize=256)
 def street_and_its_best(name, street, run, tolerance):
-    """Points of a street, the mask of its largest plane, and iterations that surely find it.
+    """Return points of a street, the inlier count of its best plane, and sufficient iterations.
 
-    The oracle tries 1 500 samples at once; the share of them that hold 85 % of the best one's
-    inliers is the chance of a single sample. A tenth is left as a margin for its own error.
+    The oracle tries 1 500 samples at once. The chance of a single sample is the share of samples
+    with at least 85 % of the best one's inliers, reduced by a tenth as a margin.
     """
     cloud = samples.course_cloud() if name == "course" else samples.fresh_street(street)
     near, low = (np.abs(cloud[:, :2]) < (12, 8)).all(axis=1), cloud[:, 2] < -0.9
     rng = np.random.default_rng((street, run))
-    # A quarter are obstacles: three rows of the cloud are rarely all in the road.
+    # A quarter of the points are obstacles, so fixed rows of the cloud are rarely all on the road.
     rows = [rng.choice(np.flatnonzero(near & low), 370, replace=False)]
     rows += [rng.choice(np.flatnonzero(near & ~low), 130, replace=False)]
     points = tilted(cloud[rng.permutation(np.concatenate(rows))], rng)
@@ -282,7 +282,7 @@ def street_and_its_best(name, street, run, tolerance):
 
 
 def assert_marks(answer, points, tolerance):
-    """The mask holds most of the points near the model, and little else."""
+    """Check that the mask contains most of the points near the model, and few others."""
     near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
@@ -325,7 +325,7 @@ def test_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(6):
         points, belongs = scattered_plane(seed + run, 40, 25, random_plane(rng))
-        # One sample in five is good and lies well: 0.81^120 < 1e-10.
+        # One sample in five consists of inliers and is well placed: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, belongs)
         assert_marks(answer, points, 0.2)
@@ -340,7 +340,7 @@ def test_any_direction(student, seed):
 def test_many_outliers(student, seed):
     for run in range(2):
         points, belongs = scattered_plane(seed + 10 + run, 25, 50)
-        # One sample in 36 is good and lies well: 0.972^850 < 1e-10.
+        # One sample in 36 consists of inliers and is well placed: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, belongs, share=0.85)
         assert_marks(answer, points, 0.2)
@@ -388,7 +388,7 @@ def test_tolerances(student, seed):
 def test_three_points(student, seed):
     rng = np.random.default_rng(seed)
     require_plane_among_outliers(student.ransac_plane)
-    # The corners of a lawn, up and down in turn: none of their planes is refused for being steep.
+    # Four corners, alternately raised and lowered; none of their planes is steep enough to reject.
     corners = np.array([[9.0, 0, 0.4], [0, 9, -0.4], [-9, 0, 0.4], [0, -9, -0.4]])
     corners[:, :2] += rng.uniform(-2, 2, (4, 2))
     assert_rows_differ(student.ransac_plane, corners + [*rng.uniform(-20, 20, 2), -1.7])
@@ -433,7 +433,7 @@ def test_forms(student, seed):
     for run, form in enumerate(forms):
         points, belongs = scattered_plane(seed + 40 + run, 40, 20, columns=4)
         variant = form(points)
-        # More than one sample in five is good: 0.77^90 < 1e-10.
+        # More than one sample in five consists of inliers: 0.77^90 < 1e-10.
         assert_finds(student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, belongs)
     twice, belongs = np.repeat(points, 2, axis=0), np.repeat(belongs, 2)
     assert_finds(student.ransac_plane(twice.copy(), 90, 0.2, rng), twice, 0.2, belongs)
@@ -448,7 +448,7 @@ def test_forms(student, seed):
 def test_degenerate(student, seed):
     for run in range(6):
         points, belongs = ramp_with_collinear_points(np.random.default_rng(seed + run))
-        # Four samples in ten are a plane, and each of them is the right one: 0.6^60 < 1e-13.
+        # Four samples in ten give a plane, which is always the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
         assert_finds(answer, points, 0.1, belongs)
 
@@ -481,7 +481,7 @@ def test_fit_any_direction(student, seed):
     angle = rng.uniform(0, 2 * np.pi)
     wall, _ = scattered_plane(seed + 4, 50, 0, (np.cos(angle), np.sin(angle), 0, 3), noise=0.1)
     assert_direction(student.fit_plane(wall.copy()), wall)
-    # Of pieces as large as a hand the sums of squares are small, too.
+    # Small pieces of a few centimetres also have small sums of squares.
     for run in range(8):
         points, _ = scattered_plane(seed + 5 + run, 12, 0, random_plane(rng), noise=0.1)
         piece = [6.0, 2.0, -1.4] + 0.02 * (points - points.mean(axis=0))
@@ -500,7 +500,7 @@ def test_fit_offset(student, seed):
     for run in range(3):
         points, _ = scattered_plane(seed + 10 + run, 50, 0, noise=0.05)
         points += rng.uniform(-8, 8, 3)
-        for some in (points, points - 2 * points.mean(axis=0)):  # with the origin on either side
+        for some in (points, points - 2 * points.mean(axis=0)):  # the origin is on either side
             assert_through_the_mean(student.fit_plane(some.copy()), some)
 
 
@@ -539,7 +539,7 @@ def test_fit_small(student, seed):
 
 
 def questions(seed, *sizes, count=12):
-    """Arguments of `iterations_needed` and right answers, from exact arithmetic."""
+    """Yield arguments of `iterations_needed` with the right answers, from exact arithmetic."""
     rng = np.random.default_rng(seed)
     while count:
         ratio, confidence = rng.choice(np.arange(30, 96)) / 100, rng.choice([0.9, 0.99, 0.995])

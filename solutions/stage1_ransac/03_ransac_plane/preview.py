@@ -26,6 +26,6 @@ def draw() -> Figure:
 
 
 def _leave_out_counts(axes: Axes) -> None:
-    """The lesson asks which share of the points is ground: the legend must not tell."""
+    """Remove the counts from the legend, as the lesson asks for the share of ground points."""
     for text in axes.get_legend().get_texts():
         text.set_text(text.get_text().partition(":")[0])

@@ -1,8 +1,8 @@
 """Hidden tests of lesson 04. Titles and hints are shown to students; the code is not.
 
-Trees for `search` are planted ready-made, so that each exercise stands on its own; and a tree
-crosses the pipe in one message. Apart from the tests that are about them, searches have a radius
-of 1 (whose square is the same), nobody in the corners of the box around it and nobody on its rim.
+Tests of `search` build the tree themselves, so that the exercises are independent; a tree crosses
+the pipe in one message. Unless a test is about the radius, it is 1, which equals its square. Unless
+a test is about these places, no point is on the rim or in a corner of the box around the circle.
 """
 
 import functools
@@ -35,7 +35,7 @@ from utils.geometry import grown, places_of, regions_of
 
 
 def order_of_medians(points):
-    """Rows of points in an order that makes a balanced tree."""
+    """Return the rows of points in an order of insertion that gives a balanced tree."""
 
     def parts(rows, axis):
         rows = sorted(rows, key=lambda row: points[row][axis])
@@ -49,7 +49,7 @@ def order_of_medians(points):
 
 
 def balanced(points):
-    """A right tree of little depth."""
+    """Return a right tree of minimal depth."""
     order = order_of_medians(points)
     return grown(np.asarray(points)[order], order)
 
@@ -82,7 +82,7 @@ def test_plane(student, seed):
     hint="The number of axes is len(point).",
 )
 def test_space(student, seed):
-    # float32 leaves no doubt about what is smaller, whoever keeps points in single precision.
+    # float32 values compare alike even if an answer stores points in single precision.
     street = samples.obstacles_of_street(seed, 80)[:, :3].astype(np.float32)
     alone = [np.unique(street[:, axis], return_index=True)[1] for axis in range(3)]
     points = street[sorted(set(alone[0]) & set(alone[1]) & set(alone[2]))][:40].astype(float)
@@ -174,7 +174,7 @@ RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 
 
 
 def clear(rng, points, number):
-    """Some targets, and the points without those on a rim or in a corner about one of them."""
+    """Return points and targets, without points on the rim or in a corner around a target."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
@@ -275,7 +275,7 @@ def test_search_radius(student, seed):
     hint="A point is near when its distance is at most the tolerance (<=).",
 )
 def test_search_border(student, seed):
-    # Whole numbers: along an axis the distance is exactly 1. Each cuts itself off.
+    # With whole numbers, distances along an axis are exactly 1.
     rng = np.random.default_rng(seed)
     for _ in range(2):
         signs = rng.choice([-1, 1], 2)
@@ -294,8 +294,7 @@ def test_search_border(student, seed):
     hint="Right, when the box reaches the split (>=).",
 )
 def test_search_split(student, seed):
-    # Whoever has the target's coordinate plus 1 along an axis stands to the right of a node that
-    # has it, too, and is far away.
+    # The point at distance 1 along an axis is to the right of a far node with the same coordinate.
     rng = np.random.default_rng(seed)
     for k in (2, 3):
         target = rng.integers(-9, 10, k).astype(float)
@@ -319,7 +318,7 @@ def test_search_prunes(student, seed):
 
 @functools.cache
 def traps_and_decoys(seed):
-    """What `assert_pruned` takes: trees, targets, tolerances, traps, decoys and their places."""
+    """Return arguments of `assert_pruned`: tree, target, tolerance, trap, decoy and its place."""
     rng = np.random.default_rng(seed)
     questions = []
     while len(questions) < 6:
@@ -330,11 +329,11 @@ def traps_and_decoys(seed):
         axis = rng.integers(2)
         if (high - low < 1.7).any() or high[axis] > 11:
             continue
-        # The target is near one side of the decoy's region, and the decoy goes beyond it.
+        # The target is near one side of the decoy's region, and the decoy moves beyond that side.
         target = rng.uniform(low + 1.05, high - 0.1)
         target[axis], place = high[axis] - 0.5, target.copy()
         place[axis] = high[axis] + 0.3
-        # Only what stands to its left, or only what stands to its right, hides the trap.
+        # The trap is hidden only by splits to its left, or only by splits to its right.
         hidden_by = hidden_leaves(root, target, 1.2)
         traps = [
             leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(questions) % 2]}
@@ -347,7 +346,7 @@ def traps_and_decoys(seed):
 
 
 def hidden_leaves(root, target, margin):
-    """By the index of a leaf, the sides at which the box about a target does not reach it."""
+    """Return by leaf index the sides on which the box around a target does not reach the leaf."""
     places = places_of(root)
     hidden_by = {}
     for way, node in places.items():
@@ -362,7 +361,7 @@ def hidden_leaves(root, target, margin):
 
 
 def leaves_of(root):
-    """The regions of the leaves."""
+    """Return the regions of the leaves by their index."""
     regions = regions_of(root)
     return {index: regions[index] for index in hidden_leaves(root, np.zeros(2), 0.0)}
 
@@ -380,8 +379,8 @@ def test_search_extremes(student, seed):
     tree = build_tree(student.KdTree, root)
     assert_found(tree, root, np.zeros(3), 1.0)
     assert_found(tree, root, np.array([100.0, 0.0, 0.0]), 1.0)
-    one = grown(points[:1])
-    assert_found(build_tree(student.KdTree, one), one, points[0] + [0.0, 0.0, 0.5], 1.0)
+    single = grown(points[:1])
+    assert_found(build_tree(student.KdTree, single), single, points[0] + [0.0, 0.0, 0.5], 1.0)
 
 
 @hidden(
@@ -420,7 +419,7 @@ def test_search_leaves_the_tree(student, seed):
 
 # ---------------------------------------------------------------------------- median_order
 
-# With as many points every part has one in the middle.
+# With these numbers of points, every part has exactly one median.
 FULL = (3, 7, 15, 31, 127)
 
 

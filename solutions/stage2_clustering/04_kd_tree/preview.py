@@ -1,4 +1,4 @@
-"""Lesson 04: a street from above, cut by a kd-tree, and a search that enters little of it."""
+"""Lesson 04: a street from above, split by a kd-tree, and a search that visits few nodes."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 05. Titles and hints are shown to students; the code is not.
 
-Each looks at one property. Squares too many, or 0.5 instead of the threshold, matter on scans
-alone: elsewhere any threshold between 0.25 m and 2 m is right.
+Each tests one property. A squared distance, or 0.5 instead of the threshold, fails only on scans;
+in the other tests any threshold between 0.25 m and 2 m is right.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ def assert_clusters(student, cloud, threshold=1.0):
 
 
 def objects(seed):
-    """Twelve wandering chains of points, steps below 0.2 m, far from each other; their labels."""
+    """Return twelve random walks, far apart, with steps below 0.2 m, and their labels."""
     rng = np.random.default_rng(seed)
     steps = rng.normal(size=(12, 25, 3))
     steps *= rng.uniform(0.1, 0.2, (12, 25, 1)) / np.linalg.norm(steps, axis=2, keepdims=True)
@@ -74,7 +74,7 @@ def test_other_thresholds(student, seed):
     hint="A cluster is all that can be reached from neighbour to neighbour, however far.",
 )
 def test_long_chain(student, seed):
-    # A spiral of 400 points, 0.45 m apart, its turns 1.5 m apart, and a shorter one beside it.
+    # A spiral of 400 points, 0.45 m apart, with turns 1.5 m apart, and a shorter one above it.
     angle, points = 0.0, []
     for _ in range(400):
         radius = 2.0 + 1.5 * angle / (2 * np.pi)
@@ -92,7 +92,7 @@ def test_long_chain(student, seed):
     hint="A queue follows a chain to its end, however long it is.",
 )
 def test_deep_chain(student, seed):
-    # Whoever recurses must go 1100 calls deep, where Python allows 1000.
+    # A recursive answer needs 1100 nested calls, and Python allows 1000.
     steps = np.random.default_rng(seed).uniform(-0.1, 0.1, (1100, 3)) * [0, 1, 1] + [0.45, 0, 0]
     assert_clusters(student, np.cumsum(steps, axis=0), 0.8)
 

@@ -1,4 +1,4 @@
-"""Lesson 05: a street from above, before and after: points, then numbered obstacles."""
+"""Lesson 05: a street from above, as points and as numbered obstacles."""
 
 import matplotlib.pyplot as plt
 import numpy as np

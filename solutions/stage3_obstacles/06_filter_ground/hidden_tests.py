@@ -1,7 +1,7 @@
 """Hidden tests of lesson 06. Titles and hints are shown to students; the code is not.
 
-Each looks at one property: no point lies at the ground level or at the border of a cell, most
-look at places only, only `test_voxels_all_around` has cells on both sides of zero, and only
+Each tests one property. No point is at the ground level or on the border of a cell, and most tests
+compare only positions. Only `test_voxels_all_around` has cells on both sides of zero, and only
 `test_voxel_borders` has points in the upper halves of cells.
 """
 
@@ -30,7 +30,7 @@ from utils.checks.lesson_06 import (
 
 @samples.remembered
 def kept_by_hand(cloud, level):
-    """The right mask, in plain Python; clouds under test have no point at the level itself."""
+    """Return the right mask, in plain Python; test clouds have no point at the level itself."""
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)
 
 
@@ -142,13 +142,13 @@ def test_input(student, seed):
 
 
 def clear_of_borders(cloud, size, highest=1 - 1e-3):
-    """Rows that lie away from the borders of cells, and in the lower part of them."""
+    """Return the rows that are away from cell borders and in the lower part of their cell."""
     offset = cloud[:, :3] / size % 1.0
     return cloud[((offset > 1e-3) & (offset < highest)).all(axis=1)]
 
 
 def in_lower_halves(cloud, size):
-    """Rows whose cells are the same for whoever rounds, or begins at the lowest of them."""
+    """Return rows whose cells are the same if an answer rounds or starts at the lowest cell."""
     cloud = clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
@@ -156,14 +156,14 @@ def in_lower_halves(cloud, size):
 
 
 def one_corner(cloud, seed):
-    """Rows of one quarter of a scan, below the sensor: none is on the other side of zero."""
+    """Return the rows of one quadrant below the sensor, so that no coordinate changes its sign."""
     along, across = np.random.default_rng(seed).choice([-1, 1], 2)
     x, y, z = cloud[:, :3].T
     return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
 
 
 def mirrored(cloud, size):
-    """A cloud, and points in the cells with minus the number of its own along one of the axes."""
+    """Return a cloud with additional points in cells whose index is negated along one axis."""
     images = [cloud]
     for axis in range(3):
         image = cloud[axis::3].copy()
@@ -173,19 +173,19 @@ def mirrored(cloud, size):
 
 
 def evenly_lit(cloud):
-    """The cloud, with the same intensity everywhere."""
+    """Return the cloud with the same intensity everywhere."""
     return np.column_stack([cloud[:, :3], np.full(len(cloud), 0.5)])
 
 
 def assert_thinned(student, cloud, size):
-    """Compare with plain Python."""
+    """Compare the centroids with those from plain Python."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
 
 
 def assert_counted(student, cloud, size):
-    """Compare the number of cells alone."""
+    """Compare only the number of cells."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
@@ -258,7 +258,7 @@ def test_voxel_borders(student, seed):
     hint="The mean of a cell is one of whole rows: all columns.",
 )
 def test_voxels_average_the_intensity(student, seed):
-    # So dim that all intensities are in one cell, for whoever takes them for a place.
+    # If an answer uses the intensities as coordinates, all are in one cell, as they are so low.
     cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
     cloud = in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)

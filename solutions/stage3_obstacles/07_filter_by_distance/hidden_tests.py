@@ -1,7 +1,7 @@
 """Hidden tests of lesson 07. Titles and hints are shown to students; the code is not.
 
-Each looks at one property. No point lies on a border, but in the tests of faces; and where it is
-not the property, no height and no intensity is large enough to matter.
+Each tests one property. Points are on a border only in the tests of faces. Heights and intensities
+are large enough to matter only in the tests about them.
 """
 
 import copy
@@ -29,7 +29,7 @@ from utils.checks.lesson_07 import (
     require_near_points,
 )
 
-MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.
+MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives the same answer.
 
 
 @samples.remembered
@@ -38,27 +38,27 @@ def distances_by_hand(cloud):
 
 
 def clear_of_circle(cloud, distance):
-    """(rows that lie clear of a circle, whether each is within)."""
+    """Return the rows that are clear of a circle's rim, and whether each is inside."""
     true_distance = distances_by_hand(cloud)
     clear = np.abs(true_distance - distance) > MARGIN
     return cloud[clear], true_distance[clear] < distance
 
 
 def assert_distance_filtered(student, cloud, distance=10.0):
-    """Compare with plain Python."""
+    """Compare the answer with distances computed in plain Python."""
     cloud, near = clear_of_circle(cloud, distance)
     answer = student.filter_by_distance(cloud.copy(order="A"), distance)
     assert_points_left(answer, cloud, distance, near)
 
 
 def without_corners(cloud, distance):
-    """Rows within a circle or not, in whatever way one measures in the plane."""
+    """Return rows whose side of the circle is the same for every usual norm in the plane."""
     x, y = np.abs(cloud[:, :2]).T
     return cloud[(x + y < distance - MARGIN) | (np.maximum(x, y) > distance + MARGIN)]
 
 
 def pressed_flat(cloud):
-    """The cloud without what could be taken for a part of the distance."""
+    """Return the cloud with heights and intensities too small to affect a distance."""
     return cloud * [1, 1, 0.01, 0.01]
 
 
@@ -203,12 +203,12 @@ def test_input(student, seed):
 
 REGION = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# From below the road to above the trees: here no height decides.
+# A region from below the road to above the trees, in which heights do not matter.
 TALL_REGION = (-10.0, -5.0, -60.0), (30.0, 6.0, 60.0)
 
 
 def boxes_of(seed, tall):
-    """Boxes that nobody has seen: ahead on the right, behind, and around the sensor."""
+    """Yield new boxes: ahead on the right, behind, and around the sensor."""
     rng = np.random.default_rng(seed)
     for x, y in ((7, -7), (-7, 4), (1, 0)):
         middle = np.array([x, y, -1.0]) + rng.uniform(-0.5, 0.5, 3)
@@ -220,7 +220,7 @@ def boxes_of(seed, tall):
 
 @samples.remembered
 def gaps_by_hand(cloud, minimum, maximum):
-    """Smallest distance of each row from a face of a box, and smallest depth in it, (n, 2)."""
+    """Return the smallest distance of each row from a box's faces, and its depth inside, (n, 2)."""
     found = []
     for row in cloud[:, :3].tolist():
         gaps = [
@@ -233,7 +233,7 @@ def gaps_by_hand(cloud, minimum, maximum):
 
 
 def clear_of(cloud, minimum, maximum):
-    """(rows that lie clear of the faces of a box, whether each is inside)."""
+    """Return the rows that are clear of the faces of a box, and whether each is inside."""
     distance, depth = gaps_by_hand(cloud, tuple(minimum), tuple(maximum)).T
     return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
 
@@ -252,22 +252,22 @@ def assert_box_filtered(student, exercise, cloud, minimum, maximum):
 
 
 def apart(cloud, minimum, maximum):
-    """Which rows are outside with all coordinates, beyond one face of a box and before another."""
+    """Return which rows are outside on all axes, below a box on some and above it on others."""
     before, beyond = cloud[:, :3] < np.array(minimum), cloud[:, :3] > np.array(maximum)
     return (before | beyond).all(axis=1) & before.any(axis=1) & beyond.any(axis=1)
 
 
 def clear_cut(cloud, minimum, maximum):
-    """Rows that are in a box with all coordinates or with none, and whether each is inside."""
+    """Return the rows that are inside a box on all axes or on none, and whether each is inside."""
     cloud, inside = clear_of(cloud, minimum, maximum)
     clear = inside | apart(cloud, minimum, maximum)
     return cloud[clear], inside[clear]
 
 
 def on_a_lattice(seed):
-    """(points in a box, on its faces, or apart from it, the box, who is in it, faces included).
+    """Return points in, on or away from a box, the box, and a mask of the points in or on it.
 
-    All are multiples of half a metre: halves have no error of rounding, whatever one computes.
+    All coordinates are multiples of half a metre, which have no rounding errors.
     """
     rng = np.random.default_rng(seed)
     cloud = np.column_stack([rng.integers(-10, 11, (1500, 3)) / 2, np.ones(1500)])
@@ -280,7 +280,7 @@ def on_a_lattice(seed):
 
 
 def other_clouds(cloud):
-    """The same with three columns, of other types and layouts, and with rows that occur twice."""
+    """Yield the cloud with three columns, in other types and layouts, and with duplicate rows."""
     yield cloud[:, :3]
     yield cloud.astype(np.float32)
     yield np.asfortranarray(cloud)
@@ -289,7 +289,7 @@ def other_clouds(cloud):
 
 @functools.lru_cache(maxsize=64)
 def scan_around_the_car(seed):
-    """A fresh street near the sensor, with the returns of our own car and invalid ones."""
+    """Return part of a new street, with all returns of the ego car and all invalid ones."""
     cloud = samples.fresh_street(seed)
     near = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 2.5)
     rest = np.random.default_rng(seed).choice(len(cloud), 700, replace=False)
@@ -385,8 +385,8 @@ def test_crop_order(student, seed):
 def test_crop_kinds_of_clouds(student, seed):
     require_crop(student.crop_region)
     cloud, _ = clear_cut(samples.patch_of_course_cloud(seed, 300), *REGION)
-    for other in other_clouds(cloud):
-        assert_box_filtered(student, "crop_region", other, *REGION)
+    for variant in other_clouds(cloud):
+        assert_box_filtered(student, "crop_region", variant, *REGION)
 
 
 @hidden(
@@ -499,8 +499,8 @@ def test_remove_order(student, seed):
 def test_remove_kinds_of_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud, _ = clear_cut(scan_around_the_car(seed), *EGO_BOX)
-    for other in other_clouds(cloud):
-        assert_box_filtered(student, "remove_ego_returns", other, *EGO_BOX)
+    for variant in other_clouds(cloud):
+        assert_box_filtered(student, "remove_ego_returns", variant, *EGO_BOX)
 
 
 @hidden(
@@ -527,6 +527,6 @@ def test_remove_small(student, seed):
 )
 def test_remove_input(student, seed):
     require_ego_removed(student.remove_ego_returns)
-    # In a few rows of a whole scan there may be none of our own car, and nothing to overwrite.
+    # A small part of a scan may contain no returns of the ego car, and so nothing to overwrite.
     for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
         assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

@@ -1,4 +1,4 @@
-"""Lesson 07: circle, region of interest and the box of our own car, on a street from above."""
+"""Lesson 07: a street from above, with a circle, a region of interest and the ego car's box."""
 
 import matplotlib.pyplot as plt
 import numpy as np

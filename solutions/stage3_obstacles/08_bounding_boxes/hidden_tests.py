@@ -1,9 +1,9 @@
 """Hidden tests of lesson 08. Titles and hints are shown to students; the code is not.
 
-The real scans are as in the lesson: with noise, gaps in the labels, in any order, and intensity.
-Each other test looks at one property: where it is not the subject, the labels rise from 1 without
-gaps, and there is neither noise nor intensity. Nowhere but where it is the subject is the first
-point of a cluster its smallest or largest.
+The scans are as in the lesson: with noise, intensity, and labels with gaps and in any order. Each
+other test checks one property. Unless the test is about them, labels rise from 1 without gaps, and
+there is neither noise nor intensity. In the same way, the first point of a cluster is neither its
+smallest nor its largest.
 """
 
 import functools
@@ -19,7 +19,7 @@ from utils.checks.lesson_08 import require_three_boxes
 
 
 def boxes_by_hand(cloud, labels):
-    """The right boxes, point by point in plain Python; shape (N, 8, 3)."""
+    """Return the right boxes, computed in plain Python, shape (N, 8, 3)."""
     rows = {}
     for label, row in zip(labels.tolist(), cloud[:, :3].tolist(), strict=True):
         if label > 0:
@@ -49,7 +49,7 @@ def assert_boxed(student, cloud, labels):
 
 
 def middles_first(cloud, labels):
-    """A cloud that begins with a point in the middle of each cluster; labels from 1, no noise."""
+    """Return a cloud that begins with the mean of each cluster; labels from 1, no noise."""
     cloud = cloud[labels > 0]
     names, place = np.unique(labels[labels > 0], return_inverse=True)
     middles = [cloud[place == row].mean(axis=0) for row in range(len(names))]
@@ -58,7 +58,7 @@ def middles_first(cloud, labels):
 
 @functools.lru_cache(maxsize=64)
 def course_clusters(seed):
-    """Thinned returns of the course's own scan and their labels, 0 on the road."""
+    """Return thinned returns of the course's own scan and their labels, 0 on the road."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
     stands = cloud[:, 2] > -1.1
     found = without_small(samples.cluster_labels(cloud[stands, :3], 0.7), 4)
@@ -67,14 +67,14 @@ def course_clusters(seed):
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
-    """The same of a street that nobody has seen."""
+    """Return thinned returns of a new street and their labels."""
     cloud = samples.obstacles_of_street(seed, 1500)
     found = without_small(samples.cluster_labels(cloud[:, :3], 0.8), 4)
     return as_filtered(*middles_first(cloud, found), cloud[found == 0] - [0, 0, 3, 0], seed)
 
 
 def as_filtered(cloud, labels, noise, seed):
-    """A cloud with noise, and with labels as filters leave them: with gaps, and in any order."""
+    """Add noise to a cloud, and give it labels as after a filter: with gaps and in any order."""
     rng = np.random.default_rng(seed)
     names = rng.choice(np.arange(1, 3 * labels.max()), labels.max(), replace=False)
     cloud, labels = np.vstack([cloud, noise]), np.append(names[labels - 1], 0 * noise[:, 0])
@@ -82,20 +82,20 @@ def as_filtered(cloud, labels, noise, seed):
 
 
 def one_by_one(cloud, labels):
-    """The clusters of a scan, their labels rising from 1 without gaps; no noise, no intensity."""
+    """Return the clusters of a scan without noise and intensity, labelled from 1 without gaps."""
     kept = labels > 0
     return cloud[kept, :3], np.unique(labels[kept], return_inverse=True)[1].ravel() + 1
 
 
 def clusters_around_the_origin(rng, count=12, each=20):
-    """Clusters of which each has points on all sides of the origin."""
+    """Return clusters that each have points on all sides of the origin."""
     labels = np.repeat(np.arange(1, count + 1), each)
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
     return middles_first(rng.uniform(-1, 1, (len(labels), 3)) * sizes, labels)
 
 
 def without_small(labels, least):
-    """Labels of clusters with fewer points set to 0."""
+    """Return labels in which clusters with fewer than `least` points are 0."""
     return np.where(np.bincount(labels)[labels] < least, 0, labels)
 
 

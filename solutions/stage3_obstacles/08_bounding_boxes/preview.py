@@ -22,6 +22,6 @@ def draw() -> Figure:
     row = np.flatnonzero(truth["box_identities"] == 10)[0]
     car = Box(truth["box_centres"][row], truth["box_sizes"][row], truth["box_yaws"][row], "car", 10)
     plots.boxes(car.corners[None], reference=True, label="the diagonal car itself", axes=axes)
-    # Who can measure here need not guess how much the box of the diagonal car covers.
+    # With tick labels, a student could measure the area that the lesson asks to estimate.
     axes.set(xticklabels=[], yticklabels=[], xlabel="x, forward", ylabel="y, left")
     return figure

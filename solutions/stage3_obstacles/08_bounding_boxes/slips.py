@@ -10,7 +10,7 @@ SLIPS = {
         Slip("one number for x, y and z", "points.max(axis=0)", "points.max()", USELESS),
         Slip("returns after one box", "    return np", "        return np", USELESS),
         Slip("the whole cloud", "measured & (cluster_labels == label)", "measured", USELESS),
-        # The car drives into the last obstacle, which has no box.
+        # The car collides with the last obstacle, which has no box.
         Slip("no last label", _ROUND, "for label in range(1, cluster_labels.max()):", USELESS),
         Slip(
             "all numbers up to the last",

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 09. Titles and hints are shown to students; the code is not.
 
-Each looks at one property: apart from `test_ties` no cluster has exactly the minimum, and only
-`test_labels` looks at the numbers of what is left.
+Each tests one property. Only in `test_ties` a cluster has exactly the minimum number of points, and
+only `test_labels` compares the labels of the remaining clusters.
 """
 
 from collections import Counter
@@ -21,7 +21,7 @@ from utils.checks.lesson_09 import (
 
 
 def filtered_by_hand(labels, minimum):
-    """The right answer, in plain Python."""
+    """Return the right answer, computed in plain Python."""
     numbers = labels.tolist()
     count = Counter(numbers)
     return np.array(
@@ -30,7 +30,7 @@ def filtered_by_hand(labels, minimum):
 
 
 def assert_right(student, labels, minimum):
-    """The right clusters are left, for the first minimum from here on that no cluster has."""
+    """Check the remaining clusters, for the next larger minimum that no cluster has exactly."""
     counts = set(Counter(labels.tolist()).values())
     minimum = next(number for number in range(minimum, len(labels) + 2) if number not in counts)
     expected = filtered_by_hand(labels, minimum)
@@ -38,14 +38,14 @@ def assert_right(student, labels, minimum):
 
 
 def clutter(rng, clusters, largest):
-    """Labels 1 to N of clusters of mixed sizes, in random order, with some noise among them."""
+    """Return labels 1 to N of clusters of mixed sizes, in random order and with some noise."""
     sizes = np.ceil(np.exp(rng.uniform(0, np.log(largest), clusters))).astype(int)
     labels = np.repeat(np.arange(1, clusters + 1), sizes)
     return rng.permutation(np.concatenate([labels, np.zeros(clusters, dtype=int)]))
 
 
 def objects_of_course_cloud(seed):
-    """Labels of what stands above the road in the course's cloud: an object is a cluster."""
+    """Return cluster labels of the objects above the road in the course's cloud."""
     patch = samples.patch_of_course_cloud(seed, 4000)
     patch = patch[patch[:, 2] > -1.1]
     return samples.cluster_labels(samples.without_ties(patch, 0.5), 0.5)
@@ -87,7 +87,7 @@ def test_ties(student, seed):
     require_most_clusters_right(student.filter_clusters)
     labels = np.concatenate([np.repeat([1, 2, 3], 6), clutter(np.random.default_rng(seed), 30, 30)])
     count = Counter(labels.tolist())
-    labels = np.append(labels, np.repeat(31, count[2]))  # also the last of all labels
+    labels = np.append(labels, np.repeat(31, count[2]))  # the highest label also has the minimum
     count = Counter(labels.tolist())
     at_the_border = [label for label in count if label > 0 and count[label] == count[2]]
     yours = as_labels(student.filter_clusters(labels.copy(), count[2]), len(labels))

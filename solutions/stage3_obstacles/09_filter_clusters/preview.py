@@ -1,4 +1,4 @@
-"""Lesson 09: a wet street from above; what was too small is noise."""
+"""Lesson 09: a wet street from above, with small clusters marked as noise."""
 
 import matplotlib.pyplot as plt
 import numpy as np

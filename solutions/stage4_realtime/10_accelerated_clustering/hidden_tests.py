@@ -1,7 +1,8 @@
 """Hidden tests of lesson 10. Titles and hints are shown to students; the code is not.
 
-Small clouds come first and big ones last: an answer that hangs or bursts on the big ones is
-stopped there, and keeps what it has earned. Of the big ones, two ask for exactness as well.
+Small clouds come before large ones. An answer that runs too long or out of memory on a large cloud
+is stopped there, and keeps the points that it has earned. Two tests with large clouds also check
+that the clusters are exact.
 """
 
 import functools
@@ -38,7 +39,7 @@ def test_course_cloud(student, seed):
     far = cloud[(np.hypot(cloud[:, 0], cloud[:, 1]) > 15) & (cloud[:, 2] > -1.1)]
     angle = np.arctan2(far[:, 1], far[:, 0])
     start = np.random.default_rng(seed).uniform(0, 2 * np.pi)
-    # Nothing is thinned out or mixed: the rows are those of the scanner.
+    # The rows are neither thinned nor shuffled, but as the scanner gives them.
     order = np.argsort((angle - start) % (2 * np.pi), kind="stable")
     assert_clusters(student, far[np.sort(order[:2500])])
 
@@ -77,7 +78,8 @@ def test_other_thresholds(student, seed):
     hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
 )
 def test_crowded_cells(student, seed):
-    # Lumps of 25 points whose gaps lie around the threshold: representatives decide nothing.
+    # The gaps between lumps of 25 points are near the threshold, so comparing one point per cell is
+    # not enough.
     rng = np.random.default_rng(seed)
     for _ in range(4):
         middles = np.cumsum(rng.uniform(0.4, 0.95, (16, 1)) * _directions(rng, 16), axis=0)
@@ -188,7 +190,7 @@ def test_many_clusters(student, seed):
 
 
 def answer_in_time(student, cloud, threshold, advice):
-    """The answer, or a failure that says what to do when the process had to be stopped."""
+    """Return the answer; if the process had to be stopped, raise a failure with advice."""
     assert_works(student.euclidean_clustering_accelerated)
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
@@ -198,7 +200,7 @@ def answer_in_time(student, cloud, threshold, advice):
 
 @functools.lru_cache(maxsize=16)
 def whole_scan(seed):
-    """All obstacles of a fresh street, one return per 3 cm: about 50 000 points. Read-only."""
+    """Return all obstacles of a new street, one return per 3 cm: 50 000 read-only points."""
     cloud = samples.fresh_street(seed)[:, :3]
     cloud = cloud[cloud[:, 2] > -1.2]
     places = np.unique(np.floor(cloud / 0.03), axis=0, return_index=True)[1]
@@ -222,8 +224,8 @@ def test_whole_scan(student, seed):
             "A scan must be answered in time: loops over points, and lists of neighbours of every "
             "point, are too long. Work with cells instead of points.",
         )
-        # The answer comes first: an oracle for many points is slow, and not all need it. Where
-        # a cluster hangs by a hair at this threshold, single precision may differ: take another.
+        # The slow oracle runs only after the answer has come in time. If a tiny change of the
+        # threshold changes the clusters, single precision may differ, so the next one is tried.
         labels = samples.cluster_labels(cloud, threshold - 1e-4)
         if np.array_equal(labels, samples.cluster_labels(cloud, threshold + 1e-4)):
             assert_partition(answer, labels, cloud)
@@ -284,11 +286,12 @@ def test_touching_heaps(student, seed):
 
 
 def _pairs_of_all_phases(rng):
-    """Points (2000, 3) in pairs along the diagonals of cells, 1.002 m apart.
+    """Return points (2000, 3) in pairs along the diagonals of cells, 1.002 m apart.
 
-    Too large a cell holds few such pairs: one must lie well in it, to a fifth of its side along
-    each axis where the side is 1 / sqrt(2). So pairs begin at each tenth of that side along each
-    axis: wherever such cells begin, one holds a pair, and of larger cells many do.
+    A cell that is too large contains a pair only if the pair is well placed in it. If the side is
+    1 / sqrt(2), the place must be right to a fifth of the side along each axis. The pairs therefore
+    begin at each tenth of that side along each axis. Wherever such cells begin, one of them
+    contains a pair, and many larger cells do.
     """
     side = 1 / np.sqrt(2)
     tenths = np.stack(np.meshgrid(*[np.arange(10)] * 3), axis=-1).reshape(-1, 3) / 10
@@ -299,7 +302,7 @@ def _pairs_of_all_phases(rng):
 
 @functools.lru_cache(maxsize=16)
 def _walls(seed):
-    """Twelve walls of 5000 points, and their labels. Read-only."""
+    """Return twelve walls of 5000 points and their labels, read-only."""
     rng = np.random.default_rng(seed)
     walls = rng.uniform(0, 1, (12, 5000, 3)) * [1.2, 0.0, 1.0]
     walls += np.array([[5.0 * (i % 4), 5.0 * (i // 4), 0.0] for i in range(12)])[:, None]
@@ -308,7 +311,7 @@ def _walls(seed):
 
 @functools.lru_cache(maxsize=16)
 def _heaps(seed):
-    """Two heaps of 20 000 points within 0.08 m, and their labels. Read-only."""
+    """Return two heaps of 20 000 points within 0.08 m and their labels, read-only."""
     rng = np.random.default_rng(seed)
     heaps = rng.uniform(0, 0.08, (2, 20_000, 3))
     heaps[1] += [6.0, 0.0, 0.0]
@@ -317,12 +320,13 @@ def _heaps(seed):
 
 @functools.lru_cache(maxsize=16)
 def _heaps_end_to_end(seed):
-    """Two small heaps that a pair of points joins, two large ones apart; their labels. Read-only.
+    """Return two small heaps joined by a pair of points, two large separate ones, and labels.
 
-    0.502 m lie between the ends of two, so that all of the large ones has to be looked at; a point
-    stands out of either of the small ones, towards the other. They are so thin that the nearest
-    point lies at an end, where a KD-tree finds it ten times as quickly as in a cube; and so short
-    that borders of cells rarely cut one, and never into pieces of which a table would be small.
+    The ends of two heaps are 0.502 m apart, so that an answer has to search the large heaps
+    completely. Each small heap has one point that protrudes towards the other. The heaps are so
+    thin that the nearest point is at an end, where a KD-tree finds it ten times as fast as in a
+    cube. They are so short that cell borders rarely split one, and never into pieces small enough
+    for a table of distances. The arrays are read-only.
     """
     rng = np.random.default_rng(seed)
     heaps = [rng.uniform(0, [0.04, 0.002, 0.002], (n, 3)) for n in (2000, 2000, 28_000, 28_000)]
@@ -333,14 +337,14 @@ def _heaps_end_to_end(seed):
 
 
 def _mixed(rng, parts, labels):
-    """All points of some parts, turned, moved and mixed; of each the label of its part."""
+    """Combine parts into one rotated, shifted and shuffled cloud; return it with its labels."""
     cloud, labels = np.vstack(parts), np.repeat(labels, [len(part) for part in parts])
     turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(cloud))
     return frozen((cloud @ turn.T + rng.uniform(-5, 5, 3))[order]), frozen(labels[order])
 
 
 def _boxes_of_points(seed):
-    """Twelve dense boxes of points, far from each other, also from above; their labels."""
+    """Return twelve dense boxes of points, far apart even from above, and their labels."""
     rng = np.random.default_rng(seed)
     places = np.stack(np.meshgrid([-18, -6, 6, 18], [-12, 0, 12], [0.5]), axis=-1).reshape(12, 1, 3)
     order = rng.permutation(720)

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 11. Titles and hints are shown to students; the code is not.
 
-Each looks at one property. Where it is not the subject, points are centred, clusters stand
-straight and are labelled from 1 without gaps, and there is neither noise nor intensity.
+Each tests one property. Unless the test is about them, points are centred, clusters are aligned
+with the axes and labelled from 1 without gaps, and there is neither noise nor intensity.
 """
 
 import functools
@@ -34,14 +34,14 @@ from utils.checks.lesson_11 import (
 
 
 def axes_by_svd(points):
-    """The right axes, in columns, by the singular vectors of the points themselves."""
+    """Return the right axes, in columns, from the singular vectors of the points."""
     xyz = np.asarray(points, dtype=float)[:, :3]
     return np.linalg.svd(xyz - xyz.mean(axis=0), full_matrices=False)[2].T
 
 
 @samples.remembered
 def smallest_area(points):
-    """Area of the smallest rectangle around points seen from above, trying every half degree."""
+    """Return the area of the smallest rectangle around points from above, to half a degree."""
     angles = np.radians(np.arange(0, 90, 0.5))
     along = np.column_stack([np.cos(angles), np.sin(angles)])
     across = np.column_stack([-np.sin(angles), np.cos(angles)])
@@ -50,7 +50,7 @@ def smallest_area(points):
 
 
 def area_along(points, direction):
-    """Area of the rectangle around points seen from above, one side along a direction."""
+    """Return the area of the rectangle around points from above, with a side along a direction."""
     along = np.asarray(direction)[:2] / np.linalg.norm(direction[:2])
     turned = points[:, :2] @ np.array([along, [-along[1], along[0]]]).T
     return float(np.prod(np.ptp(turned, axis=0)))
@@ -60,14 +60,14 @@ def area_along(points, direction):
 
 
 def turn_in_space(rng):
-    """A random rotation matrix, by the QR decomposition of a random matrix."""
+    """Return a random rotation matrix, from the QR decomposition of a random matrix."""
     matrix, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     matrix[:, 2] *= np.sign(np.linalg.det(matrix))
     return matrix
 
 
 def block(rng, sides, n=400):
-    """n random points of a solid block around the origin; its sides differ clearly."""
+    """Return n random points of a solid block around the origin; `sides` are its lengths."""
     return rng.uniform(-0.5, 0.5, (n, 3)) * sides
 
 
@@ -81,11 +81,11 @@ def turn_about_z(points, angle):
 
 @functools.lru_cache(maxsize=64)
 def scanned_cars(seed):
-    """Clusters (n, 4) of vehicles as a scanner sees them, each turned as diagonally as it gets.
+    """Return clusters (n, 4) of scanned vehicles, each rotated to be as diagonal as possible.
 
-    Where a scanner sees two sides, sensible boxes differ: principal axes lean towards the
-    corner, the smallest rectangle does not. Kept are clusters on which such methods agree well
-    within `LOOSE`, while a box along x and y is far beyond it.
+    If a scanner sees two sides, sensible boxes differ: principal axes lean towards the corner, the
+    smallest rectangle does not. The function keeps clusters on which such methods agree well within
+    `LOOSE`, while a box along x and y is far beyond it.
     """
     from scipy.spatial import ConvexHull
 
@@ -116,14 +116,14 @@ def scanned_cars(seed):
             turn_about_z(points - [*middle, 0, 0], np.radians(angle)) + [*middle, 0, 0]
             for angle in range(0, 180, 5)
         ]
-        loosest = max(turned, key=lambda one: np.prod(np.ptp(one[:, :2], axis=0)))
+        loosest = max(turned, key=lambda cluster: np.prod(np.ptp(cluster[:, :2], axis=0)))
         if np.prod(np.ptp(loosest[:, :2], axis=0)) > 1.15 * LOOSE * small:
             cars.append(loosest)
     return tuple(cars)
 
 
 def blocks_along_the_street(rng, headings, n=200):
-    """Solid blocks of car size, each with its own heading in degrees; (cloud, labels)."""
+    """Return cloud and labels of solid blocks of car size, with one heading in degrees each."""
     clusters = [
         turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
         + [10.0 * row - 20, rng.uniform(-6, 6), -0.7]
@@ -133,7 +133,7 @@ def blocks_along_the_street(rng, headings, n=200):
 
 
 def straight_blocks(rng, count=4):
-    """The same along x, and each symmetric: their principal axes are not off by chance."""
+    """Return cloud and labels of symmetric blocks along x, whose principal axes are exact."""
     half, labels = blocks_along_the_street(rng, [0.0] * count, 60)
     mirrored = half.copy()
     for label in range(1, count + 1):
@@ -147,7 +147,7 @@ def centred(points):
 
 
 def blocks_in_space(rng, count=6):
-    """Centred blocks, turned in any way in space."""
+    """Yield centred blocks with random rotations in space."""
     for _ in range(count):
         yield centred(block(rng, [4.4, 1.8, 0.7]) @ turn_in_space(rng).T)
 
@@ -156,7 +156,7 @@ def blocks_in_space(rng, count=6):
 
 
 def assert_found(student, points):
-    """The axes of centred points are right; where not, no other property can be looked at."""
+    """Check the axes of centred points, without which no other property can be tested."""
     with needs("the axes of blocks turned in any way in space are right"):
         assert_directions(student.principal_axes(points.copy()), axes_by_svd(points))
 
@@ -209,7 +209,7 @@ def test_scanned(student, seed):
     for points in (car[:, :3] for car in scanned_cars(seed) + scanned_cars(seed + 1)):
         spread = np.linalg.svd(centred(points), compute_uv=False)
         if (spread[1:] > 0.85 * spread[:-1]).any() or checked == 6:
-            continue  # two directions of nearly equal spread: neither is the right one
+            continue  # two directions have nearly equal spread, so their order is not defined
         checked += 1
         assert_axes(student.principal_axes(points.copy()), axes_by_svd(points))
     points = next(blocks_in_space(np.random.default_rng(seed))) + [9.0, -5.0, 2.0]
@@ -241,8 +241,8 @@ def test_size(student, seed):
     points = next(blocks_in_space(rng))
     right = axes_by_svd(points)
     assert_found(student, points)
-    for other in (rng.permutation(points), 1000 * points, 0.01 * points):
-        answer = student.principal_axes(other.copy())
+    for variant in (rng.permutation(points), 1000 * points, 0.01 * points):
+        answer = student.principal_axes(variant.copy())
         assert_directions(answer, right)
         assert_orthonormal(answer)
 
@@ -269,7 +269,7 @@ def test_few_points(student, seed):
     try:
         assert_directions(student.principal_axes(triangle + away), axes_by_svd(triangle)[:, :2])
     except CheckFailed:
-        return  # who does not centre is asked about that elsewhere
+        return  # another test checks whether an answer centres the points
     assert_directions(student.principal_axes(centred(line[:2]) + away), turn[:, :1])
 
 
@@ -334,7 +334,7 @@ def assert_holds_and_fits(student, cloud, labels, areas):
 )
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
-    # At 20°: there minus the heading is not nearly the heading, as it is at 45°.
+    # At 20° a heading of the wrong sign differs clearly, unlike at 45°.
     cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
     areas = [smallest_area(car) for car in cars]
@@ -354,7 +354,7 @@ def test_tall_things(student, seed):
         sides = [rng.uniform(0.6, 1.5), rng.uniform(0.15, 0.25), rng.uniform(2.5, 3.5)]
         upright = np.array(list(np.ndindex(4, 4, 4))) / 3 - 0.5
         leaning = upright * sides
-        # Less than would change its heading from above, and not the way it heads.
+        # The lean is not along the heading, and too small to change the heading from above.
         leaning[:, :2] += 0.02 * leaning[:, 2:] * rng.choice([-1, 1], 2)
         points = turn_about_z(leaning, np.radians(heading))
         clusters.append(points + [4.0 * row - 10, rng.uniform(-6, 6), 0.3])
@@ -372,17 +372,17 @@ def test_tall_things(student, seed):
 )
 def test_fresh_street(student, seed):
     cloud, labels = street_clusters(seed)
-    car, one = blocks_along_the_street(np.random.default_rng(seed), [25.0])
+    car, label = blocks_along_the_street(np.random.default_rng(seed), [25.0])
     cloud = np.vstack([cloud, car + [0.0, 0.0, 30.0]])
-    labels = np.concatenate([labels, one + labels.max()])
-    # Only for the block do all sensible boxes agree on the size.
+    labels = np.concatenate([labels, label + labels.max()])
+    # All sensible boxes agree on the size only for the block.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
     assert_holds_and_fits(student, cloud, labels, areas)
 
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
-    """Obstacles (n, 3) of a street, labelled from 1 in the order in which they come."""
+    """Return obstacles (n, 3) of a street, sorted by label, and their labels from 1."""
     cloud = samples.obstacles_of_street(seed, 1500)[:, :3]
     labels = samples.cluster_labels(cloud, 0.8)
     kept = np.flatnonzero(np.bincount(labels)[labels] >= 4)

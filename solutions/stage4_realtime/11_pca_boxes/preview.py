@@ -1,4 +1,4 @@
-"""Lesson 11: a diagonal car from above, in a frame along the street and in the smallest one."""
+"""Lesson 11: a diagonal car from above, in a box along the street and in the smallest box."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,16 +14,16 @@ def draw() -> Figure:
     cloud = load_cloud("cloud.txt")
     objects = np.load(DATA / "cloud_truth.npz")["objects"]
     car = cloud[(objects == 10) & (cloud[:, 2] >= -1.2)]
-    one = np.ones(len(car), dtype=int)
+    labels = np.ones(len(car), dtype=int)
     figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="compressed")
     plots.boxes(
-        load_reference("08_bounding_boxes").get_bounding_boxes(car, one),
+        load_reference("08_bounding_boxes").get_bounding_boxes(car, labels),
         cloud=car,
         reference=True,
         limits=((4.0, 10.4), (1.2, 6.4)),
         axes=axes,
     )
-    plots.boxes(load_reference("11_pca_boxes").get_oriented_boxes(car, one), axes=axes)
+    plots.boxes(load_reference("11_pca_boxes").get_oriented_boxes(car, labels), axes=axes)
     lines = axes.get_legend_handles_labels()[0]
     axes.legend(
         lines,

@@ -1,6 +1,6 @@
-"""Drive the twenty streets with other detectors, to compare a student's own drive with them.
+"""Drive the twenty streets with reference detectors, for comparison with a student's drive.
 
-Run it with the project on PYTHONPATH; it writes the results for `utils.drive.standards`.
+Run this with the project on PYTHONPATH; it writes the results for `utils.drive.standards`.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from utils.tracking import tracker_of
 
 
 def drive_all(name: str) -> dict[int, Result]:
-    """What one of `DRIVERS` does in each street.
+    """Return the result of one of `DRIVERS` in each street.
 
-    The detectors are asked without a clock, so that every machine gets the same: all of them are
-    quicker than the scanner.
+    The detectors, which are all faster than the scanner, run without a clock, so that every machine
+    gives the same results.
     """
     detect = tracker = None
     if name == DRIVERS[1]:
@@ -36,7 +36,7 @@ def drive_all(name: str) -> dict[int, Result]:
 
 
 def main() -> None:
-    """Drive all and store the results."""
+    """Drive all streets with all drivers and store the results."""
     store({name: drive_all(name) for name in DRIVERS})
 
 

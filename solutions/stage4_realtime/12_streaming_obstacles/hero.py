@@ -1,6 +1,6 @@
-"""The film at the head of the README: a drive through the city, and the obstacles found.
+"""The film at the top of the README: a drive through the city with the obstacles found.
 
-Run it to record the film again, as `make pictures` does.
+Run this to record the film again, as `make pictures` does.
 """
 
 from grader.course.lessons import find_lesson, load_reference
@@ -11,11 +11,11 @@ from utils.scene3d import Scene
 
 LESSON = "12_streaming_obstacles"
 PATH = find_lesson(LESSON).folder / "hero.gif"
-FRAMES, EVERY = 64, 2  # at 10 Hz; every second one makes a smaller film of a quicker drive
+FRAMES, EVERY = 64, 2  # at 10 Hz; using every second frame makes a smaller and faster film
 
 
 def film() -> Film:
-    """Record the film; returns `utils.films.writers.Film`."""
+    """Record the film and return it."""
     return record(
         scenes.city_block(frames=FRAMES)[::EVERY],
         PATH,
@@ -26,7 +26,7 @@ def film() -> Film:
 
 
 def compose(sight: Sight) -> Scene:
-    """Only what the detector saw: no timing, so that the same film is the same file."""
+    """Show only the cloud and the boxes, without timing, so that the file is reproducible."""
     return (
         Scene()
         .add_cloud(sight.cloud)

@@ -1,8 +1,8 @@
 """Hidden tests of lesson 12. Titles and hints are shown to students; the code is not.
 
-Each looks at one property, and only where cars are found, or boxes are found again: whoever sees
-nothing is not praised for what they spare. Most have a square of their own, so that boxes that
-always stand in the same places are lucky once and not ten times.
+Each tests one property, and only if cars are found or boxes are matched, so that a detector without
+boxes earns nothing. Most tests have a square of their own, so that boxes at fixed places succeed by
+luck at most once.
 """
 
 import functools
@@ -50,7 +50,7 @@ from utils.checks.scans import (
 
 @functools.lru_cache(maxsize=32)
 def fresh_streets(seed):
-    """Two streets that nobody has seen, with at least two clear cars each."""
+    """Return two new streets with at least two clear cars each."""
     from utils.scenes import random_street
 
     frames = (random_street(seed + number, 0.4, half_sensor()) for number in itertools.count())
@@ -59,9 +59,9 @@ def fresh_streets(seed):
 
 @functools.lru_cache(maxsize=32)
 def city_frame(seed):
-    """A frame of a drive through a city that nobody has seen, with at least two clear cars.
+    """Return a frame of a drive through a new city, with at least two clear cars.
 
-    It is a whole turn of the scanner, twice as many returns as elsewhere.
+    It is a full scan, with twice as many returns as in the other tests.
     """
     from utils.scenes import city_block
 
@@ -71,7 +71,7 @@ def city_frame(seed):
 
 @functools.cache
 def empty_road():
-    """A scan of a level road and nothing else."""
+    """Return a scan of a level road without objects."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
     from utils.simulator.streets import world_of
@@ -80,13 +80,13 @@ def empty_road():
 
 
 def sees(student, frame):
-    """What the detector says about a frame as it is, if it finds its cars."""
+    """Return the detector's boxes in a frame, after a check that it finds the frame's cars."""
     assert_cars_seen(student.detect_obstacles, frame)
     return detected(student.detect_obstacles, frame)
 
 
 def answer_for(student, cloud, frame):
-    """What the detector says about a changed copy of a frame's cloud, if it finds its cars."""
+    """Return the detector's boxes in a changed cloud, after a check that they contain the cars."""
     answer = student.detect_obstacles(cloud)
     assert_sees(answer, frame)
     return answer
@@ -207,7 +207,7 @@ def test_rain(student, seed):
 def test_gone(student, seed):
     car = clear_cars(square(seed + 4))[seed % 3]
     frame = without(car, square(seed + 4))
-    # Nobody asked about this square before: what this very call leaves behind is the question.
+    # The test is about boxes that this call leaves behind, so no other test uses this square.
     detected(student.detect_obstacles, square(seed + 4))
     assert_gone(answer_for(student, frame.cloud.copy(), frame), car, frame)
 
@@ -273,14 +273,14 @@ def test_small_scans(student, seed):
 
 
 def scattered(rng, count):
-    """Places (count, 2) in the plane, more than 7 m apart."""
+    """Return random places (count, 2) in the plane, more than 7 m apart."""
     cells = rng.permutation(100)[:count]
     grid = np.column_stack([cells % 10, cells // 10]) * 9.0 - 45
     return grid + rng.uniform(-0.9, 0.9, (count, 2))
 
 
 def moved_on(rng, count=12, gone=0, new=0, step=0.8):
-    """Centres of two frames, and the right partner of each box of the second."""
+    """Return the centres of two frames, and the right partner of each box in the second."""
     places = scattered(rng, count + new)
     stay = rng.permutation(count)[gone:]
     angle, length = rng.uniform([[0], [0.9]], [[2 * np.pi], [1]], (2, len(stay)))
@@ -292,7 +292,7 @@ def moved_on(rng, count=12, gone=0, new=0, step=0.8):
 
 
 def rivals(rng):
-    """Centres of two frames in which two boxes want each of eight places: the nearer ones first."""
+    """Return the centres of two frames; two boxes, the nearer first, compete for each place."""
     previous = scattered(rng, 8)
     offset = rng.uniform(0, 2 * np.pi, 8)
     aside = np.column_stack([np.cos(offset), np.sin(offset)])
@@ -343,7 +343,7 @@ def test_limit(student, seed):
         expected = partner if near else np.full(len(partner), -1)
         boxes = cubes(previous), cubes(current)
         assert_limit_respected(student.match_boxes(*boxes, limit), expected, *boxes, limit)
-    # Here the two pairs that are too far apart have the smaller sum.
+    # In this case, the two pairs that are too far apart have the smaller sum of distances.
     start, angle = rng.uniform(-30, 30, 2), rng.uniform(0, 2 * np.pi)
     along = [np.cos(angle), np.sin(angle)]
     boxes = tuple(cubes(start + np.outer(ways, along)) for ways in ([0, 4], [3.2, 7.2]))
@@ -451,5 +451,5 @@ def test_lengths(student, seed):
         previous, current, partner = moved_on(rng, gone=gone, new=new)
         look_at = partner >= 0
         assert_pairs(student, cubes(previous), cubes(current), 1.6, partner, look_at)
-    one = cubes([[3.0, 4.0]])
-    assert_pairs(student, one, one + 0.2, 1.6, [0])
+    single = cubes([[3.0, 4.0]])
+    assert_pairs(student, single, single + 0.2, 1.6, [0])

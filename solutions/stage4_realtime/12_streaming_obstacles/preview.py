@@ -1,4 +1,4 @@
-"""Lesson 12: a city street from above, with the boxes of one moment and the way they came."""
+"""Lesson 12: a city street from above, with the boxes of one moment and their trails."""
 
 import matplotlib.pyplot as plt
 import numpy as np
