@@ -1,4 +1,4 @@
-"""The checks of the optional lesson: right and wrong answers, as Python and compiled."""
+"""The checks of the optional lesson, with right and wrong answers, as Python and compiled."""
 
 import contextlib
 import sys
@@ -26,7 +26,7 @@ def named(answers):
 
 
 def namespace_of(decorator=lambda function: function):
-    """What a cell of the lesson finds; `decorator` stands for `njit`."""
+    """Return the names that a cell of the lesson can use; `decorator` replaces `njit`."""
     turns = np.radians(np.arange(90))
     names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
     (taught,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
@@ -45,7 +45,7 @@ def failures_of(name, function):
     return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
 
 
-def test_each_function_that_is_written_has_checks_and_none_gives_points():
+def test_each_step_has_checks_and_gives_no_points():
     text = LESSON.source.read_text("utf-8")
     assert len(LESSON.steps) == 5 and LESSON.exercises == ()
     for name in LESSON.steps:
@@ -63,7 +63,7 @@ def test_the_lessons_own_answer_passes(name):
 
 
 @pytest.mark.parametrize(("name", "variant"), named(ANSWERS))
-def test_answers_pass_or_lose_what_they_say(name, variant, monkeypatch):
+def test_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     function = function_of(name, variant)
     failed = failures_of(name, function)
@@ -71,27 +71,27 @@ def test_answers_pass_or_lose_what_they_say(name, variant, monkeypatch):
         assert not failed and diagnose(name, function) is None
         return
     if "did not come back" in variant.says:
-        # What hangs is asked no further.
+        # After a timeout, only the first failed check counts.
         failed = dict([*failed.items()][:1])
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    said = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
+    messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
                     f"{one.failure.hint} {one.check.hint}" for one in failed.values())  # fmt: skip
-    assert variant.says in said, said
+    assert variant.says in messages, messages
     mistake = None if "did not come back" in variant.says else diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
     assert variant.told in (mistake.says if mistake else "")
 
 
-def test_every_mistake_has_somebody_who_makes_it():
+def test_a_stored_answer_makes_every_known_mistake():
     for name in LESSON.steps:
-        told = [variant.told for one, variant in ANSWERS if one == name and variant.told]
+        claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in told), mistake.says
+            assert any(words in mistake.says for words in claims), mistake.says
 
 
 class Compiled:
-    """A function of Numba's, as far as `check` looks: it hides what it was made of."""
+    """A fake compiled function with the attributes of Numba's that `check` uses."""
 
     def __init__(self, py_func, answer=None):
         self.py_func, self.__wrapped__, self.__code__ = py_func, py_func, py_func.__code__
@@ -103,7 +103,7 @@ class Compiled:
 
 @pytest.fixture
 def numba(monkeypatch):
-    """Numba, if it made nothing faster."""
+    """A fake Numba module, which compiles nothing."""
     module = ModuleType("numba")
     module.njit = module.jit = Compiled
     monkeypatch.setitem(sys.modules, "numba", module)
@@ -114,7 +114,7 @@ def endless(*arguments):
     raise AssertionError("compiled, nobody could stop it")
 
 
-def test_what_is_compiled_is_asked_as_python(numba, monkeypatch, capsys):
+def test_compiled_functions_are_checked_as_python(numba, monkeypatch, capsys):
     monkeypatch.setattr(core, "SECONDS", 0.2)
     (hangs,) = (answer for answer in answers_to("root_of") if "did not come back" in answer.says)
     function = function_of("root_of", hangs, lambda made: Compiled(made, endless))
@@ -125,7 +125,7 @@ def test_what_is_compiled_is_asked_as_python(numba, monkeypatch, capsys):
     assert not ready(function) and "root_of has not passed" in capsys.readouterr().out
 
 
-def test_what_it_calls_is_asked_as_python_too(numba):
+def test_compiled_helpers_are_checked_as_python(numba):
     (right,) = (answer for answer in answers_to("unite") if answer.follows_hints)
     function = function_of("unite", right, lambda made: Compiled(made, endless))
     assert not failures_of("unite", function)
@@ -133,8 +133,11 @@ def test_what_it_calls_is_asked_as_python_too(numba):
 
 def test_a_wrong_helper_is_named(numba, capsys):
     names = namespace_of(Compiled)
-    for name, which in (("root_of", "the parent"), ("unite", "the hints followed to the letter")):
-        (variant,) = (answer for answer in answers_to(f"{name}") if answer.name == which)
+    for name, answer_name in (
+        ("root_of", "the parent"),
+        ("unite", "the hints followed to the letter"),
+    ):
+        (variant,) = (answer for answer in answers_to(f"{name}") if answer.name == answer_name)
         exec(f"@njit\n{variant.source}", names)
     with pytest.raises(ChecksFailed):
         check(names["unite"])
@@ -158,8 +161,8 @@ complains.line = 2
         (lambda *arguments: 7, "Compiled, it answers 7, and as Python 5"),
     ],
 )
-def test_a_note_tells_what_the_compiler_makes_of_it(numba, capsys, answer, words):
-    (right,) = (one for one in answers_to("count_near") if one.follows_hints)
+def test_a_note_reports_compiler_errors_and_different_results(numba, capsys, answer, words):
+    (right,) = (stored for stored in answers_to("count_near") if stored.follows_hints)
     function = function_of("count_near", right, lambda made: Compiled(made, answer))
     check(function)
     shown = capsys.readouterr().out
@@ -169,7 +172,7 @@ def test_a_note_tells_what_the_compiler_makes_of_it(numba, capsys, answer, words
     assert "[note]" not in capsys.readouterr().out and ready(right_one)
 
 
-def test_who_forgets_to_compile_is_told_where_there_is_numba(numba, capsys):
+def test_a_missing_decorator_gets_a_note_if_numba_is_installed(numba, capsys):
     (right,) = (answer for answer in answers_to("any_close") if answer.follows_hints)
     function = function_of("any_close", right)
     check(function)
@@ -179,18 +182,18 @@ def test_who_forgets_to_compile_is_told_where_there_is_numba(numba, capsys):
     assert "[note]" not in capsys.readouterr().out and ready(function)
 
 
-def test_a_cell_waits_for_what_is_not_written_not_passed_or_written_anew(capsys):
+def test_a_cell_waits_until_its_function_has_passed(capsys):
     def stub(points):
         raise NotImplementedError
 
-    (right,) = (one for one in answers_to("snuggest_turn") if one.follows_hints)
+    (right,) = (stored for stored in answers_to("snuggest_turn") if stored.follows_hints)
     stub.__name__ = "snuggest_turn"
     with pytest.raises(ChecksFailed):
         check(stub)
     capsys.readouterr()
     assert not ready(stub)
-    said = "snuggest_turn is not written yet: this cell waits for it."
-    assert said in capsys.readouterr().out
+    message = "snuggest_turn is not written yet: this cell waits for it."
+    assert message in capsys.readouterr().out
     for function in (function_of("snuggest_turn", right), function_of("snuggest_turn", right)):
         assert not ready(function)
         assert (
@@ -208,7 +211,7 @@ def test_a_cell_waits_for_what_is_not_written_not_passed_or_written_anew(capsys)
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "variant"), named(RIGHT))
-def test_numba_makes_of_each_right_answer_what_python_does(name, variant):
+def test_right_answers_give_the_same_results_with_numba(name, variant):
     numba = pytest.importorskip("numba", reason=NUMBA)
     function = as_python(function_of(name, variant, numba.njit))
     assert function.compiled.py_func and not failures_of(name, function)
@@ -218,7 +221,7 @@ def test_numba_makes_of_each_right_answer_what_python_does(name, variant):
 
 
 @pytest.mark.slow
-def test_numbas_own_words_are_told_with_the_line(tmp_path):
+def test_a_note_quotes_the_error_of_numba(tmp_path):
     numba = pytest.importorskip("numba", reason=NUMBA)
     file = tmp_path / "cell.py"
     file.write_text("@njit\ndef any_close(points, a, a_end, b, b_end, limit):\n"

@@ -1,4 +1,4 @@
-"""The optional lesson: its loops answer as the lessons before, compiled or not."""
+"""The loops of the optional lesson give the results of earlier lessons, compiled or not."""
 
 from types import FunctionType, SimpleNamespace
 
@@ -37,7 +37,7 @@ TEXT = LESSON.source.read_text("utf-8")
 
 @pytest.fixture(scope="module")
 def plain():
-    """The functions as Python runs them, whether Numba is installed or not."""
+    """The functions without compilation, even if Numba is installed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(__import__("sys").modules, "numba", None)
         load_reference.cache_clear()
@@ -47,7 +47,7 @@ def plain():
 
 
 def in_order(labels):
-    """The same groups, numbered 1, 2, ... by first appearance."""
+    """Return the same groups, numbered 1, 2, ... by first appearance."""
     number = {}
     return np.array([number.setdefault(label, len(number) + 1) for label in labels.tolist()], int)
 
@@ -58,12 +58,12 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
     assert LESSON.released.exists() and LESSON.solved.exists()
 
 
-def test_it_is_two_evenings():
+def test_it_takes_two_sittings():
     sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 2 and max(sittings) <= durations.WITHOUT_A_STOP
 
 
-def test_what_is_expected_is_what_comes(plain):
+def test_expected_outputs_are_right(plain):
     parent = np.arange(7)
     for a, b in ((0, 2), (4, 0), (5, 2), (1, 3)):
         plain.unite(parent, a, b)
@@ -98,7 +98,7 @@ def test_clusters_of_the_street(plain):
 
 
 @pytest.mark.parametrize(("gap", "clusters"), [(0.51, 2), (0.49, 1)])
-def test_crowded_cells_are_left_to_a_tree(plain, gap, clusters):
+def test_crowded_cells_are_searched_with_a_tree(plain, gap, clusters):
     heaps = np.random.default_rng(4).uniform(0, 0.1, (2, 400, 3))
     heaps[0, 0], heaps[1, 0] = (0.1, 0.05, 0.05), (0.0, 0.05, 0.05)
     heaps[1, :, 0] += 0.1 + gap
@@ -114,13 +114,13 @@ def test_the_smallest_clouds(plain):
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e12])
-def test_what_has_no_cell_is_refused_in_words(plain, bad):
+def test_points_without_a_cell_are_refused_with_a_message(plain, bad):
     cloud = np.vstack([np.zeros(3), np.full(3, bad)])
     with pytest.raises(ValueError, match="drop"):
         plain.cluster_compiled(cloud)
 
 
-def test_voxels_are_those_of_lesson_06(plain):
+def test_voxels_equal_those_of_lesson_06(plain):
     cloud = load_cloud("cloud.txt")[::60, :3]
     expected = load_reference("06_filter_ground").voxel_grid(cloud, 0.7)
     assert len(expected) < len(cloud) / 1.2
@@ -128,7 +128,7 @@ def test_voxels_are_those_of_lesson_06(plain):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_snuggest_turn_is_that_of_lesson_11(plain, seed):
+def test_the_snuggest_turn_equals_that_of_lesson_11(plain, seed):
     area = load_reference("11_pca_boxes", "floor_area_at").floor_area_at
     points = np.random.default_rng(seed).normal(size=(40, 3)) * [3, 1, 1]
     turns = np.radians(np.arange(90))
@@ -136,7 +136,7 @@ def test_the_snuggest_turn_is_that_of_lesson_11(plain, seed):
 
 
 def by_smallest_rectangles(cloud):
-    """The boxes of lesson 12's detector, if they are turned as this lesson turns them."""
+    """Return the boxes of lesson 12's detector, with the headings that this lesson computes."""
     lesson = load_reference("11_pca_boxes")
     turns = np.radians(np.arange(90))
 
@@ -158,7 +158,7 @@ def by_smallest_rectangles(cloud):
 
 
 @pytest.mark.slow
-def test_the_boxes_are_those_of_lesson_12(plain):
+def test_the_boxes_equal_those_of_lesson_12(plain):
     cloud = load_cloud("cloud.txt")[::8]
     expected = by_smallest_rectangles(cloud)
     boxes = plain.detect_compiled(cloud)
@@ -166,7 +166,7 @@ def test_the_boxes_are_those_of_lesson_12(plain):
 
 
 @pytest.mark.slow
-def test_compiled_it_answers_alike():
+def test_compiled_functions_give_the_same_results():
     pytest.importorskip("numba", reason=NUMBA)
     functions = load_reference(NAME, *FUNCTIONS)
     cloud = load_cloud("cloud.txt")
@@ -178,7 +178,7 @@ def test_compiled_it_answers_alike():
 
 
 @pytest.mark.parametrize("is_compiled", [True, False])
-def test_nothing_is_called_compiled_that_is_not(plain, capsys, is_compiled):
+def test_output_mentions_compilation_only_if_compiled(plain, capsys, is_compiled):
     cells = [cell.source for cell in nbformat.read(LESSON.solved, as_version=4).cells]
     (cell,) = (source for source in cells if "first call{" in source)
     guess = SimpleNamespace(compare=lambda *_: None)
@@ -186,6 +186,6 @@ def test_nothing_is_called_compiled_that_is_not(plain, capsys, is_compiled):
     names |= {"points": np.ones((20, 3)), "level": np.array([0, 0, 1.0, -1])}
     names |= {"count_near": plain.count_near, "milliseconds": lambda *_, **__: 1.0}
     exec(cell, names | {"is_compiled": is_compiled})
-    said = capsys.readouterr().out
-    assert "the same number as by NumPy" in said
-    assert ("compil" in said) == is_compiled
+    output = capsys.readouterr().out
+    assert "the same number as by NumPy" in output
+    assert ("compil" in output) == is_compiled

@@ -1,4 +1,4 @@
-"""Lesson 01 says what is true, for whoever follows its hints."""
+"""The statements of lesson 01 are true for the answers that its hints describe."""
 
 import timeit
 from dataclasses import replace
@@ -18,39 +18,39 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def told():
+def solved():
     return tell("01_point_clouds")
 
 
-def test_the_first_line_to_write_comes_within_five_minutes():
+def test_the_first_exercise_comes_within_five_minutes():
     notebook = nbformat.read(find_lesson("01_point_clouds").solved, as_version=4)
     first = next(i for i, cell in enumerate(notebook.cells) if cell.source.startswith("mine = "))
     before = nbformat.v4.new_notebook(cells=notebook.cells[:first])
     assert sum(durations.sections(before).values()) < 5
 
 
-def test_tiny_cases_come_out_as_expected(told):
-    assert "yours:    [ 5. 10.  7.]\nexpected: [ 5. 10.  7.]\n" in told.text
-    kept = told.names["drop_invalid"](told.names["six"])
-    np.testing.assert_array_equal(kept, told.names["six"][[0, 4, 5]])
+def test_tiny_cases(solved):
+    assert "yours:    [ 5. 10.  7.]\nexpected: [ 5. 10.  7.]\n" in solved.text
+    kept = solved.names["drop_invalid"](solved.names["six"])
+    np.testing.assert_array_equal(kept, solved.names["six"][[0, 4, 5]])
 
 
-def test_missing_rays_belong_to_the_two_steepest_beams(told):
+def test_missing_rays_belong_to_the_two_steepest_beams(solved):
     returns = np.bincount(simple_highway().scan.beams)
     assert (returns[2:] == 128).all()
-    assert 2 * 128 - returns[:2].sum() == 8 * 128 - len(told.names["highway"]) == 32
+    assert 2 * 128 - returns[:2].sum() == 8 * 128 - len(solved.names["highway"]) == 32
 
 
-def test_missing_rays_met_the_roof_of_our_own_car(monkeypatch):
+def test_missing_rays_hit_the_roof_of_the_ego_car(monkeypatch):
     nearer = replace(scenes.highway_sensor(), minimum_range=1.0)
     monkeypatch.setattr(scenes, "highway_sensor", lambda: nearer)
     scan = simple_highway().scan
     missing = np.linalg.norm(scan.cloud[:, :3], axis=1) < 5.0
     assert len(scan.cloud) == 8 * 128 and missing.sum() == 32
-    assert {CLASSES[one] for one in scan.classes[missing]} == {"ego"}
+    assert {CLASSES[class_index] for class_index in scan.classes[missing]} == {"ego"}
 
 
-def test_a_height_leaves_the_cars_alone():
+def test_a_height_threshold_keeps_only_the_cars():
     from utils.scenes import simple_highway
 
     frame = simple_highway()
@@ -61,56 +61,58 @@ def test_a_height_leaves_the_cars_alone():
     assert set(frame.scan.objects[kept]) == {1, 2, 3}
 
 
-def test_two_flattest_rays_meet_the_car_ahead(told):
-    ends = told.names["ahead"]
+def test_two_flattest_rays_meet_the_car_ahead(solved):
+    ends = solved.names["ahead"]
     assert np.sum(ends[:, 2] > -2.5) == 2
     assert np.allclose(ends[ends[:, 2] > -2.5, 0], 13.0, atol=0.2)
 
 
-def test_four_beams_see_the_cars_and_no_pedestrian(told):
-    assert len(told.names["cars"]) == 4
-    assert len(told.names["pedestrians"]) == 3
-    counted = told.names["counted"]
+def test_four_beams_see_the_cars_and_no_pedestrian(solved):
+    assert len(solved.names["cars"]) == 4
+    assert len(solved.names["pedestrians"]) == 3
+    counted = solved.names["counted"]
     assert min(counted["32 beams"]) >= 8
     last = counted["4 beams"]
     assert min(last[:4]) >= 5 > max(last[4:])
 
 
-def test_ringed_things_vanish_as_the_text_says(told):
-    pole, pedestrian = told.names["marked"]
+def test_marked_objects_vanish_as_described(solved):
+    pole, pedestrian = solved.names["marked"]
     assert (pole.kind, pedestrian.kind) == ("pole", "pedestrian")
 
     def returns(box, **change):
-        return np.sum(told.names["scan_with"](**change).scan.objects == box.identity)
+        return np.sum(solved.names["scan_with"](**change).scan.objects == box.identity)
 
     assert returns(pedestrian) >= 8 and returns(pedestrian, beams=8) == 0
     assert returns(pole) >= 10 and returns(pole, step=4.0) == 0
     assert returns(pole, noise=0.3) == returns(pole)
 
 
-def test_six_people_and_one_of_them_hidden(told):
-    assert told.names["found"] == 6
-    truth = told.names["truth"]
+def test_one_of_six_pedestrians_is_hidden(solved):
+    assert solved.names["found"] == 6
+    truth = solved.names["truth"]
     few = (truth["box_kinds"] == "pedestrian") & (truth["box_returns"] == 9)
     (x, y, _), size = truth["box_centres"][few][0], truth["box_sizes"][few][0]
     assert few.sum() == 1 and size[2] < 1.3
-    # Between it and the scanner stands the car that is parked on the left.
+    # The car that is parked on the left is between the child and the scanner.
     car = truth["box_centres"][(truth["box_kinds"] == "car")]
-    between = [one for one in car if abs(one[0] - x * one[1] / y) < 2.2 and 0 < one[1] < y]
+    between = [
+        centre for centre in car if abs(centre[0] - x * centre[1] / y) < 2.2 and 0 < centre[1] < y
+    ]
     assert between
 
 
-def test_row_length_errs_most_near_the_car(told):
-    x, error = told.names["strip"][:, 0], told.names["error"]
+def test_row_length_errs_most_near_the_car(solved):
+    x, error = solved.names["strip"][:, 0], solved.names["error"]
     near, far = error[x < 8], error[(x > 10) & (x < 20)]
     assert near.min() > far.max()
-    somebody = told.names["strip"][(x > 8.6) & (x < 9.2)]
-    lengths = np.linalg.norm(somebody, axis=1)
-    assert lengths[somebody[:, 2].argmin()] > lengths[somebody[:, 2].argmax()] + 0.1
+    pedestrian = solved.names["strip"][(x > 8.6) & (x < 9.2)]
+    lengths = np.linalg.norm(pedestrian, axis=1)
+    assert lengths[pedestrian[:, 2].argmin()] > lengths[pedestrian[:, 2].argmax()] + 0.1
 
 
-def test_rings_lie_on_the_curve_only_near_the_car(told):
-    cloud, rings = told.names["cloud"], told.names["rings"]
+def test_rings_follow_the_curve_only_near_the_car(solved):
+    cloud, rings = solved.names["cloud"], solved.names["rings"]
     for side, sign in ((cloud[:, 0] > 2, -1), (cloud[:, 0] < -2, 1)):
         angle, ring = rings(side)
         flat = 1.73 / np.tan(np.radians(angle))
@@ -119,47 +121,47 @@ def test_rings_lie_on_the_curve_only_near_the_car(told):
         assert (sign * (ring - flat)[flat > 15]).min() > 2
 
 
-def test_gaps_grow_faster_than_the_distance(told):
-    places = told.names["places"]
+def test_gaps_grow_faster_than_the_distance(solved):
+    places = solved.names["places"]
     at = [np.abs(places - place).argmin() for place in (5, 10, 20, 40)]
     gaps = [places[ring + 1] - places[ring] for ring in at]
     assert all(after > 2 * before for before, after in zip(gaps, gaps[1:], strict=False))
 
 
-def test_three_returns_are_lost_and_what_is_nearest_then_is_our_own_car(told):
-    assert len(told.names["too_near"]) == 3 and not told.names["too_near"][:, :3].any()
-    cloud, truth = told.names["cloud"], told.names["truth"]
-    distance = told.names["horizontal_distance"](cloud)
+def test_the_nearest_valid_returns_are_the_ego_car(solved):
+    assert len(solved.names["too_near"]) == 3 and not solved.names["too_near"][:, :3].any()
+    cloud, truth = solved.names["cloud"], solved.names["truth"]
+    distance = solved.names["horizontal_distance"](cloud)
     near = (distance < 3) & (distance > 0)
-    assert {truth["class_names"][one] for one in truth["classes"][near]} == {"ego"}
+    assert {truth["class_names"][value] for value in truth["classes"][near]} == {"ego"}
     assert distance[near].min() >= 1 and distance[near].max() < 2
     # Three tufts: a mirror in front, the tailgate and the aerial behind.
     ahead, left = cloud[near, 0] > 0, cloud[near, 1] > 0
-    assert [np.any(one) for one in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
+    assert [np.any(value) for value in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
 
 
-def test_nothing_but_the_bar_at_zero_changes(told):
-    assert "bars that changed, by their left edge: [0] m" in told.text
-    before, after = told.names["bars"]["before"], told.names["bars"]["after"]
+def test_only_the_bar_at_zero_changes(solved):
+    assert "bars that changed, by their left edge: [0] m" in solved.text
+    before, after = solved.names["bars"]["before"], solved.names["bars"]["after"]
     assert before[0] >= 4000 - 40 and after[0] == 0
 
 
-def test_no_square_root_keeps_what_is_nearer_than_the_root_of_ten(told):
-    cloud = told.names["cloud"]
-    kept = cloud[told.names["wrong"]["no square root"] <= 10]
-    assert told.names["horizontal_distance"](kept).max() < 3.2
+def test_without_the_square_root_the_radius_is_the_root_of_ten(solved):
+    cloud = solved.names["cloud"]
+    kept = cloud[solved.names["wrong"]["no square root"] <= 10]
+    assert solved.names["horizontal_distance"](kept).max() < 3.2
 
 
-def test_loop_is_much_slower(told):
-    times = told.names["times"]
+def test_loop_is_much_slower(solved):
+    times = solved.names["times"]
     assert times["loop"][-1] > 20 * times["yours"][-1]
 
     def least(n):
-        """Of many times, as whatever else this machine does only adds to them."""
-        cloud, function = told.names["cloud"][:n], told.names["horizontal_distance"]
+        """Return the shortest of many times, as other load on the machine only adds to them."""
+        cloud, function = solved.names["cloud"][:n], solved.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
-    assert least(100) < 20 * least(1)  # however little there is to do
+    assert least(100) < 20 * least(1)  # the overhead dominates for few points
 
 
 def test_answer_about_the_pedestrian():

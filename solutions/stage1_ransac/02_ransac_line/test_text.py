@@ -1,4 +1,4 @@
-"""Lesson 02 says what is true, for whoever follows its hints."""
+"""The statements of lesson 02 are true for the answers that its hints describe."""
 
 import re
 
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def told():
+def solved():
     return tell("02_ransac_line")
 
 
@@ -21,92 +21,97 @@ def numbers_in(line):
     return [float(number) for number in re.findall(r"-?\d+\.\d*", line)]
 
 
-def test_tiny_cases_come_out_as_expected(told):
-    lines = told.text.splitlines()
+def test_tiny_cases(solved):
+    lines = solved.text.splitlines()
     yours = [number for number, line in enumerate(lines) if line.startswith("yours:   ")]
     assert len(yours) == 4
     for number in yours[:3]:
         assert numbers_in(lines[number]) == numbers_in(lines[number + 1])
-    line, inliers = told.names["ransac_line"](told.names["five"], 20, 0.1, 0)
+    line, inliers = solved.names["ransac_line"](solved.names["five"], 20, 0.1, 0)
     assert np.allclose(np.abs(line), [0, 1, 1]) and inliers.tolist() == [True] * 4 + [False]
 
 
-def test_outliers_flatten_the_line_of_least_squares(told):
-    points = told.names["points"]
+def test_outliers_flatten_the_least_squares_line(solved):
+    points = solved.names["points"]
     assert abs(np.polyfit(*points.T, 1)[0]) < 0.2
     assert abs(np.polyfit(*points[:10].T, 1)[0] - 1) < 0.1
 
 
-def test_circles_lie_within_the_picture(told):
-    (left, right), (low, high) = told.names["window"]
-    some = told.names["some"]
-    radius = told.names["point_line_distance"](
-        some, told.names["line_through"](np.array([-5.0, -2.0]), np.array([5.0, 3.0]))
+def test_circles_fit_into_the_picture(solved):
+    (left, right), (low, high) = solved.names["window"]
+    some = solved.names["some"]
+    radius = solved.names["point_line_distance"](
+        some, solved.names["line_through"](np.array([-5.0, -2.0]), np.array([5.0, 3.0]))
     )
     assert (some[:, 0] - radius > left).all() and (some[:, 0] + radius < right).all()
     assert (some[:, 1] - radius > low).all() and (some[:, 1] + radius < high).all()
 
 
-def test_rounds_of_the_table(told):
-    counts = told.names["counts"]
+def test_rounds_of_the_table(solved):
+    counts = solved.names["counts"]
     assert counts[3] == max(counts) >= 10
     assert max(counts[:3] + counts[4:]) <= 7
-    rng, of_the_wall = np.random.default_rng(3), []
+    rng, wall_rounds = np.random.default_rng(3), []
     for number in range(1, 11):
         if (rng.choice(20, size=2, replace=False) < 10).all():
-            of_the_wall.append(number)
-    assert of_the_wall == [2, 4, 7, 9]
+            wall_rounds.append(number)
+    assert wall_rounds == [2, 4, 7, 9]
 
 
-def test_four_seeds_and_one_run_in_ten(told):
-    points, ransac_line = told.names["points"], told.names["ransac_line"]
+def test_one_run_in_ten_fails(solved):
+    points, ransac_line = solved.names["points"], solved.names["ransac_line"]
     found = [ransac_line(points, 10, 1.0, seed)[1][:10].sum() >= 8 for seed in range(400)]
     assert sum(found[:4]) >= 3
     assert 0.06 < 1 - np.mean(found) < 0.15
 
 
-def test_all_seeds_agree_after_two_thousand_rounds(told):
-    assert told.names["always_the_same"] == ["2,000 rounds"]
-    line_through, distance = told.names["line_through"], told.names["point_line_distance"]
-    points = told.names["points"]
+def test_all_seeds_agree_after_two_thousand_rounds(solved):
+    assert solved.names["always_the_same"] == ["2,000 rounds"]
+    line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
+    points = solved.names["points"]
     votes = [
         (distance(points, line_through(points[i], points[j])) <= 1.0).sum()
-        for i, j in told.names["pairs"]
+        for i, j in solved.names["pairs"]
     ]
     assert len(votes) == 190
     assert sorted(votes)[-2:] == [11, 12]
     # A few dozen rounds are enough for a good line.
-    found = told.names["directions"](20, 1.0)
+    found = solved.names["directions"](20, 1.0)
     assert np.abs(found - 45).max() <= 10.5
 
 
-def test_directions_wobble_more_the_wider_the_band(told):
-    spread = [np.ptp(told.names["directions"](200, one)) for one in (0.2, 0.5, 1, 2, 3, 4)]
+def test_directions_wobble_more_the_wider_the_band(solved):
+    spread = [
+        np.ptp(solved.names["directions"](200, threshold)) for threshold in (0.2, 0.5, 1, 2, 3, 4)
+    ]
     assert spread == sorted(spread)
-    wall, others = told.numbers_after("within 0.2 m:")[0], told.numbers_after("within 3.5 m:")[-1]
+    wall, others = (
+        solved.numbers_after("within 0.2 m:")[0],
+        solved.numbers_after("within 3.5 m:")[-1],
+    )
     assert wall == 5 and others >= 5
-    assert told.numbers_after("within 1.0 m:")[0] >= 9
-    assert told.numbers_after("within 1.0 m:")[-1] <= 2
+    assert solved.numbers_after("within 1.0 m:")[0] >= 9
+    assert solved.numbers_after("within 1.0 m:")[-1] <= 2
 
 
-def test_wall_lies_within_its_band(told):
+def test_wall_lies_within_its_band(solved):
     rng, furthest = np.random.default_rng(0), np.hypot(0.6, 0.6)
     for _ in range(50):
-        wall = told.names["quiz_points"](rng)[:10]
+        wall = solved.names["quiz_points"](rng)[:10]
         assert np.abs(wall @ [1, -1]).max() / np.sqrt(2) < furthest < 0.85
 
 
-def test_success_follows_the_formula(told):
-    rate = told.names["success_rate"]
+def test_success_follows_the_formula(solved):
+    rate = solved.names["success_rate"]
     assert rate(10, 0.2) < 0.5 and rate(10, 2 / 3) > 0.95
     for rounds in (2, 10, 40):
-        # What the text calls a few per cent.
+        # The text says "a few per cent".
         assert rate(rounds, 0.3) == pytest.approx(1 - (1 - 0.3**2) ** rounds, abs=0.06)
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 
 
-def test_rough_walls_need_two_or_three_times_the_rounds(told):
-    rate = told.names["success_rate"]
+def test_rough_walls_need_two_or_three_times_the_rounds(solved):
+    rate = solved.names["success_rate"]
 
     def theory(rounds):
         return 1 - (1 - 0.5**2) ** rounds
@@ -118,16 +123,16 @@ def test_rough_walls_need_two_or_three_times_the_rounds(told):
     assert rate(24, 0.5, 0.25, 0.6) > theory(8)
 
 
-def test_least_squares_on_the_inliers_helps(told):
-    assert np.median(told.names["refitted"]) < 0.8 * np.median(told.names["alone"])
+def test_least_squares_on_the_inliers_helps(solved):
+    assert np.median(solved.names["refitted"]) < 0.8 * np.median(solved.names["alone"])
 
 
-def test_both_walls_of_the_street_are_walls(told):
+def test_two_walls_of_the_street_are_found(solved):
     cloud, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
-    is_wall = (truth["class_names"][truth["classes"]] == "wall")[told.names["in_slice"]]
-    left_over, found = cloud[told.names["in_slice"], :2], []
+    is_wall = (truth["class_names"][truth["classes"]] == "wall")[solved.names["in_slice"]]
+    left_over, found = cloud[solved.names["in_slice"], :2], []
     for _ in range(2):
-        _, inliers = told.names["ransac_line"](left_over, 100, 0.1, 1)
+        _, inliers = solved.names["ransac_line"](left_over, 100, 0.1, 1)
         assert inliers.sum() > 1500 and is_wall[inliers].mean() > 0.99
         found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
@@ -135,19 +140,19 @@ def test_both_walls_of_the_street_are_walls(told):
     assert most > 1.3 * fewer and long > 1.3 * short
 
 
-def test_scikit_learn_as_shown(told):
+def test_the_scikit_learn_example(solved):
     from sklearn.linear_model import RANSACRegressor
 
-    points = told.names["points"]
+    points = solved.names["points"]
     ransac = RANSACRegressor(max_trials=50, residual_threshold=1.0, random_state=0)
     ransac.fit(points[:, :1], points[:, 1])
     assert ransac.inlier_mask_.sum() >= 8
     assert abs(ransac.estimator_.coef_[0] - 1) < 0.3
 
 
-def best_line(told, points, rounds, threshold, rng, score, second=None):
-    """RANSAC with another score, or with another choice of the second point."""
-    line_through, distance = told.names["line_through"], told.names["point_line_distance"]
+def best_line(solved, points, rounds, threshold, rng, score, second=None):
+    """Run RANSAC with another score, or with another choice of the second point."""
+    line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
     rng, best = np.random.default_rng(rng), (-np.inf, None)
     for _ in range(rounds):
         i, j = rng.choice(len(points), size=2, replace=False)
@@ -155,7 +160,11 @@ def best_line(told, points, rounds, threshold, rng, score, second=None):
             order = np.argsort(np.hypot(*(points - points[i]).T))
             j = rng.choice(order[1:6] if second == "near" else order[-5:])
         line = line_through(points[i], points[j])
-        best = max(best, (score(distance(points, line), threshold), line), key=lambda one: one[0])
+        best = max(
+            best,
+            (score(distance(points, line), threshold), line),
+            key=lambda candidate: candidate[0],
+        )
     return best[1]
 
 
@@ -167,16 +176,16 @@ def inliers_within(distances, threshold):
     return np.sum(distances <= threshold)
 
 
-def test_answer_about_msac(told):
+def test_answer_about_msac(solved):
     def msac(distances, threshold):
         return -np.minimum(distances**2, threshold**2).sum()
 
     def errors(score, threshold):
-        """As the lesson's own cell measures them: each generator goes on from its points."""
+        """Yield errors as the lesson does: one generator draws the points and the samples."""
         for seed in range(300):
             rng = np.random.default_rng(seed)
-            points = told.names["quiz_points"](rng)
-            yield error_of(best_line(told, points, 40, threshold, rng, score))
+            points = solved.names["quiz_points"](rng)
+            yield error_of(best_line(solved, points, 40, threshold, rng, score))
 
     plain, better = (
         {threshold: np.median([*errors(score, threshold)]) for threshold in (0.3, 0.7, 1.0, 3.0)}
@@ -185,14 +194,17 @@ def test_answer_about_msac(told):
     assert plain[0.3] == pytest.approx(better[0.3], abs=0.2)
     assert better[0.7] < plain[0.7] - 0.2
     told_in_text = [[2.2, 1.6], [7.1, 2.6]]
-    assert np.round([[plain[one], better[one]] for one in (1.0, 3.0)], 1).tolist() == told_in_text
+    assert (
+        np.round([[plain[tolerance], better[tolerance]] for tolerance in (1.0, 3.0)], 1).tolist()
+        == told_in_text
+    )
 
 
-def test_answer_about_the_second_point(told):
-    points, distance = told.names["points"], told.names["point_line_distance"]
+def test_answer_about_the_second_point(solved):
+    points, distance = solved.names["points"], solved.names["point_line_distance"]
 
     def misses(seed, second):
-        line = best_line(told, points, 10, 1.0, seed, inliers_within, second)
+        line = best_line(solved, points, 10, 1.0, seed, inliers_within, second)
         return (distance(points, line)[:10] <= 1.0).sum() < 8
 
     missed = [
@@ -201,7 +213,7 @@ def test_answer_about_the_second_point(told):
     assert missed == pytest.approx([0.10, 0.18, 0.03], abs=0.02)
 
 
-def test_nothing_is_put_back_between_two_draws():
+def test_sampling_without_replacement():
     put_back, as_drawn = ((12 / 60) * (12 / 60), (12 / 60) * (11 / 59))
     shares = [1 - (1 - good) ** 10 for good in (as_drawn, put_back)]
     assert np.round(shares, 2).tolist() == [0.32, 0.34]

@@ -1,4 +1,4 @@
-"""What lesson 03 says about its street, tried with its hints followed to the letter."""
+"""The statements of lesson 03 about its street are true for the answers that its hints describe."""
 
 import ast
 import math
@@ -19,7 +19,7 @@ EXERCISES = [exercise.name for exercise in LESSON.machine_graded]
 
 @pytest.fixture(scope="module")
 def street():
-    """The names of the notebook: its street, its own functions, and the answers of the hints."""
+    """Names of the notebook: its street, its own functions, and the answers from the hints."""
     cloud = load_cloud("cloud.txt")
     nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
     truth = np.load(DATA / "cloud_truth.npz")
@@ -42,7 +42,7 @@ def same_plane(plane, expected, within=1e-6):
     return min(np.abs(np.add(plane, sign * np.array(expected))).max() for sign in (1, -1)) < within
 
 
-def test_small_cases_come_out_as_said(street):
+def test_small_cases(street):
     level = np.array([[4.0, 1.0, -1.7], [9.0, -2.0, -1.7], [6.0, 3.0, -1.7]])
     assert np.cross(level[1] - level[0], level[2] - level[0]).tolist() == [0, 0, 16]
     assert same_plane(street.plane_through(*level), (0, 0, 1, 1.7))
@@ -61,7 +61,7 @@ def test_small_cases_come_out_as_said(street):
     assert street.iterations_needed(0.5, 1, 0.9) == 4
 
 
-def test_more_than_half_is_ground_and_most_of_the_rest_cars(street):
+def test_shares_of_ground_and_cars(street):
     assert 0.5 < street.is_ground.mean() < 0.6
     others = street.kinds[~street.is_ground]
     assert (others == street.names.index("car")).mean() > 0.5
@@ -78,7 +78,7 @@ def test_the_naive_plane_floats(street):
     assert (np.abs(above) < 0.2).mean() < 0.01
 
 
-def test_four_rounds_show_what_the_text_says(street):
+def test_four_rounds_go_as_described(street):
     rng = np.random.default_rng(2)
     on_ground, inliers = [], []
     for _ in range(4):
@@ -100,13 +100,13 @@ def test_a_thin_band_loses_ground_by_crown_and_kerb_not_by_noise(street):
     strips = np.floor(ground[:, 1])
     middles = [height[strips == strip].mean() for strip in np.unique(strips)]
     assert max(middles) > 0.05 and min(middles) < -0.04
-    # What is left in a small place is noise, and it is small.
+    # In a small area only noise remains, and it is small.
     places = np.unique(np.floor(ground[:, :2] / 0.5), axis=0, return_inverse=True)[1].ravel()
     scatter = [height[places == place].std() for place in np.unique(places)]
     assert np.median(scatter) < 0.01
 
 
-def test_thresholds_do_what_the_text_says(street):
+def test_thresholds_act_as_described(street):
     held, slopes = {}, {}
     for threshold in (0.03, 0.2, 0.8):
         plane, near = street.ransac_plane(street.street, 50, threshold, 1)
@@ -118,7 +118,7 @@ def test_thresholds_do_what_the_text_says(street):
     assert abs(slopes[0.8] - 2.2) > 1.5 > 5 * abs(slopes[0.2] - 2.2)
 
 
-def test_the_wall_wins_and_the_normal_tells(street):
+def test_the_wall_wins_unless_the_normal_is_checked(street):
     x, y = street.cloud[:, 0], street.cloud[:, 1]
     chosen = np.flatnonzero((x > -1) & (x < 13) & (y > -8.6) & (y < -4))[::3]
     beside, kinds = street.cloud[chosen], street.truth["classes"][chosen]
@@ -132,11 +132,13 @@ def test_the_wall_wins_and_the_normal_tells(street):
 
 
 @pytest.mark.parametrize("mask", [True, False])
-def test_the_search_behind_walls_ends_whatever_ransac_plane_returns(street, mask):
+def test_ground_plane_ends_for_any_result_of_ransac_plane(street, mask):
     known = dict(street.known)
     known["ransac_plane"] = lambda points, *_: ((0.0, 1.0, 0.0, 0.0), np.full(len(points), mask))
     tree = ast.parse(LESSON.source.read_text("utf-8")).body
-    source = next(one for one in tree if getattr(one, "name", "") == "ground_plane")
+    source = next(
+        statement for statement in tree if getattr(statement, "name", "") == "ground_plane"
+    )
     exec(ast.unparse(source), known)
     plane, found = known["ground_plane"](street.street[:50])
     assert plane is None and len(found) == 0
@@ -156,16 +158,16 @@ def test_the_last_direction_has_the_smallest_sum_of_squares():
     assert sums.min() >= singular[2] ** 2
 
 
-def test_refitting_calms_but_stays_biased(street):
+def test_refitted_slopes_scatter_less_but_stay_biased(street):
     assert 100 * ROAD.slope == pytest.approx(2.2)
     slopes = street.slopes_of(range(30))
     mean = {name: np.mean(values) for name, values in slopes.items()}
     scatter = {name: np.std(values) for name, values in slopes.items()}
     assert scatter["all inliers"] < scatter["three points"] / 3
     assert max(slopes["all inliers"]) < 2.2
-    # Three points are off, too, "in the mean by more than twice as much".
+    # Planes through three points are also off, "in the mean by more than twice as much".
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
-    # The prediction's answer, and its reason.
+    # The answer to the prediction and its reason.
     assert 2.2 - mean["all inliers"] > 3 * scatter["all inliers"] / 30**0.5
     alone = mean["inliers on the ground"]
     assert 2.2 - alone < 0.3 * (2.2 - mean["all inliers"])
@@ -178,7 +180,7 @@ def test_refitting_calms_but_stays_biased(street):
     )
 
 
-def test_what_is_swallowed_behind_us_lowers_the_slope(street):
+def test_false_inliers_behind_the_car_lower_the_slope(street):
     behind = street.street[:, 0] < 0
     alone, with_behind, with_ahead, swallowed = [], [], [], []
     for seed in range(10):
@@ -200,7 +202,9 @@ def test_the_table_of_rounds_falls_to_one(street):
     line, plane = ([street.iterations_needed(w, s, 0.99) for w in shares] for s in (2, 3))
     assert all(np.diff(line[1:]) < 0) and all(np.diff(plane[1:]) < 0)
     assert line[-1] == plane[-1] == 1
-    assert all(one <= other for one, other in zip(line, plane, strict=True))
+    assert all(
+        line_rounds <= plane_rounds for line_rounds, plane_rounds in zip(line, plane, strict=True)
+    )
     assert street.iterations_needed(1e-6, 3, 0.99) > 1e18  # no error by rounding
 
 
@@ -221,16 +225,16 @@ def test_pure_samples_fail_more_often_the_farther_the_cloud_reaches(street):
         )
         kept_if_flat.append(street.good_samples(street.flattened(points, ground), ground)[1])
     assert kept[1] < kept[0] < 0.9
-    # "Two samples in three fail, and pressing the ground flat saves most of them"; here few.
+    # "Two samples in three fail, and pressing the ground flat saves most of them"; here, few.
     assert kept[1] == pytest.approx(1 / 3, abs=0.03)
     assert kept_if_flat[1] - kept[1] > 0.6 * (1 - kept[1])
     assert 0 < kept_if_flat[0] - kept[0] < 0.25 * (1 - kept[0])
     # "There one sample in four or five fails."
-    assert all(0.7 < one < 0.85 for one in kept_if_flat)
+    assert all(0.7 < share < 0.85 for share in kept_if_flat)
     assert 1.1 < ratios[0] < ratios[1] < 3.2  # "two or three times"
 
 
-def test_the_ground_around_us_is_no_plane(street):
+def test_the_ground_around_the_car_is_not_a_plane(street):
     near = np.hypot(street.cloud[:, 0], street.cloud[:, 1]) < 20
     ground = street.cloud[near & (street.truth["classes"] == street.names.index("ground"))]
     plane = np.array(street.fit_plane(ground))
@@ -251,7 +255,7 @@ def test_failing_samples_of_the_ground_are_small_triangles(street):
     assert np.median(widths[False]) < 0.5 * np.median(widths[True])
 
 
-def test_a_level_cuts_deep_behind_us_and_a_plane_nowhere(street):
+def test_a_fixed_level_removes_more_of_objects_than_a_plane(street):
     things = ~np.isin(street.kinds, [street.names.index(n) for n in ("ground", "invalid", "ego")])
     _, near = street.ransac_plane(street.street, 50, 0.2, 1)
     plane = np.array(street.fit_plane(street.street[near]))
@@ -270,7 +274,7 @@ def test_a_level_cuts_deep_behind_us_and_a_plane_nowhere(street):
 
 
 @pytest.mark.slow
-def test_success_stays_below_the_formula_where_samples_matter(street):
+def test_the_success_rate_stays_below_the_formula(street):
     rng = np.random.default_rng(2)
     for place in (
         street.rows,

@@ -1,4 +1,4 @@
-"""What lesson 04 says is so, for who follows its hints to the letter."""
+"""The statements of lesson 04 are true for the answers that its hints describe."""
 
 import functools
 import math
@@ -21,7 +21,7 @@ NAMES = (
 
 
 def notebook_with(**answers):
-    """What the student's notebook defines, with answers by the names of variants."""
+    """Return the names of a notebook whose answers are those with the given names."""
     return names_of(LESSON.name, *NAMES, **answers)
 
 
@@ -38,7 +38,7 @@ def prose():
     return LESSON.source.read_text("utf-8")
 
 
-def test_neither_strip_is_a_good_idea():
+def test_a_strip_along_one_axis_contains_far_too_many_points():
     space = taught()
     near = space["is_near"].sum()
     assert "a cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
@@ -55,7 +55,7 @@ def test_neither_strip_is_a_good_idea():
         assert (away <= space["half_a_metre"]).sum() > times * near
 
 
-def test_the_trees_ready_made_are_those_that_insert_makes():
+def test_ready_made_trees_equal_those_of_insert():
     space = taught()
     for count in range(1, 9):
         ready, grown = space["first_of"](count), space["grow"](space["eight"][:count])
@@ -71,7 +71,7 @@ def test_the_first_puzzle():
     space = taught()
     assert places(space["first_of"](8))[7] == "left of 5"
     equal_left = notebook_with(insert="equal goes left")
-    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"  # a choice, too
+    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"  # also an option
 
 
 def test_the_second_puzzle_and_its_table():
@@ -81,12 +81,12 @@ def test_the_second_puzzle_and_its_table():
     made = fates(space["better"].root, visited)
     by_index = {node.index: made[id(node)] for node in nodes_of(space["better"].root)}
     assert [index for index, fate in by_index.items() if fate == "pruned"] == [2, 6, 5]
-    said = [
+    texts = [
         told(space["better"].root, visited, step, space["target"], space["radius"])
         for step in range(1, 5)
     ]
-    assert said[0].startswith("node 3 cuts x at 3, the box reaches from -7 to 1: left searched, ")
-    assert "right pruned; 10.0 m away: far" in said[0]
+    assert texts[0].startswith("node 3 cuts x at 3, the box reaches from -7 to 1: left searched, ")
+    assert "right pruned; 10.0 m away: far" in texts[0]
     table = "# | 3, cuts x at 3 | -7 to 1 | yes | **no: three nodes pruned** | far |"
     assert table in prose()
 
@@ -107,7 +107,7 @@ def test_the_search_step_by_step():
     assert told(yard.root, visited, 0, [2, -1], 4).startswith("Before")
 
 
-def test_a_search_that_finds_nothing_looks_at_some():
+def test_a_search_without_result_visits_some_nodes():
     space = taught()
     garden = space["grow"](space["flat"])
     visited, found = space["trace"](garden, [14.0, -0.3], 0.2)
@@ -116,7 +116,7 @@ def test_a_search_that_finds_nothing_looks_at_some():
     assert everything == sorted(everything) and everything[-1] == len(space["flat"])
 
 
-def test_levels_by_order_of_arrival():
+def test_levels_by_order_of_insertion():
     space = taught()
     assert space["levels"](space["wall"]) == 1000
     assert 10 <= space["levels"](space["thousand"]) < 40
@@ -145,7 +145,7 @@ def test_medians_of_four_and_of_fifteen():
     assert (tree.root.index, depth_of(tree.root)) == (4, 4)
 
 
-def test_what_a_search_costs():
+def test_search_costs():
     cost_of = taught()["cost_of"]
     costs = {
         name: np.array([cost_of(name, n) for n in (125, 250, 500, 1000)])
@@ -156,45 +156,45 @@ def test_what_a_search_costs():
     assert 0.4 < costs["a sorted wall"][3] / 1000 < 0.6
     assert slopes["medians first"] < 0.4
     medians, shuffled, by_x, wall = costs.values()
-    # More at every size, and a fifth or so on the whole.
+    # A random order costs more at every size, and about a fifth more overall.
     assert (shuffled > medians).all()
     assert (shuffled / medians).mean() == pytest.approx(1.2, abs=0.06)
     assert shuffled[3] < by_x[3] < wall[3]
 
 
 @pytest.mark.slow
-def test_the_lamp_post_again():
+def test_the_search_around_the_lamp_post():
     space = taught()
     levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])
     assert found == space["is_near"].sum()
     assert found < visits < 3 * found
     assert levels > 16 == int(np.log2(len(space["obstacles"]))) + 1
-    # Whose fault the other levels are: 1,653 points of the level beam, and rounding.
+    # The additional levels come from 1,653 points of the level beam, and from rounding.
     rest = space["obstacles"][space["obstacles"][:, 2] != 0]
     assert len(space["obstacles"]) - len(rest) == 1653
     assert space["depth_of"](space["grow"](rest, space["median_order"](rest)).root) == 26
 
 
 @pytest.mark.slow
-def test_common_mistakes_find_what_is_drawn():
+def test_common_mistakes_find_the_points_in_the_drawing():
     wrong = {
         "the box decides": "the box decides",
         "if ... else": "else instead of a second if",
         "> instead of >=": "strictly greater on the right",
         "no condition": "asks every node",
     }
-    for title, points, one, centre, radius, finds, visited in taught()["cases"]:
+    for title, points, tree, centre, radius, finds, visited in taught()["cases"]:
         space = notebook_with(search=wrong[title])
-        with watched(one) as seen:
-            assert sorted(space["search"](one, centre, radius)) == finds
+        with watched(tree) as seen:
+            assert sorted(space["search"](tree, centre, radius)) == finds
         if visited is not None:
             assert sorted(seen) == sorted(visited)
         right = [i for i in range(len(points)) if math.dist(points[i], centre) <= radius]
         assert (right == finds) == (title == "no condition")
-        assert set(right) == set(taught()["search"](one, centre, radius))
+        assert set(right) == set(taught()["search"](tree, centre, radius))
 
 
-def test_equal_on_the_left_is_missed():
+def test_equal_points_on_the_left_are_missed():
     space = notebook_with(insert="equal goes left")
     tree = space["grow"](space["eight"])
     assert 7 not in space["search"](tree, [2, 9], 4)

@@ -1,4 +1,4 @@
-"""What lesson 05 says in prose, with the answer that its hints lead to."""
+"""The statements of lesson 05 are true for the answer that its hints describe."""
 
 from collections import deque
 
@@ -18,7 +18,7 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def street():
-    """All that the lesson's cells define."""
+    """Names that the lesson's cells define."""
     return names_of(
         LESSON, "objects", "kinds", "yard", "in_yard", "true_number", "seven", "close_pairs",
         "balls", "car", "member", "near", "which_thresholds", "two_errors",
@@ -30,23 +30,23 @@ def labels(street, cluster):
     return cluster(street["obstacles"])
 
 
-def same_partition(one, other):
-    pairs = np.unique(np.stack([one, other]), axis=1)
-    return pairs.shape[1] == len(np.unique(one)) == len(np.unique(other))
+def same_partition(first, second):
+    pairs = np.unique(np.stack([first, second]), axis=1)
+    return pairs.shape[1] == len(np.unique(first)) == len(np.unique(second))
 
 
 def in_space(points):
     return np.column_stack([points, np.zeros(len(points))])
 
 
-def test_what_is_closer_than_two_metres_comes_from_our_own_car(street):
+def test_close_points_are_the_ego_car_or_invalid(street):
     names = street["truth"]["class_names"][street["truth"]["classes"]]
     close = (np.hypot(street["x"], street["y"]) <= 2) & (street["z"] > -1.2)
     assert set(names[close]) == {"ego", "invalid"}
     assert "ego" not in names[street["standing"]]
 
 
-def test_with_the_road_nearly_everything_is_one_cluster(street):
+def test_with_the_road_nearly_all_points_are_one_cluster(street):
     x, y = street["x"], street["y"]
     around = (x > -8) & (x < 22) & (np.abs(y) < 9) & (np.hypot(x, y) > 2)
     points = street["cloud"][around][::4, :3]
@@ -54,14 +54,14 @@ def test_with_the_road_nearly_everything_is_one_cluster(street):
     assert sizes.max() > 0.9 * len(points)
 
 
-def test_no_ball_is_right(street):
+def test_no_ball_radius_is_right(street):
     obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
     for radius in (0.5, 3.0):
         number = street["balls"](obstacles, radius)
         assert len(np.unique(number[objects == 30])) > 4  # the long wall
-    swallowed = [set(kinds[number == one]) for one in np.unique(number)]
+    swallowed = [set(kinds[number == ball_number]) for ball_number in np.unique(number)]
     assert any({"pedestrian", "car"} <= kinds for kinds in swallowed)
-    # The ring is the ball itself: around its first point, and as wide.
+    # The ring in the picture is the ball, with the same centre and radius.
     ball = number == number[np.argmin(np.hypot(obstacles[:, 0] - 8.9, obstacles[:, 1] + 0.3))]
     assert {"pedestrian", "car"} == set(kinds[ball])
     middle = obstacles[np.argmax(ball), :2]
@@ -69,7 +69,7 @@ def test_no_ball_is_right(street):
     assert np.hypot(*(obstacles[ball, :2] - middle).T).max() < 3.0
 
 
-def test_the_seven_points_are_the_table(street, cluster):
+def test_the_seven_points_match_the_table(street, cluster):
     seven = street["seven"]
     pairs = street["close_pairs"](seven, 0.8).tolist()
     assert pairs == [[0, 2], [0, 4], [1, 3], [2, 4], [2, 5], [4, 5]]
@@ -78,7 +78,7 @@ def test_the_seven_points_are_the_table(street, cluster):
 
 
 def labelled_on_leaving(points, threshold, most):
-    """The queue's entries when a point gets its label on leaving; and how many left it."""
+    """Label points when they leave the queue; return its entries and the number of labels."""
     labelled, entries = np.zeros(len(points), dtype=bool), [0]
     queue = deque(entries)
     while queue and len(entries) < most:
@@ -101,7 +101,7 @@ def test_a_point_labelled_on_leaving_enters_the_queue_again(street):
     assert len(entries) >= 50 * len(car) and done < 0.6 * len(car)
 
 
-def test_a_car_grows_as_far_as_the_car(street, cluster):
+def test_the_growing_cluster_ends_at_the_car(street, cluster):
     car = street["car"]
     labels = cluster(car)
     assert labels.max() == 2  # the car, and the pedestrian that stays grey
@@ -113,12 +113,12 @@ def test_a_car_grows_as_far_as_the_car(street, cluster):
 
 def test_the_longest_cluster_is_three_walls(street, labels):
     lengths = [
-        np.ptp(street["obstacles"][labels == one, :2], axis=0).max()
-        for one in range(1, labels.max() + 1)
+        np.ptp(street["obstacles"][labels == label, :2], axis=0).max()
+        for label in range(1, labels.max() + 1)
     ]
     inside = street["objects"][labels == 1 + np.argmax(lengths)]
     assert np.unique(inside).tolist() == [29, 30, 36]
-    # The ring is around the short one, which touches the other two.
+    # The ring is around the short wall, which touches the other two.
     middle = street["obstacles"][street["objects"] == 36, :2].mean(axis=0)
     assert np.allclose(middle, (-2.0, -8.2), atol=0.3)
 
@@ -133,7 +133,7 @@ def test_two_errors_cancel_at_half_a_metre(street, cluster):
         assert len(np.unique(found[things == 10])) > 1
 
 
-def test_cyclist_and_car_ride_as_one_at_a_metre_and_a_half(street, cluster):
+def test_cyclist_and_car_are_one_cluster_at_a_metre_and_a_half(street, cluster):
     found, things = cluster(street["yard"], 1.5), street["objects"][street["in_yard"]]
     assert set(found[things == 12]) == set(found[things == 10])
 
@@ -145,7 +145,7 @@ def test_no_threshold_is_right_for_both(street):
 
 
 @pytest.mark.slow
-def test_nowhere_are_both_errors_zero(street):
+def test_both_errors_are_never_zero(street):
     torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
     assert (torn + joined > 0).all()
     assert (np.diff(torn) <= 0).all() and (np.diff(joined) >= 0).all()
@@ -157,7 +157,7 @@ def test_what_six_tenths_gain_is_one_stray_point(street, cluster):
     torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65]))
     assert np.round(18 * torn).tolist() == [5, 4, 2]
     assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair
-    mended = []
+    repaired = []
     for car in np.unique(street["objects"][street["kinds"] == "car"]):
         mine = street["objects"] == car
         sizes = [
@@ -165,13 +165,13 @@ def test_what_six_tenths_gain_is_one_stray_point(street, cluster):
             for threshold in (0.5, 0.6)
         ]
         if len(sizes[0]) > len(sizes[1]) == 1:
-            mended.append(sorted(sizes[0].tolist()))
-    assert mended == [[1, 228]]
+            repaired.append(sorted(sizes[0].tolist()))
+    assert repaired == [[1, 228]]
 
 
-def test_common_mistakes_are_what_the_table_says(street, cluster, labels):
+def test_common_mistakes_match_the_table(street, cluster, labels):
     obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
-    # 0.71 mends the slanted car and joins two others.
+    # A threshold of 0.71 m repairs the slanted car and joins two other cars.
     wider = cluster(obstacles, 0.5**0.5)
     assert len(np.unique(labels[objects == 10])) == 2 and len(np.unique(wider[objects == 10])) == 1
     cars = np.unique(objects[kinds == "car"])
@@ -183,7 +183,7 @@ def test_common_mistakes_are_what_the_table_says(street, cluster, labels):
     ]
     assert together
     assert not any(set(labels[objects == a]) & set(labels[objects == b]) for a, b in together)
-    # Four columns: nothing here, and confetti where intensities end at 255.
+    # Distances in four columns change nothing here, but give many clusters for intensities to 255.
     for scale, same in ((1, True), (255, False)):
         four = obstacles * [1, 1, 1, scale]
         found = DBSCAN(eps=0.5, min_samples=1).fit_predict(four)
@@ -196,7 +196,7 @@ def test_scikit_learn_gives_the_same_clusters(street, labels):
     assert same_partition(found, labels) and found.min() == 1
 
 
-def test_beams_spread_as_far_as_it_says(street):
+def test_the_spacing_of_the_beams(street):
     cloud, beams = street["cloud"], street["truth"]["beams"]
     far = np.hypot(cloud[:, 0], cloud[:, 1]) > 5
     up = np.degrees(np.arctan2(cloud[:, 2], np.hypot(cloud[:, 0], cloud[:, 1])))
@@ -206,7 +206,7 @@ def test_beams_spread_as_far_as_it_says(street):
     assert [round(100 * r * np.radians(1 / 3)) for r in (30, 80)] == [17, 47]
 
 
-def test_far_cars_lie_in_pieces(street):
+def test_far_cars_are_torn_into_pieces(street):
     cloud, truth = street["cloud"], street["truth"]
     kinds = truth["class_names"][truth["classes"]]
     far = (truth["objects"] > 0) & (np.hypot(cloud[:, 0], cloud[:, 1]) > 30)

@@ -1,4 +1,4 @@
-"""What lesson 06 says in prose, with the answers that its hints lead to."""
+"""The statements of lesson 06 are true for the answers that its hints describe."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ LESSON = "06_filter_ground"
 
 @pytest.fixture(scope="module")
 def street():
-    """All that the lesson's cells define."""
+    """Names that the lesson's cells define."""
     return names_of(
         LESSON, "near", "kinds", "ground", "upright", "thin", "vanishes_at", "two_errors", "levels",
         "rising", "by_skipping", "by_voxels", "points_left", "few", "flank",
@@ -35,7 +35,7 @@ def test_the_peak_is_the_ground(street):
     assert np.mean(is_ground[(z >= low) & (z < low + 0.1)]) > 0.9
     assert -1.73 < low + 0.05 < -1.6
     assert f"{low:.1f} {low + 0.1:.1f}" == "-1.7 -1.6"
-    assert np.mean(is_ground) < 0.5  # the rest comes from what stands in the way
+    assert np.mean(is_ground) < 0.5  # other objects return the rest
     assert np.mean(np.isin(street["kinds"], ["wall", "car"])) > 0.4
 
 
@@ -43,11 +43,11 @@ def test_cars_nearby_are_lower_than_our_sensor(street):
     cloud, mine = street["cloud"], street["kinds"] == "car"
     mine &= np.hypot(cloud[:, 0], cloud[:, 1]) < 15
     assert cloud[mine, 2].max() < 0.05
-    # Of the slice that is drawn, hardly anything lies above the line.
+    # Hardly any point of the slice in the drawing is above the line.
     assert np.mean(street["near"][:, 2] > 0) < 0.02
 
 
-def test_nearly_all_of_a_car_without_wheels_makes_one_cluster(street, filter_ground):
+def test_a_car_without_its_wheels_is_nearly_one_cluster(street, filter_ground):
     cloud, objects = street["cloud"], street["truth"]["objects"]
     whole = []
     for number in np.unique(objects[street["kinds"] == "car"]):
@@ -66,7 +66,7 @@ def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
         street["vanishes_at"](kind, street["rising"]) for kind in ("car", "pedestrian", "wall")
     )
     assert car < wall < pedestrian < np.inf
-    # It is a garden's wall; what is seen of the house fronts ends half a metre above the sensor.
+    # This is a garden wall; the visible part of house fronts ends half a metre above the sensor.
     truth, cloud = street["truth"], street["cloud"]
     tops = {}
     for number in np.unique(truth["objects"][street["kinds"] == "wall"]):
@@ -76,24 +76,26 @@ def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
     assert tops.pop(36) < wall
     assert truth["box_sizes"][truth["box_identities"] == 36][0, 2] == pytest.approx(1.3)
     assert len(tops) == 3 and all(0.45 < top < 0.55 for top in tops.values())
-    assert all(truth["box_sizes"][truth["box_identities"] == one][0, 2] > 6 for one in tops)
-    # The ringed car of the pictures is there at the default, and gone in the last.
+    assert all(
+        truth["box_sizes"][truth["box_identities"] == identity][0, 2] > 6 for identity in tops
+    )
+    # The ringed car of the pictures is present at the default level, and missing in the last one.
     cloud = street["thin"]
     ringed = np.hypot(cloud[:, 0] + 11.7, cloud[:, 1] + 2.7) < 2.2
     assert (cloud[ringed, 2] >= -1.2).any() and not (cloud[ringed, 2] >= -0.5).any()
 
 
-def test_the_default_stands_to_the_right_of_the_crossing(street):
+def test_the_default_is_above_the_crossing_of_the_errors(street):
     stays, goes = street["two_errors"](street["levels"])
     crossing = street["levels"][np.argmin(np.abs(stays - goes))]
     assert np.median(street["ground"][:, 2]) < crossing < -1.3
     assert np.tan(np.radians(1)) * 30 == pytest.approx(0.5, abs=0.03)
 
 
-def test_the_ground_that_stays_is_far_away(street, filter_ground):
+def test_the_remaining_ground_is_far_away(street, filter_ground):
     left_over = filter_ground(street["ground"])
     assert len(left_over) and np.hypot(left_over[:, 0], left_over[:, 1]).min() > 20
-    assert np.mean(left_over[:, 0] > 0) > 0.8  # ahead, where the street climbs
+    assert np.mean(left_over[:, 0] > 0) > 0.8  # ahead, because the street climbs
 
 
 def test_density_falls_faster_on_the_road(street):
@@ -105,14 +107,14 @@ def test_density_falls_faster_on_the_road(street):
     assert per_square_metre(ground, 6, 8) > 4 * per_square_metre(ground, 12, 16)
 
 
-def test_skipping_and_the_grid_leave_about_as_many(street):
+def test_skipping_and_voxels_leave_about_equally_many_points(street):
     everything = np.arange(len(street["upright"]))
     skipped, thinned = street["by_skipping"](everything), street["by_voxels"](everything)
     assert skipped == pytest.approx(thinned, rel=0.1)
     assert thinned == pytest.approx(len(everything) / 5, rel=0.1)
 
 
-def test_the_grid_takes_from_the_near_and_gives_to_the_far(street):
+def test_voxels_thin_near_objects_more_than_far_ones(street):
     numbers = street["truth"]["objects"][street["truth"]["objects"] > 0]
     left = {}
     for number in (30, 15, 1, 8, 72):
@@ -130,7 +132,7 @@ def test_four_voxels_by_hand(street, voxel_grid):
     assert np.allclose(four[np.lexsort(np.round(four[:, 1::-1], 6).T)], by_hand)
 
 
-def test_each_square_of_the_flank_holds_one_centroid(street, voxel_grid):
+def test_each_square_of_the_flank_has_one_centroid(street, voxel_grid):
     for size in np.arange(0.1, 1.01, 0.1):
         squares = np.floor(voxel_grid(street["flank"], size)[:, [0, 2]] / size)
         assert len(np.unique(squares, axis=0)) == len(squares)
@@ -143,7 +145,7 @@ def test_cells_twice_as_wide_leave_two_to_four_times_fewer(street):
     assert factors[0] < 2  # hardly anything to merge
 
 
-def test_common_mistakes_are_what_the_table_says(street, voxel_grid):
+def test_common_mistakes_match_the_table(street, voxel_grid):
     cloud = street["thin"]
     assert (np.abs(cloud[:, 2]) >= -1.2).all()
     assert cloud[cloud[:, 1] >= -1.2, 1].min() >= -1.2  # nothing on the right

@@ -1,4 +1,4 @@
-"""What lesson 07 says is so, for who follows its hints to the letter."""
+"""The statements of lesson 07 are true for the answers that its hints describe."""
 
 import numpy as np
 import pytest
@@ -35,12 +35,12 @@ def of_kind(kind):
 
 
 def seen(rows, at_least=20):
-    """Numbers of the objects that have so many returns among x, y, z, number."""
+    """Return the objects with at least `at_least` returns among rows of x, y, z, object number."""
     numbers, counts = np.unique(rows[:, 3], return_counts=True)
     return set(numbers[counts >= at_least].astype(int).tolist())
 
 
-def test_the_tiny_cases_end_as_the_text_says():
+def test_tiny_cases():
     four = np.array([[11.0, 1, 0, 0.1], [6, 2, 9, 0.1], [4, 3, -12, 0.1], [13, 2, -0.2, 0.1]])
     assert filter_by_distance(four).tolist() == [[6, 2, 9, 0.1], [4, 3, -12, 0.1]]
     assert np.hypot(four[:, 0], four[:, 1])[[1, 2]] == pytest.approx([6.3, 5.0], abs=0.05)
@@ -52,7 +52,7 @@ def test_the_tiny_cases_end_as_the_text_says():
     assert inside.sum(axis=1).tolist() == [3, 2, 2, 2, 2]
 
 
-def test_the_length_of_the_row_empties_the_street_only_with_bright_intensities():
+def test_the_length_of_whole_rows_fails_only_with_bright_intensities():
     kept = np.linalg.norm(CLOUD * [1, 1, 1, 255], axis=1) <= 10
     assert not (kept & of_kind("car")).any()
     near = np.hypot(CLOUD[:, 0], CLOUD[:, 1]) <= 10
@@ -75,7 +75,7 @@ def test_a_ball_loses_the_child_and_a_cylinder_keeps_it():
     assert low < -3.1 and high > -2.3, "from head to feet"
 
 
-def test_a_metre_more_brings_thousands_near_and_dozens_where_the_slider_ends():
+def test_each_metre_adds_thousands_of_points_and_finally_dozens():
     obstacles = CLOUD[~(of_kind("invalid") | of_kind("ground") | of_kind("ego"))]
     distances = np.hypot(obstacles[:, 0], obstacles[:, 1])
     brought = np.histogram(distances, np.arange(61))[0]
@@ -83,7 +83,7 @@ def test_a_metre_more_brings_thousands_near_and_dozens_where_the_slider_ends():
     assert 24 < np.median(brought[40:]) < 99
 
 
-def test_half_of_what_stands_is_house_front():
+def test_half_of_the_upright_points_are_house_fronts():
     assert (UPRIGHT & of_kind("wall")).sum() / UPRIGHT.sum() > 0.5
 
 
@@ -96,8 +96,8 @@ def test_the_car_ahead_is_in_our_lane_and_alone_in_it():
     assert len(filter_by_distance(obstacles, 30)) / len(obstacles) > 0.95, "stops growing"
 
 
-def test_the_far_points_cost_little_and_the_far_users_are_many():
-    """Beyond the stop from 50 km/h few points are left to save, and many road users to lose."""
+def test_far_points_are_few_but_far_road_users_are_many():
+    """Beyond the stopping distance from 50 km/h there are few points but many road users."""
     stops = {speed: 2.6 + 0.5 * speed / 3.6 + (speed / 3.6) ** 2 / 14 for speed in (30, 50)}
     near = {
         speed: len(filter_by_distance(CLOUD[UPRIGHT], stop)) / UPRIGHT.sum()
@@ -113,7 +113,7 @@ def test_the_far_points_cost_little_and_the_far_users_are_many():
     assert 10 < stops[30] < 12 < stops[50], "10 m are not enough for 30 km/h"
 
 
-def test_who_drives_towards_us_takes_part_of_the_way():
+def test_an_oncoming_car_shortens_the_distance():
     seconds = 0.5 + 50 / 3.6 / 7
     assert seconds == pytest.approx(2.5, abs=0.05)
     car = np.flatnonzero(TRUTH["box_identities"] == 119)[0]
@@ -122,7 +122,7 @@ def test_who_drives_towards_us_takes_part_of_the_way():
     assert -(velocity @ place) / np.hypot(*place) * seconds == pytest.approx(13, abs=0.5)
 
 
-def test_the_box_sees_far_with_fewer_points_than_the_small_circle_and_no_wall():
+def test_the_box_reaches_far_with_fewer_points_than_the_circle():
     box = crop_region(CLOUD[UPRIGHT], *REGION)
     assert len(box) < len(filter_by_distance(CLOUD[UPRIGHT], 10))
     assert len(crop_region(CLOUD[UPRIGHT & of_kind("wall")], *REGION)) == 0
@@ -135,7 +135,7 @@ def test_the_box_sees_far_with_fewer_points_than_the_small_circle_and_no_wall():
     assert lost and {kinds[number] for number in lost} == {"pedestrian"}, "who walks there"
 
 
-def test_our_own_car_and_invalid_returns_are_the_nearest():
+def test_the_ego_car_and_invalid_returns_are_nearest():
     close = filter_by_distance(CLOUD[UPRIGHT])
     distances = np.sort(np.hypot(close[:, 0], close[:, 1]))
     invalid = int(of_kind("invalid").sum())
@@ -152,14 +152,14 @@ def test_our_own_car_and_invalid_returns_are_the_nearest():
     assert np.hypot(rest[:, 0], rest[:, 1]).min() > 3
 
 
-def test_outside_in_all_three_loses_the_car_ahead():
+def test_outside_on_all_axes_loses_the_car_ahead():
     outside = (CLOUD[:, :3] < EGO_BOX[0]) | (CLOUD[:, :3] > EGO_BOX[1])
     ahead = TRUTH["objects"] == 11
     assert not outside.all(axis=1)[ahead].any()
     assert outside.any(axis=1)[ahead].all()
 
 
-def test_common_mistakes_look_as_they_are_described():
+def test_common_mistakes_look_as_described():
     x, y = CLOUD[:, 0], CLOUD[:, 1]
     assert np.hypot(10, 10) / 10 == pytest.approx(1.41, abs=0.005)
     assert np.sqrt(10) == pytest.approx(3.2, abs=0.05)
@@ -170,7 +170,7 @@ def test_common_mistakes_look_as_they_are_described():
     assert inside[:, 2].mean() > 0.95, "since most heights are inside"
 
 
-def test_the_child_runs_out_when_the_text_says():
-    (street,) = (one for one in STREETS if one.number == 2)
+def test_the_child_runs_out_at_the_stated_time():
+    (street,) = (candidate for candidate in STREETS if candidate.number == 2)
     (running,) = street.actors
     assert int(running.begins / street.limit) == 5

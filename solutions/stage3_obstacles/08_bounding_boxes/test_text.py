@@ -1,4 +1,4 @@
-"""What lesson 08 says is so, for who follows its hints to the letter."""
+"""The statements of lesson 08 are true for the answer that its hints describe."""
 
 import importlib
 import re
@@ -44,7 +44,7 @@ def shape_of(label):
     return TRUTH["box_centres"][row], TRUTH["box_sizes"][row], TRUTH["box_yaws"][row]
 
 
-def test_the_promised_length_is_that_of_the_hints():
+def test_the_promised_length_is_that_of_the_answer():
     promise = int(
         re.search(r"roughly (\d+) lines", find_lesson("08_bounding_boxes").source.read_text())[1]
     )
@@ -58,7 +58,7 @@ def test_a_cluster_is_hundreds_of_points_or_thousands():
 
 
 def distance_from_edges(corner, drawn):
-    """How far a corner is drawn from the edges that do not end in it, in units of the drawing."""
+    """Return a corner's distance from the edges that do not end in it, relative to the drawing."""
     far = []
     for start in range(8):
         for axis in (1, 2, 4):
@@ -76,7 +76,7 @@ def test_no_number_of_a_corner_is_drawn_on_another_edge(low, high):
     assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
 
 
-def test_one_box_is_as_the_text_says():
+def test_one_box():
     seven = np.array(
         [
             [0.5, 0.2, -0.1],
@@ -95,7 +95,7 @@ def test_one_box_is_as_the_text_says():
 
 @pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
 def test_the_table_of_corners(name):
-    """The rows of the table in the text, read from the lesson itself."""
+    """Corners match the table, which is read from the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
     box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
@@ -106,7 +106,7 @@ def test_the_table_of_corners(name):
     assert (box[4:, :2] == box[:4, :2]).all(), "the roof stands straight above the floor"
 
 
-def test_labels_have_gaps_and_the_picture_shows_as_many_boxes_as_the_lesson(boxes):
+def test_the_preview_shows_as_many_boxes_as_the_lesson(boxes):
     assert max(PRESENT) > len(PRESENT) == len(boxes)
     figure = importlib.import_module("solutions.stage3_obstacles.08_bounding_boxes.preview").draw()
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
@@ -114,7 +114,7 @@ def test_labels_have_gaps_and_the_picture_shows_as_many_boxes_as_the_lesson(boxe
     assert f"boxes: {len(boxes)}" in legend
 
 
-def test_nothing_of_a_cluster_is_outside(boxes):
+def test_boxes_contain_their_clusters(boxes):
     for label, box in zip(PRESENT, boxes, strict=True):
         points = points_of(label)
         assert (points >= box.min(axis=0)).all() and (points <= box.max(axis=0)).all()
@@ -135,7 +135,7 @@ def test_circles_block_the_lane(boxes):
     assert {"car", "wall"} <= {KINDS[label] for label in circles - obstacles}
 
 
-def test_the_box_of_the_diagonal_car_is_larger_than_the_car_and_smaller_than_for_all_of_it(boxes):
+def test_the_size_of_the_box_of_the_diagonal_car(boxes):
     _, size, yaw = shape_of(10)
     length, width = size[:2]
     cosine, sine = abs(np.cos(yaw)), abs(np.sin(yaw))
@@ -143,7 +143,7 @@ def test_the_box_of_the_diagonal_car_is_larger_than_the_car_and_smaller_than_for
     assert 1.3 * length * width < area(boxes[PRESENT.index(10)]) < 0.8 * whole
 
 
-def test_the_box_of_the_whole_car_is_largest_at_45_degrees_and_then_a_square():
+def test_the_box_of_a_whole_car_is_largest_at_45_degrees():
     _, size, _ = shape_of(10)
     length, width = size[:2]
     angles = np.radians(np.arange(0, 91, 5))
@@ -156,7 +156,7 @@ def test_the_box_of_the_whole_car_is_largest_at_45_degrees_and_then_a_square():
     assert length * width / formula[9] < 0.5, "more than half is air"
 
 
-def test_what_was_not_seen_sticks_out(boxes):
+def test_unseen_parts_of_vehicles_are_outside_their_boxes(boxes):
     across = np.linspace(-0.5, 0.5, 50)
     spots = np.array([(x, y) for x in across for y in across])
     for label in (10, 4, 13):
@@ -168,7 +168,7 @@ def test_what_was_not_seen_sticks_out(boxes):
         assert outside.mean() > 0.15
 
 
-def test_one_vehicle_stands_out_as_diagonal():
+def test_only_one_vehicle_is_diagonal():
     vehicles = np.isin(TRUTH["box_kinds"], ["car", "truck", "cyclist"])
     vehicles &= np.isin(TRUTH["box_identities"], PRESENT)
     off = np.degrees(TRUTH["box_yaws"][vehicles]) % 90
@@ -176,7 +176,7 @@ def test_one_vehicle_stands_out_as_diagonal():
     assert np.count_nonzero(off >= 10) == 1
 
 
-def test_a_hundred_questions_pay_for_the_boxes(boxes):
+def test_boxes_pay_off_after_a_hundred_queries(boxes):
     by_point, by_box = 6 * np.count_nonzero(LABELS), 6 * len(boxes)
     assert by_point + by_box > by_point, "one question: nothing is gained"
     assert by_point + 100 * by_box < 100 * by_point / 50
@@ -188,7 +188,7 @@ def test_elif_is_right_for_most_maxima_and_wrong_mostly_for_heights():
         points = points_of(label)
         for axis in range(3):
             values = points[:, axis]
-            # A value that is a new minimum is never tried as a maximum.
+            # With elif, a value that is a new minimum is never compared with the maximum.
             tried = values[1:][values[1:] >= np.minimum.accumulate(values)[:-1]]
             if len(tried) and tried.max() < values.max():
                 wrong.append(axis)
@@ -196,7 +196,7 @@ def test_elif_is_right_for_most_maxima_and_wrong_mostly_for_heights():
     assert wrong.count(2) > len(wrong) / 2, "mostly heights"
 
 
-def test_common_mistakes_look_as_they_are_described():
+def test_common_mistakes_look_as_described():
     box = get_bounding_boxes(CLOUD, (LABELS == 0).astype(int))[0]
     assert (box.min(axis=0) < 0).all() and (box.max(axis=0) > 0).all(), "with us inside"
     assert np.ptp(box[:, 0]) > 100, "over the whole street"

@@ -1,4 +1,4 @@
-"""What lesson 09 says holds."""
+"""The statements of lesson 09 are true."""
 
 import numpy as np
 import pytest
@@ -18,69 +18,69 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 
 
 @pytest.fixture(scope="module")
-def shown():
-    """What the lesson defines and draws; drawing ten streets takes a second or two."""
+def taught():
+    """Names of the lesson, including its drawings; ten streets take a second or two."""
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
 @pytest.mark.slow
-def test_ten_points(shown):
-    """What the notebook prints beside "expected"."""
+def test_ten_points(taught):
+    """The notebook prints these results next to "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
-        assert f"({minimum}, {shown.filter_clusters(shown.ten, minimum).tolist()})" in text
-    filtered = shown.filter_clusters(shown.ten, 3)
+        assert f"({minimum}, {taught.filter_clusters(taught.ten, minimum).tolist()})" in text
+    filtered = taught.filter_clusters(taught.ten, 3)
     assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
 
 
 @pytest.mark.slow
-def test_the_slider_reaches_the_default_and_clears_the_road(shown):
+def test_the_slider_reaches_the_default_and_clears_the_road(taught):
     slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
     assert (100 - low) % step == 0
-    assert value < shown.size_of_puff.max() < 100 < high, "not clear before the first move"
+    assert value < taught.size_of_puff.max() < 100 < high, "not clear before the first move"
 
 
 @pytest.mark.slow
-def test_pictures_that_are_thinned_count_all_noise(shown):
+def test_thinned_pictures_count_all_noise(taught):
     for minimum in (5, 10, 100, 500, 600):
-        noise = (shown.filter_clusters(shown.cluster_labels, minimum) == 0).sum()
-        assert (shown.left_over(minimum) == 0).sum() == noise > 0
-    assert len(shown.thin) < 0.4 * len(shown.cluster_labels)
+        noise = (taught.filter_clusters(taught.cluster_labels, minimum) == 0).sum()
+        assert (taught.left_over(minimum) == 0).sum() == noise > 0
+    assert len(taught.thin) < 0.4 * len(taught.cluster_labels)
 
 
-def test_the_price_for_who_is_near_falls_quickly_and_ghosts_still_go(shown):
-    group = {"ghost": shown.kind == "ground", "near": shown.distance < 15}
-    group["near"] &= shown.kind == "pedestrian"
+def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(taught):
+    group = {"ghost": taught.kind == "ground", "near": taught.distance < 15}
+    group["near"] &= taught.kind == "pedestrian"
     gone = {
-        name: [(shown.size[some] < minimum).mean() for minimum in (10, 100)]
+        name: [(taught.size[some] < minimum).mean() for minimum in (10, 100)]
         for name, some in group.items()
     }
     assert gone["ghost"][1] == 1 and gone["near"][1] > 0.3
     assert gone["ghost"][0] > 0.9 and gone["near"][0] < 0.1
 
 
-def test_people_and_their_distance(shown):
-    assert shown.theory(20.0) == pytest.approx(shown.theory(10.0) / 4)
-    reach = np.sqrt(shown.theory(1.0) / 100)
+def test_returns_of_pedestrians_by_distance(taught):
+    assert taught.theory(20.0) == pytest.approx(taught.theory(10.0) / 4)
+    reach = np.sqrt(taught.theory(1.0) / 100)
     assert reach == pytest.approx(15, abs=0.5)
     slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
     assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "a car that drives slowly"
 
 
-def test_the_line_is_for_people_in_plain_view(shown):
-    away, size = shown.distance, shown.size
-    person = (shown.kind == "pedestrian") & (away > 5) & (away < 25)
-    times = size / shown.theory(away)
-    free, hidden = times[person & shown.in_view], times[person & ~shown.in_view]
+def test_the_theory_applies_to_pedestrians_in_plain_view(taught):
+    away, size = taught.distance, taught.size
+    person = (taught.kind == "pedestrian") & (away > 5) & (away < 25)
+    times = size / taught.theory(away)
+    free, hidden = times[person & taught.in_view], times[person & ~taught.in_view]
     assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
     assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
 
 
-def test_a_list_is_noted(shown):
+def test_a_list_gets_a_note(taught):
     def filter_clusters(cluster_labels, min_num_points=100):
-        return shown.filter_clusters(cluster_labels, min_num_points).tolist()
+        return taught.filter_clusters(cluster_labels, min_num_points).tolist()
 
     failed = [
         note.name
@@ -98,12 +98,12 @@ def test_a_car_brakes_as_in_lesson_07():
     assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
 
 
-def test_the_naive_loop_keeps_every_second_small_neighbour(shown):
+def test_the_naive_loop_keeps_every_second_small_neighbour(taught):
     labels = np.repeat([1, 2, 3, 4, 5, 6], [9, 1, 1, 1, 1, 9])
-    kept = shown.moved_up_in_the_loop(labels, 3)
+    kept = taught.moved_up_in_the_loop(labels, 3)
     assert np.unique(labels[kept > 0]).tolist() == [1, 3, 5, 6]
     alone = np.repeat([1, 2, 3], [9, 1, 9])  # "with a single small cluster all is well"
-    assert np.array_equal(shown.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
+    assert np.array_equal(taught.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
 
 
 def test_cars_and_walls_interleave():
@@ -116,7 +116,7 @@ def test_cars_and_walls_interleave():
     assert sizes["wall"].min() < sizes["car"].max() < sizes["wall"].max()
 
 
-def test_a_failed_check_says_the_minimum(capsys):
+def test_a_failed_check_shows_the_minimum(capsys):
     def filter_clusters(cluster_labels, min_num_points=100):
         filtered, found = cluster_labels.copy(), np.unique(cluster_labels)
         for label in found:
@@ -129,8 +129,8 @@ def test_a_failed_check_says_the_minimum(capsys):
     assert "minimum 3" in capsys.readouterr().out
 
 
-def test_the_cyclist_is_in_our_way_when_the_text_says():
-    (street,) = (one for one in STREETS if one.number == 3)
+def test_the_cyclist_meets_the_car_at_the_stated_time():
+    (street,) = (candidate for candidate in STREETS if candidate.number == 3)
     (cyclist,) = street.actors
     ((_, pace),) = cyclist.speeds
     meeting = cyclist.begins / street.limit + abs(cyclist.obstacle.pose.y - EGO_LANE) / pace

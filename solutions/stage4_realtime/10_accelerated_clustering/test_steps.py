@@ -1,4 +1,4 @@
-"""The three steps of lesson 10: right and wrong answers, and what their checks say of them."""
+"""The checks of the three steps of lesson 10, with right and wrong answers."""
 
 import pytest
 
@@ -26,16 +26,17 @@ def test_the_lessons_own_answer_passes(name):
     ("name", "variant"),
     [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
-def test_answers_pass_or_lose_what_they_say(name, variant):
-    space = dict(getattr(LESSON, name).__globals__)  # with all that the lesson gives
-    exec(variant.source, space)
-    failed = failures_of(name, space[name])
+def test_answers_pass_or_fail_as_claimed(name, variant):
+    namespace = dict(getattr(LESSON, name).__globals__)  # includes the lesson's own functions
+    exec(variant.source, namespace)
+    failed = failures_of(name, namespace[name])
     if variant.right:
         assert not failed
         return
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    said = [
-        f"{one.failure.message} {one.failure.hint or one.check.hint}" for one in failed.values()
+    messages = [
+        f"{outcome.failure.message} {outcome.failure.hint or outcome.check.hint}"
+        for outcome in failed.values()
     ]
-    assert variant.says in " ".join(said), said
+    assert variant.says in " ".join(messages), messages

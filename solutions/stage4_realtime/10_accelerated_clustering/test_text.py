@@ -1,4 +1,4 @@
-"""What lesson 10 says holds for the plan that it teaches."""
+"""The statements of lesson 10 are true for the algorithm that it teaches."""
 
 import json
 from time import process_time
@@ -52,17 +52,17 @@ def open_pairs(label, pairs):
 
 
 def test_the_steps_on_seven_points():
-    """What the notebook prints beside "expected" stands there as text."""
+    """The results are those that the notebook prints next to "expected"."""
     text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
     cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
-    assert f"[{', '.join(str(one) for one in cells[:, :2].astype(int).tolist())}]" in text
+    assert f"[{', '.join(str(cell) for cell in cells[:, :2].astype(int).tolist())}]" in text
     assert str(first.tolist()) in text and str(cell_of_point.tolist()) in text
     pairs, label = LESSON.join_cheaply(seven, cells, first, wide)
     assert str(sorted(pairs.tolist())) in text
     gaps = np.linalg.norm(seven[first[pairs[:, 0]]] - seven[first[pairs[:, 1]]], axis=1)
     # "Seven are neighbours. Three are joined, that settles a fourth by a detour. Three are left."
     assert (len(pairs), (gaps < wide).sum(), open_pairs(label, pairs).sum()) == (7, 3, 3)
-    assert label[4] == label[5]  # who renames cell 4 alone leaves cell 5 behind, and sees it
+    assert label[4] == label[5]  # relabelling only cell 4 leaves cell 5 behind, which is visible
     before = label.copy()
     exact = LESSON.join_exactly(seven, cell_of_point, pairs, label, wide)
     assert np.array_equal(label, before)
@@ -71,19 +71,21 @@ def test_the_steps_on_seven_points():
     assert f"expected: {found}" in text
 
 
-def test_of_each_open_pair_one_cell_visits_the_other_on_its_floor(obstacles):
+def test_one_cell_of_each_open_pair_visits_the_other_on_its_floor(obstacles):
     points = obstacles[::3]
     cells, first, cell_of_point = LESSON.points_in_cells(points, 0.4)
     pairs, label = LESSON.join_cheaply(points, cells, first, 0.4)
     chosen = pairs[open_pairs(label, pairs)]
     p, q, pair_of_q = LESSON.on_floors(points, cell_of_point, chosen, 0.4)
-    floor_of_p, floor_of_q = (np.rint(one[:, 3] / 0.8).astype(int) for one in (p, q))
+    floor_of_p, floor_of_q = (np.rint(one_cell[:, 3] / 0.8).astype(int) for one_cell in (p, q))
     assert np.allclose(p[:, 3], 0.8 * floor_of_p) and np.allclose(q[:, 3], 0.8 * floor_of_q)
     assert len(chosen) > 100
     many, visited = np.bincount(cell_of_point), 0
     assert (np.bincount(floor_of_p, minlength=len(many)) <= many).all()  # each is at home once
-    for number, (one, other) in enumerate(chosen):
-        host, guest = (one, other) if many[one] >= many[other] else (other, one)
+    for number, (one_cell, other_cell) in enumerate(chosen):
+        host, guest = (
+            (one_cell, other_cell) if many[one_cell] >= many[other_cell] else (other_cell, one_cell)
+        )
         mine, theirs = (points[cell_of_point == cell] for cell in (host, guest))
         gaps = np.linalg.norm(mine[:, None] - theirs, axis=2)
         for found, whole, gap in (
@@ -100,8 +102,8 @@ def test_of_each_open_pair_one_cell_visits_the_other_on_its_floor(obstacles):
     assert visited > 100
 
 
-def test_heaps_end_to_end_are_not_asked_about_point_by_point():
-    """One tree for all knows no box around each heap: it took 14 s for what lies crosswise."""
+def test_heaps_end_to_end_need_few_queries():
+    """The steps need few queries; one tree for all heaps took 14 s for rods at an angle."""
     rng = np.random.default_rng(5)
     rods = rng.uniform(0, [0.04, 0.002, 0.002], (4, 5000, 3))
     rods += [[[x, 0.0, 0.0]] for x in (0.0, 0.542, 6.0, 6.542)]
@@ -117,26 +119,26 @@ def test_heaps_end_to_end_are_not_asked_about_point_by_point():
 
 @pytest.mark.parametrize("radius", [0.001, 0.2, 1.0])
 def test_the_plan_is_exact_for_a_heap_within_a_shell(radius):
-    """Each point of the heap is as near to all of the shell: once it took seven seconds."""
+    """Heap points are nearly equally far from all shell points, which once took seven seconds."""
     rng = np.random.default_rng(7)
     v = rng.normal(size=(2, 4000, 3))
     v /= np.linalg.norm(v, axis=2, keepdims=True)
     for gap, clusters in ((0.5001, 2), (0.4999, 1)):
         points = np.concatenate([radius * v[0], (radius + gap) * v[1]])
-        points[4000] = (radius + gap) * v[0, 0]  # the nearest is as near as the gap
+        points[4000] = (radius + gap) * v[0, 0]  # the smallest distance equals the gap
         for way in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
             labels = way(points, 0.5)
             assert labels.max() == clusters and len(set(labels[:4000])) == 1
 
 
-def test_no_open_pair_has_no_floor():
+def test_no_open_pairs_need_no_floors():
     none = np.empty((0, 2), dtype=int)
     p, q, pair_of_q = LESSON.on_floors(LESSON.seven, np.arange(7), none, 0.5)
     assert p.shape == q.shape == (0, 4) and pair_of_q.shape == (0,)
 
 
 @pytest.mark.parametrize("far", [1.0, 1e6, 1e13, 1e300])
-def test_equal_rows_and_no_others_have_equal_numbers(far):
+def test_only_equal_rows_have_equal_numbers(far):
     rows = np.array([[0, 0, -3], [1, 0, 0], [0, 1, 0], [1, 0, 0], [-1, 0, 3], [0, 0, -3.0]]) * far
     different, kind = np.unique(rows, axis=0, return_inverse=True)
     numbers = LESSON.as_numbers(rows)
@@ -155,13 +157,13 @@ def test_the_cheap_step_settles_nearly_all(obstacles, right):
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
     assert len(obstacles) / cells < 10  # "a handful of points" in a cell
     assert 0.01 < still_open / pairs < 0.03  # "about one pair in fifty"
-    assert labels.max() > right.max() + 1  # torn, and nothing runs together:
+    assert labels.max() > right.max() + 1  # clusters are torn, and none are merged:
     for part in np.unique(labels):
         assert len(np.unique(right[labels == part])) == 1
 
 
 @pytest.mark.slow
-def test_both_versions_are_exact_and_number_alike(obstacles, right):
+def test_both_versions_are_exact_and_give_equal_labels(obstacles, right):
     for points, threshold in ((obstacles, 0.5), (obstacles[::5], 0.23), (obstacles[::9], 1.4)):
         taught = LESSON.euclidean_clustering_accelerated(points, threshold)
         assert np.array_equal(taught, LESSON.clustering_at_full_speed(points, threshold))
@@ -169,26 +171,26 @@ def test_both_versions_are_exact_and_number_alike(obstacles, right):
         assert LESSON.same_clusters(taught, exact)
 
 
-def test_what_is_said_about_pairs(obstacles):
+def test_statements_about_pairs(obstacles):
     few, tree = obstacles[::20], cKDTree(obstacles)
 
-    def company(tree, points, threshold):
+    def mean_neighbours(tree, points, threshold):
         return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
 
-    assert company(tree, few, 0.5) > 100  # hundreds; and n - 1 pairs would be enough
+    assert mean_neighbours(tree, few, 0.5) > 100  # hundreds per point; n - 1 pairs are enough
     for threshold in (0.25, 0.5, 1.0):  # "two or three times as long"
-        longer = company(tree, few, 2 * threshold) / company(tree, few, threshold)
+        longer = mean_neighbours(tree, few, 2 * threshold) / mean_neighbours(tree, few, threshold)
         assert 2 < longer < 3.4
     half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]
-    pairs = len(obstacles) * company(tree, few, 0.5)
-    assert pairs / (len(half) * company(cKDTree(half), half[::10], 0.5)) == pytest.approx(
+    pairs = len(obstacles) * mean_neighbours(tree, few, 0.5)
+    assert pairs / (len(half) * mean_neighbours(cKDTree(half), half[::10], 0.5)) == pytest.approx(
         4, rel=0.1
     )
 
 
 @pytest.mark.slow
 def test_the_list_of_all_pairs_against_the_tree(obstacles):
-    """About as long as asking the tree alone; much quicker than asking it and joining."""
+    """The list takes about as long as the tree's queries, and far less than queries and joins."""
     by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
     few = np.random.default_rng(1).permutation(obstacles)[:6000]
     for points in (few, obstacles):
@@ -199,20 +201,24 @@ def test_the_list_of_all_pairs_against_the_tree(obstacles):
 
 
 def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):
-    counts = [LESSON.after_two_steps(obstacles[::3], one)[1:] for one in (0.2, 0.5, 1.0)]
+    counts = [
+        LESSON.after_two_steps(obstacles[::3], threshold)[1:] for threshold in (0.2, 0.5, 1.0)
+    ]
     assert (np.diff(counts, axis=0) < 0).all()
 
 
-def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obstacles):
+def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):
     cells, _, which = LESSON.points_in_cells(obstacles, 0.5)
     pairs, _ = LESSON.join_cheaply(obstacles, cells, np.zeros(len(cells), int), 0.5)
     joined = LESSON.components(len(cells), pairs).max() + 1
-    small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
+    small, large = (
+        LESSON.euclidean_clustering_accelerated(obstacles, threshold) for threshold in (0.85, 0.65)
+    )
     assert small.max() < joined < large.max()
 
 
 @pytest.mark.slow
-def test_one_thing_in_five_tears_where_only_the_next_cells_are_looked_at(obstacles, right):
+def test_one_object_in_five_is_torn_if_only_adjacent_cells_are_compared(obstacles, right):
     cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
     pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
     label = LESSON.join_exactly(obstacles, which, pairs, np.arange(len(cells)), 0.5)[which]
@@ -220,7 +226,7 @@ def test_one_thing_in_five_tears_where_only_the_next_cells_are_looked_at(obstacl
     assert np.mean(np.bincount(parts) > 1) == pytest.approx(0.2, abs=0.03)
 
 
-def test_an_order_taken_for_ranks_is_noted():
+def test_an_order_mistaken_for_ranks_gets_a_note():
     def clustering(cloud, threshold=0.5):
         points = cloud[:, :3]
         cells, first, cell_of_point = LESSON.points_in_cells(points, threshold)
@@ -241,7 +247,7 @@ def test_a_partition_is_compared_both_ways():
 
 
 def test_the_solution_is_as_long_as_promised():
-    """Lines between the marks, wrapped ones counted once, against "roughly N lines"."""
+    """Compare "roughly N lines" with the solution, in which a wrapped line counts once."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for name in (*STEPS, "euclidean_clustering_accelerated"):
         body = text[text.index(f"\ndef {name}(") :]
@@ -258,24 +264,24 @@ def test_the_fast_version_is_faster(obstacles):
         way(obstacles)
         return process_time() - begin
 
-    # In turn, so that a busy machine slows both alike; it is about two.
+    # The two run alternately, so that a busy machine slows both; the ratio is about two.
     ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
     ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
     assert np.median(ratios) > 1.3
 
 
-def test_the_fast_version_is_not_given_out():
+def test_the_fast_version_is_not_released():
     released = find_lesson(NAME).released.read_text("utf-8")
     for word in ("sort_into_cells", "join_by_tree", "searchsorted"):
         assert word not in released
 
 
 @pytest.mark.parametrize("quadratic", [True, False])
-def test_the_trap_stops_what_would_fill_the_memory(quadratic, capsys):
-    asked = []
+def test_the_trap_stops_functions_that_would_fill_the_memory(quadratic, capsys):
+    sizes = []
 
     def pretend(cloud):
-        asked.append(len(cloud))
+        sizes.append(len(cloud))
         n = len(cloud) / 1000
         until = process_time() + (0.03 * n**2 if quadratic else 0.03 * n)
         while process_time() < until:
@@ -283,19 +289,19 @@ def test_the_trap_stops_what_would_fill_the_memory(quadratic, capsys):
         return np.zeros(len(cloud), int)
 
     LESSON.spring_the_trap(pretend, most=6_000)
-    said = capsys.readouterr().out
-    assert ("Stopped" in said) == quadratic
-    assert (max(asked) == 6_000) == quadratic  # 3,000 in each heap, and no more
-    assert "GB" in said.split("Stopped")[0]
+    output = capsys.readouterr().out
+    assert ("Stopped" in output) == quadratic
+    assert (max(sizes) == 6_000) == quadratic  # at most 3,000 points in each heap
+    assert "GB" in output.split("Stopped")[0]
 
 
-def test_the_hints_to_the_letter_are_a_right_answer():
+def test_an_answer_follows_the_hints():
     names = [variant.name for variant in answers_to("euclidean_clustering_accelerated")]
     assert "the hints followed to the letter, in three steps" in names
 
 
-def test_steps_stay_the_students_own_in_the_autograded_copy():
-    """They carry no points, but without them the graded function does nothing."""
+def test_the_autograded_copy_keeps_the_students_steps():
+    """The steps give no points, but the graded function needs them."""
     lesson = find_lesson(NAME)
     notebook = json.loads(lesson.released.read_text("utf-8"))
     for cell in notebook["cells"]:
@@ -310,8 +316,8 @@ def test_steps_stay_the_students_own_in_the_autograded_copy():
         assert not any(f"def {name}(" in cell.source for cell in copy.cells)
 
 
-def test_a_search_for_neighbours_takes_time_also_while_the_judge_waits():
-    """A yardstick of nothing would make every answer slow, on machines that are quick."""
+def test_the_reference_search_takes_time_while_the_judge_waits():
+    """The reference time is never 0, which would make every answer look slow on a fast machine."""
     cloud = np.random.default_rng(1).normal(size=(50, 3))
     with _own_time(60):
         assert min(_seconds_to_find_neighbours(cloud) for _ in range(200)) > 0

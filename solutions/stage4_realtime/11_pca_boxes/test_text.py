@@ -1,4 +1,4 @@
-"""Lesson 11 says what is so: headings, areas and mistakes, computed on the lesson's own scan."""
+"""The statements of lesson 11 about headings, areas and mistakes are true for its own scan."""
 
 import time
 from types import SimpleNamespace
@@ -22,7 +22,7 @@ VEHICLES = (1, 2, 3, 4, 5, 6, 7, 9, 10)
 
 @pytest.fixture(scope="module")
 def street():
-    """The lesson's scan, its labels, the true boxes and the kinds by label."""
+    """The lesson's scan, its labels, the true boxes by label, and the ground near the car."""
     cloud, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
     near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
     rows = zip(
@@ -51,7 +51,7 @@ def points_of(street, label):
 
 
 def in_its_frame(street, label):
-    """Points (n, 2) of a cluster along and across its true box."""
+    """Return the points (n, 2) of a cluster, along and across its true box."""
     box = street.boxes[label]
     return LESSON.turned(points_of(street, label) - box.centre, -box.yaw)[:, :2]
 
@@ -70,7 +70,7 @@ def closest_yaw(points):
 
 
 def off(yaw, box):
-    """Degrees to the nearest side of a box."""
+    """Return the angle to the nearest side of a box in degrees."""
     return abs((np.degrees(yaw - box.yaw) + 45) % 90 - 45)
 
 
@@ -79,7 +79,7 @@ def errors(street, find):
 
 
 def hinted(name):
-    """An answer as the hints spell it out, with what the lesson gives."""
+    """Return a stored answer that follows the hints, with the functions that the lesson gives."""
     source = next(
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
     )
@@ -106,7 +106,7 @@ def test_first_axes_lean_and_smallest_rectangles_do_not(street):
     assert max(left.values()) < 8
 
 
-def test_the_closest_rectangle_is_right_for_the_lorry_too(street):
+def test_the_closest_rectangle_is_also_right_for_the_lorry(street):
     left = errors(street, closest_yaw)
     assert {label for label, degrees in left.items() if degrees > 1} == {4, 10}
     assert max(left.values()) < 5 and left[7] < 0.5
@@ -114,8 +114,8 @@ def test_the_closest_rectangle_is_right_for_the_lorry_too(street):
 
 
 @pytest.mark.parametrize("degrees", [0, 17, 61, -200])
-def test_closeness_is_what_it_says(degrees):
-    """Against distances to the four sides, drawn as lines."""
+def test_closeness_sums_inverse_distances_to_the_sides(degrees):
+    """Compare with distances to the four sides as computed by Shapely."""
     points = np.random.default_rng(5).normal([7.0, -3.0, 0.4], [2.0, 0.7, 0.5], (60, 3))
     angle = np.radians(degrees)
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -128,14 +128,14 @@ def test_closeness_is_what_it_says(degrees):
     assert both == pytest.approx([summed, summed]), "a quarter turn changes nothing"
 
 
-def test_why_single_vehicles_are_as_they_are(street):
+def test_explanations_for_single_vehicles(street):
     seen = {label: in_its_frame(street, label) for label in VEHICLES}
-    # Number 5 stands beside the scanner: its ends are ahead of it and behind it.
+    # Vehicle 5 is next to the scanner, with one end ahead of it and one behind it.
     ends = street.boxes[5].corners[:, 0]
     assert ends.min() < 0 < ends.max()
     assert np.ptp(seen[4][:, 0]) < 0.6 * street.boxes[4].size[0]
     for label in set(VEHICLES) - {5}:
-        # Further than the even L of its sides, because the near end has most of the points.
+        # It leans more than an even L of its sides, as the near end has most of the points.
         sides = np.sort(np.ptp(seen[label], axis=0))
         assert off(axis_yaw(points_of(street, label)), street.boxes[label]) > lean(*sides)
         toward = -LESSON.turned(np.array([street.boxes[label].centre]), -street.boxes[label].yaw)
@@ -146,7 +146,7 @@ def test_why_single_vehicles_are_as_they_are(street):
         inside = np.array(street.boxes[label].size[:2]) / 2 - np.abs(seen[label])
         on_top = np.mean(inside.min(axis=1) > 0.15)
         assert (on_top > 0.3) == (label != 7), "bonnet and roof; a lorry has none to be seen"
-    # The lorry is higher than the scanner; next to nothing lies between its two sides.
+    # The lorry is higher than the scanner, so hardly any points are between its two sides.
     lorry = street.boxes[7]
     assert lorry.corners[:, 2].max() > 1
     low, high = seen[7].min(axis=0), seen[7].max(axis=0)
@@ -154,7 +154,7 @@ def test_why_single_vehicles_are_as_they_are(street):
 
 
 def lean(short, long):
-    """Degrees by which the first axis of an even L leans."""
+    """Return the angle in degrees by which the first axis of an even L leans."""
     n = 2000
     legs = np.vstack(
         [
@@ -182,12 +182,14 @@ def test_area_grows_at_once_and_a_thin_l_has_two_smallest_rectangles():
     assert LESSON.floor_area_at(rim, ANGLES).shape == (90,)
 
 
-def test_which_one_when(street):
+def test_the_best_method_for_each_kind_of_object(street):
     kinds, sizes = {}, {}
     for label in np.unique(street.labels[street.labels > 0]).tolist():
         box, points = street.boxes[label], points_of(street, label)
-        three = [off(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)]
-        kinds.setdefault(box.kind, []).append(three)
+        errors_of_methods = [
+            off(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)
+        ]
+        kinds.setdefault(box.kind, []).append(errors_of_methods)
         sizes.setdefault(box.kind, []).append(np.ptp(points[:, :2], axis=0).min())
     middle = {kind: np.median(rows, axis=0) for kind, rows in kinds.items()}
     assert middle["car"][0] > 15 and middle["car"][1] < 1
@@ -197,13 +199,13 @@ def test_which_one_when(street):
     for kind in ("pedestrian", "pole"):
         assert min(middle[kind]) > 9
     green = zip(kinds["foliage"], sizes["foliage"], strict=True)
-    trunks = [three for three, size in green if size < 0.5]
+    trunks = [errors_of_methods for errors_of_methods, size in green if size < 0.5]
     assert len(trunks) == 4 and min(map(min, trunks)) > 8
-    # Of a straight wall one front is seen, at the corner of a house two.
+    # The scanner sees one front of a straight wall, and two at the corner of a house.
     seen = list(zip(kinds["wall"], sizes["wall"], strict=True))
-    straight = [three for three, size in seen if size < 0.2]
+    straight = [errors_of_methods for errors_of_methods, size in seen if size < 0.2]
     assert len(straight) == 3 and max(map(max, straight)) <= 2
-    corners = [three for three, size in seen if size > 0.4]
+    corners = [errors_of_methods for errors_of_methods, size in seen if size > 0.4]
     assert len(corners) == 5 and min(lean for lean, *_ in corners) > 4
     assert {left < 1 for _, left, _ in corners} == {True, False}
     assert max(left for *_, left in corners) <= 1
@@ -251,16 +253,16 @@ def test_the_hinted_boxes_are_as_the_lesson_says(name, find, street):
         assert off(np.arctan2(side[1], side[0]), street.boxes[label]) == pytest.approx(degrees)
 
 
-def test_forty_clusters_are_boxed_in_a_blink():
+def test_forty_clusters_are_boxed_quickly():
     rng = np.random.default_rng(0)
     sizes = np.append(rng.integers(12, 400, 38), [12, 400])
     cloud, labels = rng.normal(size=(sizes.sum(), 4)), np.repeat(np.arange(40) + 1, sizes)
-    took = []  # processor time: others use the machine, too
+    times = []  # processor time, as other programs also use the machine
     for _ in range(20):
         start = time.process_time()
         LESSON.get_oriented_boxes(cloud, labels)
-        took.append(time.process_time() - start)
-    assert min(took) < 0.2  # generous: a frame has a tenth of a second for everything
+        times.append(time.process_time() - start)
+    assert min(times) < 0.2  # generous: a frame has a tenth of a second for everything
 
 
 def test_points_and_lines_have_boxes():
@@ -272,7 +274,7 @@ def test_points_and_lines_have_boxes():
 
 
 @pytest.mark.slow
-def test_headings_of_the_stream_jump_and_can_be_followed():
+def test_headings_of_a_stream_jump_and_can_be_unwrapped():
     truth, found = [], {"axis": [], "rectangle": []}
     for frame in cyclist(seed=0)[::2]:
         box = next(box for box in frame.boxes if box.identity == 1)
@@ -286,7 +288,7 @@ def test_headings_of_the_stream_jump_and_can_be_followed():
         jumps = np.degrees(np.diff(values))
         jumps = jumps[abs(jumps) > 60]
         assert len(jumps)
-        if steps > 90:  # between two frames the car turns and the lean changes, too
+        if steps > 90:  # the turn of the car and its lean also change between two frames
             assert (abs(abs(jumps) - steps) < 30).any()
     truth = np.unwrap(truth)
     wrong = {}
@@ -299,7 +301,7 @@ def test_headings_of_the_stream_jump_and_can_be_followed():
     assert np.median(abs(wrong["rectangle"])) < 1 and abs(wrong["rectangle"]).max() < 3
 
 
-def test_common_mistakes_leave_the_marks_that_the_table_names(street):
+def test_common_mistakes_match_the_table(street):
     yaw, middle = np.radians(25), np.array([8.0, 2.0, 0.0])
     block = LESSON.turned(np.array(list(np.ndindex(2, 2, 2))) * [4.2, 1.8, 1.4], yaw)
     block += middle - block.mean(axis=0)

@@ -1,4 +1,4 @@
-"""The steps of the tracker in lesson 12: right and wrong answers, and what theory says of gains."""
+"""The steps of the tracker in lesson 12: right and wrong answers, and the theory of gains."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_the_lessons_own_answer_passes(name):
     ("name", "variant"),
     [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
-def test_answers_pass_or_lose_what_they_say(name, variant):
+def test_answers_pass_or_fail_as_claimed(name, variant):
     function = function_of(name, variant)
     failed = failures_of(name, function)
     if variant.right:
@@ -44,23 +44,23 @@ def test_answers_pass_or_lose_what_they_say(name, variant):
         return
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    said = " ".join(f"{one.failure.message} {one.failure.hint} {one.check.hint}"
+    messages = " ".join(f"{one.failure.message} {one.failure.hint} {one.check.hint}"
                     for one in failed.values())  # fmt: skip
-    assert variant.says in said, said
+    assert variant.says in messages, messages
     mistake = diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
     assert variant.told in (mistake.says if mistake else "")
 
 
-def test_every_mistake_has_somebody_who_makes_it():
+def test_a_stored_answer_makes_every_known_mistake():
     for name in STEPS:
-        told = [variant.told for one, variant in ANSWERS if one == name and variant.told]
+        claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in told), mistake.says
+            assert any(words in mistake.says for words in claims), mistake.says
 
 
-def settled(wobble, acceleration, seconds):
-    """The gains at which a Kalman filter for constant velocity ends, by the Riccati recursion."""
+def settled_gains(wobble, acceleration, seconds):
+    """Return the steady-state gains of a constant-velocity Kalman filter, by Riccati recursion."""
     step = np.array([[1, seconds], [0, 1]])
     push = np.array([seconds**2 / 2, seconds]) * acceleration
     noise, state = np.outer(push, push), np.eye(2) * 100.0
@@ -76,7 +76,7 @@ def settled(wobble, acceleration, seconds):
 )
 def test_the_gains_are_those_of_a_settled_kalman_filter(wobble, acceleration, seconds):
     lesson = names_of(LESSON.name, "gain_for", "correct_boxes")
-    alpha, beta_per_second = settled(wobble, acceleration, seconds)
+    alpha, beta_per_second = settled_gains(wobble, acceleration, seconds)
     gain = lesson["gain_for"](wobble, acceleration, seconds)
     assert gain == pytest.approx(alpha, rel=1e-6)
     box = np.zeros((1, 8, 3))

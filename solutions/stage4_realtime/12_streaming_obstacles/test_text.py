@@ -1,4 +1,4 @@
-"""What lesson 12 says in its text, on the path that its hints spell out."""
+"""The statements of lesson 12 are true for the answers that its hints describe."""
 
 import json
 from types import SimpleNamespace
@@ -44,8 +44,8 @@ def from_a_helper(cloud):
 
 
 @pytest.fixture(scope="module")
-def told():
-    """The solved notebook's own names, as far as these tests ask for them."""
+def solved():
+    """Names of the solved notebook that these tests need."""
     statements, _ = slicing.parse_notebook([LESSON.text])
     wanted = (
         "detect_obstacles",
@@ -74,29 +74,29 @@ def told():
 
 
 @pytest.fixture(scope="module")
-def things(told):
+def things(solved):
     return [
         holders(boxes, frame.cloud[::3], frame.scan.objects[::3])
-        for boxes, frame in zip(told["detected"], told["city"], strict=True)
+        for boxes, frame in zip(solved["detected"], solved["city"], strict=True)
     ]
 
 
-def kept(told, cloud, *without):
-    """Boxes of the chain of the hints, with the steps of these names left out."""
+def kept(solved, cloud, *without):
+    """Run the chain of the hints without the named steps; return its points and boxes."""
 
     def step(name, points, *arguments):
-        return points if name in without else told[name](points, *arguments)
+        return points if name in without else solved[name](points, *arguments)
 
     points = step("drop_invalid", cloud[:, :3])
     points = step("crop_region", points, (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
     points = step("remove_ego_returns", points, *OWN_CAR)
     if "ransac_plane" not in without:
         low = points[points[:, 2] < -1.2]
-        plane = told["fit_plane"](low[told["ransac_plane"](low, 50, 0.2, 0)[1]])
-        points = points[told["point_plane_distance"](points, plane) > 0.3]
+        plane = solved["fit_plane"](low[solved["ransac_plane"](low, 50, 0.2, 0)[1]])
+        points = points[solved["point_plane_distance"](points, plane) > 0.3]
     points = step("voxel_grid", points, 0.2)
-    labels = told["euclidean_clustering_accelerated"](points, 0.5)
-    return points, told["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
+    labels = solved["euclidean_clustering_accelerated"](points, 0.5)
+    return points, solved["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
 
 
 def own_car_boxes(boxes):
@@ -105,15 +105,15 @@ def own_car_boxes(boxes):
 
 
 def crookedness(box, car):
-    """Degrees between the sides of a box and those of a car; at most 45."""
+    """Return the angle between the sides of a box and those of a car in degrees, at most 45."""
     side = box[1, :2] - box[0, :2]
     angle = np.degrees(np.arctan2(side[1], side[0]) - car.yaw)
     return abs((angle + 45) % 90 - 45)
 
 
-def test_naive_squares_are_many_on_road_and_on_the_own_car(told):
-    first = told["city"][0]
-    middles = told["occupied_squares"](first.cloud).mean(axis=1)[:, :2]
+def test_naive_squares_are_many_on_road_and_on_the_own_car(solved):
+    first = solved["city"][0]
+    middles = solved["occupied_squares"](first.cloud).mean(axis=1)[:, :2]
     assert len(middles) > 3 * len(first.boxes)
     assert (np.abs(middles - (0, 0)) < 1.7).all(axis=1).any()
     ringed = middles[np.hypot(*(middles - (29, 1.2)).T) < 2.1]
@@ -121,36 +121,36 @@ def test_naive_squares_are_many_on_road_and_on_the_own_car(told):
     square_of = np.floor(first.cloud[:, :2]) + 0.5
     for middle in ringed:
         held = (square_of == middle).all(axis=1) & (first.cloud[:, 2] > -1.2)
-        assert not first.scan.objects[held].any()  # nothing but road
+        assert not first.scan.objects[held].any()  # the square contains only road
 
 
-def test_no_box_is_on_bare_road(told):
+def test_no_box_is_on_empty_road(solved):
     for number in (0, 4, 8):
-        frame = told["city"][number]
-        assert all(_holds_obstacle(box, frame) for box in told["detected"][number])
+        frame = solved["city"][number]
+        assert all(_holds_obstacle(box, frame) for box in solved["detected"][number])
 
 
-def test_a_level_alone_leaves_road_where_the_street_climbs(told):
-    frame, found = told["city"][4], []
+def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
+    frame, found = solved["city"][4], []
     for steps in ("plane", "level"):
-        cloud = told["crop_region"](frame.cloud[:, :3], (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
+        cloud = solved["crop_region"](frame.cloud[:, :3], (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
         if steps == "level":
             cloud = cloud[cloud[:, 2] >= -1.2]
-            points = told["voxel_grid"](cloud, 0.2)
-            labels = told["euclidean_clustering_accelerated"](points, 0.5)
-            boxes = told["get_oriented_boxes"](points, told["filter_clusters"](labels, 10))
+            points = solved["voxel_grid"](cloud, 0.2)
+            labels = solved["euclidean_clustering_accelerated"](points, 0.5)
+            boxes = solved["get_oriented_boxes"](points, solved["filter_clusters"](labels, 10))
         else:
-            boxes = told["detected"][4]
+            boxes = solved["detected"][4]
         ghosts = np.array([box.mean(axis=0)[0] for box in boxes if not _holds_obstacle(box, frame)])
         found.append(ghosts)
     assert len(found[0]) == 0 and len(found[1]) > 0
-    assert found[1].min() > 15  # so a region that ends there is safe
+    assert found[1].min() > 15  # a region that ends at 15 m is safe
 
 
-def test_boxes_lie_along_the_cars_within_15_m(told):
+def test_boxes_are_aligned_with_cars_within_15_m(solved):
     crooked = []
     for number in (0, 4, 8):
-        frame, boxes = told["city"][number], told["detected"][number]
+        frame, boxes = solved["city"][number], solved["detected"][number]
         for car in frame.boxes:
             if car.kind != "car" or car.returns < 30 or np.hypot(*car.centre[:2]) > 15:
                 continue
@@ -161,36 +161,36 @@ def test_boxes_lie_along_the_cars_within_15_m(told):
     assert np.median(crooked) < 2 and np.mean(np.array(crooked) < 10) > 0.9
 
 
-def test_what_each_step_takes_away(told):
-    cloud = told["city"][0].cloud
-    points, boxes = kept(told, cloud)
-    thick, _ = kept(told, cloud, "voxel_grid")
-    with_road, slabs = kept(told, cloud, "ransac_plane", "voxel_grid")
+def test_the_effect_of_each_step(solved):
+    cloud = solved["city"][0].cloud
+    points, boxes = kept(solved, cloud)
+    thick, _ = kept(solved, cloud, "voxel_grid")
+    with_road, slabs = kept(solved, cloud, "ransac_plane", "voxel_grid")
     assert 110_000 < len(cloud) < 118_000 and 2_000 < len(points) < 4_000
     assert len(points) < 0.1 * len(thick)
     assert 0.45 < (len(with_road) - len(thick)) / len(with_road) < 0.55  # "half of what is left"
-    assert len(kept(told, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
-    assert len(kept(told, cloud, "crop_region")[1]) > 3 * len(boxes)
-    sides = np.ptp(kept(told, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
-    assert sides.max() > 20  # all that is near is one cluster
+    assert len(kept(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
+    assert len(kept(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
+    sides = np.ptp(kept(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
+    assert sides.max() > 20  # everything near the car is one cluster
     assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
 
 
-def test_a_bad_day_shows_whether_the_own_car_and_lost_returns_go(told):
-    good = told["city"][0].cloud
-    bad = np.vstack([good, told["bonnet"], told["lost"]])
-    assert len(told["detect_obstacles"](good)) == len(told["detect_obstacles"](bad))
-    assert own_car_boxes(kept(told, good, "remove_ego_returns")[1]) == 0
-    assert own_car_boxes(kept(told, bad, "remove_ego_returns")[1]) == 1
-    # Later steps happen to catch what drop_invalid would have taken away.
-    assert len(kept(told, bad, "drop_invalid")[1]) == len(told["detect_obstacles"](good))
+def test_a_bad_scan_shows_missing_steps(solved):
+    good = solved["city"][0].cloud
+    bad = np.vstack([good, solved["bonnet"], solved["lost"]])
+    assert len(solved["detect_obstacles"](good)) == len(solved["detect_obstacles"](bad))
+    assert own_car_boxes(kept(solved, good, "remove_ego_returns")[1]) == 0
+    assert own_car_boxes(kept(solved, bad, "remove_ego_returns")[1]) == 1
+    # Later steps happen to remove the returns that drop_invalid would have removed.
+    assert len(kept(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
     lost = np.zeros((3000, 3))
-    labels = told["euclidean_clustering_accelerated"](lost, 0.5)
-    assert told["filter_clusters"](labels, 10).all()  # unthinned they are a large cluster
+    labels = solved["euclidean_clustering_accelerated"](lost, 0.5)
+    assert solved["filter_clusters"](labels, 10).all()  # without thinning they are a large cluster
 
 
-def test_twice_the_returns_fall_into_much_the_same_voxels(told):
-    whole, half = (len(kept(told, told["city"][0].cloud[::step])[0]) for step in (1, 2))
+def test_twice_the_returns_fall_into_much_the_same_voxels(solved):
+    whole, half = (len(kept(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
     assert whole < 1.3 * half
 
 
@@ -198,30 +198,32 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
     notebook = find_lesson("06_filter_ground").solved
     space = {"__name__": "__main__", "load_my_functions": load_my_functions}
     exec(f"mine = load_my_functions({str(notebook)!r})\n{DETECTORS}", space)
-    note = next(one for one in notes_of("detect_obstacles") if one.name == "stands_alone")
-    told = {name: run_check(note, space[name]).failure for name in space if name[:4] == "from"}
-    assert told.pop("from_here") is None
-    assert len(told) == 4
-    for failure in told.values():
+    note = next(
+        candidate for candidate in notes_of("detect_obstacles") if candidate.name == "stands_alone"
+    )
+    failures = {name: run_check(note, space[name]).failure for name in space if name[:4] == "from"}
+    assert failures.pop("from_here") is None
+    assert len(failures) == 4
+    for failure in failures.values():
         assert "functions of another notebook" in failure.message
 
 
-def test_the_car_of_cardboard_has_one_box(told):
-    boxes = told["detect_obstacles"](told["cardboard_street"]())
+def test_the_car_of_cardboard_has_one_box(solved):
+    boxes = solved["detect_obstacles"](solved["cardboard_street"]())
     assert len(boxes) == 1
     sides = sorted(np.linalg.norm(boxes[0][[1, 2]] - boxes[0][[0, 1]], axis=1))
     assert np.allclose(sides, (1.8, 4.0), atol=0.15)
 
 
-def test_principal_axes_are_what_makes_the_curve_fall(told):
-    f1 = told["f1_of_kinds"](told["streams"]["streets"], told["carriageway"])
+def test_principal_axes_are_what_makes_the_curve_fall(solved):
+    f1 = solved["f1_of_kinds"](solved["streams"]["streets"], solved["carriageway"])
     fall = {kind: values[0] - values[2] for kind, (values, _) in f1.items()}
     assert fall["principal axes"] > 0.5
     assert max(fall["along the axes"], fall["smallest rectangle"]) < 0.25
 
 
-def test_what_is_said_of_the_score_card(told):
-    card = told["card_of"]("streets")
+def test_statements_about_the_score_card(solved):
+    card = solved["card_of"]("streets")
     assert card["recall in plain view"].texts[0] == "0.84 ± 0.03"
     assert card["recall, partly hidden"].texts[0] == "0.92 ± 0.05"
     for nearer, farther in (
@@ -232,15 +234,18 @@ def test_what_is_said_of_the_score_card(told):
         assert (apart > 2.5 * np.hypot(card[nearer].errors, card[farther].errors)).all()
 
 
-def f1_with_error(told, frames, region, *kinds):
-    """F1 of a kind of boxes around true clusters at each overlap; of two, their difference."""
+def f1_with_error(solved, frames, region, *kinds):
+    """Return F1 and its error for boxes around true clusters at each overlap.
+
+    For two kinds of boxes, return the difference of their F1.
+    """
     said = []
     for overlap in scoring.OVERLAPS:
         parts = []
         for frame in frames:
-            truth, part = told["corners_of"](counted(frame, region)), []
+            truth, part = solved["corners_of"](counted(frame, region)), []
             for kind in kinds:
-                boxes = told["boxes_of_truth"](frame, region, kind)
+                boxes = solved["boxes_of_truth"](frame, region, kind)
                 hits = scoring.score_boxes(boxes, truth, overlap).true_positives
                 part += [2 * hits, len(boxes) + len(truth)]
             parts.append(part)
@@ -254,61 +259,61 @@ def f1_with_error(told, frames, region, *kinds):
 
 
 @pytest.mark.proof
-def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(told):
+def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(solved):
     streets = [scenes.city_block(seed, frames=1)[0] for seed in range(24)]
     ways = "along the axes", "smallest rectangle"
-    better = f1_with_error(told, streets, told["carriageway"], *ways)
+    better = f1_with_error(solved, streets, solved["carriageway"], *ways)
     assert np.array_equal(np.round(better, 2), [(0.02, 0.01)] * 3)
     squares = [scenes.cyclist(seed, frames=1)[0] for seed in range(8)]
     around = ((-15, 35), (-20, 20))
     for kind, expected in ((ways[1], (0.93, 0.03)), (ways[0], (0.39, 0.03))):
-        said = f1_with_error(told, squares, around, kind)[1]
+        said = f1_with_error(solved, squares, around, kind)[1]
         assert np.allclose(said, expected, atol=0.0051)
 
 
-def test_far_rectangles_may_be_turned_badly(told):
-    off = {True: [], False: []}  # by whether a thing is within 15 m
-    for frame in told["streams"]["streets"]:
-        for thing in counted(frame, told["carriageway"]):
+def test_far_rectangles_may_be_turned_badly(solved):
+    off = {True: [], False: []}  # the key says whether the object is within 15 m
+    for frame in solved["streams"]["streets"]:
+        for thing in counted(frame, solved["carriageway"]):
             points = frame.cloud[frame.scan.objects == thing.identity, :3]
             points = points[points[:, 2] > points[:, 2].min() + 0.3]
             if len(points) >= 5:
                 yaw = np.degrees(
-                    told["heading_of"](points[:, :2], "smallest rectangle") - thing.yaw
+                    solved["heading_of"](points[:, :2], "smallest rectangle") - thing.yaw
                 )
                 off[np.hypot(*thing.centre[:2]) < 15].append(abs((yaw + 45) % 90 - 45))
     assert np.quantile(off[True], 0.9) < 3 and np.quantile(off[False], 0.9) > 8
 
 
-def test_what_the_two_sweeps_say(told):
-    precision, recall, f1 = told["sweep"]("threshold", [0.2, 0.5, 1.0])
+def test_what_the_two_sweeps_say(solved):
+    precision, recall, f1 = solved["sweep"]("threshold", [0.2, 0.5, 1.0])
     assert precision[0, 0] < precision[0, 1] and recall[0, 0] < recall[0, 1] > recall[0, 2]
     assert f1[0].argmax() == 1
-    precision, recall, f1 = told["sweep"]("min_num_points", [2, 10, 80])
+    precision, recall, f1 = solved["sweep"]("min_num_points", [2, 10, 80])
     assert (np.diff(precision[0]) > 0).all() and recall[0, 2] < recall[0, 1]
     assert f1[0].argmax() == 2  # more points than a pedestrian has
 
 
-def test_a_person_ten_metres_away_has_about_thirty_points(told):
+def test_a_person_ten_metres_away_has_about_thirty_points(solved):
     counts = []
-    for frame in told["city"][:10]:
+    for frame in solved["city"][:10]:
         for person in frame.boxes:
             away = np.hypot(*person.centre[:2])
             if person.kind == "pedestrian" and 9 < away < 11 and person.returns >= 60:
                 own = frame.cloud[frame.scan.objects == person.identity, :3]
                 floor = person.centre[2] - person.size[2] / 2
-                counts.append(len(told["voxel_grid"](own[own[:, 2] > floor + 0.3])))
+                counts.append(len(solved["voxel_grid"](own[own[:, 2] > floor + 0.3])))
     assert 20 <= np.median(counts) <= 40 and max(counts) < 80
 
 
-def test_what_each_move_brings(told, things):
-    """On the stream of the lesson, at the distance of its table and at others."""
+def test_the_effect_of_each_step_of_the_tracker(solved, things):
+    """Each step reduces switches in the lesson's stream, at the table's distance and at others."""
     made = {
-        use: {limit: told["mistakes_of"](limit, use) for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)}
-        for use in ((), ("predict",), ("predict", "correct"), told["ALL"])
+        use: {limit: solved["mistakes_of"](limit, use) for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)}
+        for use in ((), ("predict",), ("predict", "correct"), solved["ALL"])
     }
     alone, predicted, corrected, coasting = made.values()
-    # Left of our own way matching alone loses what is parked; prediction does not.
+    # Below the ego car's own motion, matching alone loses parked cars; prediction does not.
     assert alone[0.3].switches > 200 > 3 * predicted[0.5].switches / 2
     assert alone[0.3].switches > 2 * predicted[0.3].switches
     assert predicted[1.0].switches < 0.7 * alone[1.0].switches
@@ -320,50 +325,50 @@ def test_what_each_move_brings(told, things):
 
 
 @pytest.fixture(scope="module")
-def drives(told):
-    """Three seconds of each of eight streets: boxes, things, and the frames without clouds."""
+def drives(solved):
+    """Three seconds of eight streets: boxes, objects in them, and frames without clouds."""
     made = []
     for seed in range(8):
         boxes, things, truth = [], [], []
         for frame in scenes.city_block(seed, frames=30):
-            boxes.append(told["detect_obstacles"](frame.cloud))
+            boxes.append(solved["detect_obstacles"](frame.cloud))
             things.append(holders(boxes[-1], frame.cloud[::3], frame.scan.objects[::3]))
             truth.append(SimpleNamespace(boxes=frame.boxes))
         made.append((boxes, things, truth))
     return made
 
 
-def over(drives, told, name, *arguments):
-    """An experiment of the lesson on each of eight streets."""
-    kept = {key: told[key] for key in ("detected", "things", "city")}
+def over(drives, solved, name, *arguments):
+    """Run an experiment of the lesson on each of eight streets."""
+    kept = {key: solved[key] for key in ("detected", "things", "city")}
     answers = []
     try:
         for detected, things, truth in drives:
-            told.update(detected=detected, things=things, city=truth)
-            answers.append(told[name](*arguments))
+            solved.update(detected=detected, things=things, city=truth)
+            answers.append(solved[name](*arguments))
     finally:
-        told.update(kept)
+        solved.update(kept)
     return answers
 
 
 @pytest.mark.proof
-def test_what_is_said_of_switches_on_eight_streets(told, drives):
+def test_statements_about_switches_on_eight_streets(solved, drives):
     said = {(): (76, 29), ("predict",): (38, 11), ("predict", "correct"): (38, 11)}
     counts = {}
-    for use, expected in {**said, told["ALL"]: (18, 8)}.items():
-        made = over(drives, told, "mistakes_of", 1.0, use)
-        counts[use] = np.array([one.switches for one in made])
+    for use, expected in {**said, solved["ALL"]: (18, 8)}.items():
+        made = over(drives, solved, "mistakes_of", 1.0, use)
+        counts[use] = np.array([mistakes.switches for mistakes in made])
         assert (round(counts[use].mean()), round(counts[use].std(ddof=1))) == expected
-        shared = np.array([one.shared for one in made])
+        shared = np.array([mistakes.shared for mistakes in made])
         assert round(shared.mean()) in (2, 3) and round(shared.std(ddof=1)) == 2
     alone, predicted, _, coasting = counts.values()
     assert (alone > predicted).all() and (predicted > coasting).all()
 
 
 @pytest.mark.proof
-def test_what_is_said_of_gains_on_eight_streets(told, drives):
+def test_statements_about_gains_on_eight_streets(solved, drives):
     gains = [0.3, 0.5, 0.7]
-    curves = np.array(over(drives, told, "gain_curve", gains))
+    curves = np.array(over(drives, solved, "gain_curve", gains))
     for place, (switches, spread, error) in enumerate(
         [(38, 14, 0.06), (18, 8, 0.08), (16, 7, 0.15)]
     ):
@@ -371,46 +376,46 @@ def test_what_is_said_of_gains_on_eight_streets(told, drives):
         assert round(curves[:, 0, place].std(ddof=1)) == spread
         assert curves[:, 1, place].mean() == pytest.approx(error, abs=0.0051)
         assert curves[:, 1, place].std(ddof=1) < 0.025
-    wobbles = over(drives, told, "wobble_of", 1.0)
-    assert all(0.44 < told["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
+    wobbles = over(drives, solved, "wobble_of", 1.0)
+    assert all(0.44 < solved["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
 
 
-def test_what_is_said_of_wobble_and_gain(told, things):
-    assert 0.05 < told["wobble_of"](1.0) < 0.1
-    switches, error = told["gain_curve"]([0.1, 0.5, 0.9])
+def test_statements_about_wobble_and_gain(solved, things):
+    assert 0.05 < solved["wobble_of"](1.0) < 0.1
+    switches, error = solved["gain_curve"]([0.1, 0.5, 0.9])
     assert switches[0] > 2 * switches[1]
     assert error[1] <= 0.1 and error[2] == pytest.approx(0.3, abs=0.05)
 
 
-def test_more_names_move_half_a_metre_than_stand_still(told):
-    """That is us, driving."""
+def test_most_boxes_move_half_a_metre_per_frame(solved):
+    """Parked objects move because the ego car drives."""
     way = [
         np.linalg.norm(after.mean(axis=1)[:, None] - before.mean(axis=1)[None], axis=2).min(axis=1)
-        for before, after in zip(told["detected"], told["detected"][1:], strict=False)
+        for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)
     ]
     assert 0.4 < np.median(np.concatenate(way)) < 0.7
 
 
-def test_the_tiny_case_of_match_boxes(told):
+def test_the_tiny_case_of_match_boxes(solved):
     box = np.zeros((8, 3))
     before = box + np.array([[0.0, 0, 0], [10, 0, 0]])[:, None]
     after = box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
-    assert told["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
+    assert solved["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
 
 
-def test_the_highway_needs_settings_of_its_own(told):
+def test_the_highway_needs_settings_of_its_own(solved):
     frame = scenes.highway(frames=1)[0]
-    true = told["corners_of"](frame.boxes)
+    true = solved["corners_of"](frame.boxes)
     settings = {"threshold": 2.0, "min_num_points": 3, "ground_level": -2.1}
     assert sorted(box.returns for box in frame.boxes) == [6, 12, 35]
     for more, count, hits in (({}, 1, 0), (settings, 3, 1)):
-        boxes = told["detect_obstacles"](frame.cloud, **more)
+        boxes = solved["detect_obstacles"](frame.cloud, **more)
         assert len(boxes) == count
         assert scoring.score_boxes(boxes, true, 0.5).true_positives == hits
         assert scoring.score_boxes(boxes, true, 0.05).true_positives == 1
 
 
-def test_the_model_answer_on_the_second_data_set(told):
+def test_the_model_answer_on_the_second_data_set(solved):
     around, wide = ((-15, 35), (-20, 20)), {"minimum": (-15, -18.5, -3), "maximum": (35, 18.5, 1)}
     for settings, expected in (
         ({}, (1.00, 0.50, 0.67)),
@@ -419,16 +424,16 @@ def test_the_model_answer_on_the_second_data_set(told):
         (wide | {"min_num_points": 40, "threshold": 0.8}, (1.00, 1.00, 1.00)),
         (wide | {"min_num_points": 40, "threshold": 1.0}, (1.00, 1.00, 1.00)),
     ):
-        card = told["card_of"]("cyclist", around, **settings)
+        card = solved["card_of"]("cyclist", around, **settings)
         said = [card[row].values[0] for row in ("precision", "recall", "F1")]
         assert np.allclose(said, expected, atol=0.006) and card["recall"].count == 16
 
 
-def test_the_cyclist_keeps_one_name(told):
+def test_the_cyclist_keeps_one_track_id(solved):
     settings = {"minimum": (-15, -18.5, -3), "maximum": (35, 18.5, 1), "min_num_points": 40}
-    frames = list(told["cyclist"])
-    boxes = [told["detect_obstacles"](frame.cloud, **settings) for frame in frames]
-    names, _ = told["follow"](boxes, 1.2, speed=4.5)
+    frames = list(solved["cyclist"])
+    boxes = [solved["detect_obstacles"](frame.cloud, **settings) for frame in frames]
+    names, _ = solved["follow"](boxes, 1.2, speed=4.5)
     rider = next(box.identity for box in frames[0].boxes if box.kind == "cyclist")
     found = [
         set(mine[holders(of_frame, frame.cloud, frame.scan.objects) == rider].tolist())
@@ -437,14 +442,14 @@ def test_the_cyclist_keeps_one_name(told):
     assert len(set.union(*found)) == 1 and all(found)
 
 
-# ---- the counting itself ------------------------------------------------------------------------
+# ---- counting of mistakes ------------------------------------------------------------------------
 
 
 def names_of(*frames):
     return [np.array(frame) for frame in frames]
 
 
-def test_switches_and_shared_names_are_counted():
+def test_switches_and_shared_track_ids_are_counted():
     things = names_of([1, 2, 0], [2, 1], [1], [2, 3])
     assert name_mistakes(things, names_of([7, 8, 9], [8, 7], [7], [8, 9])).switches == 0
     assert name_mistakes(things, names_of([7, 8, 9], [8, 7], [7], [8, 9])).shared == 0
@@ -456,12 +461,12 @@ def test_switches_and_shared_names_are_counted():
     assert (new.switches, new.shared) == (4, 0)
 
 
-def test_a_thing_in_two_boxes_may_have_two_names():
+def test_an_object_in_two_boxes_may_have_two_track_ids():
     things = names_of([1, 1], [1], [1, 1])
     assert name_mistakes(things, names_of([1, 2], [2], [2, 3])).switches == 0
 
 
-def test_boxes_belong_to_what_they_hold_most_of():
+def test_boxes_belong_to_the_object_with_most_points():
     box = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (2, 0), (2, 1), (0, 1))], float)
     cloud = np.array([[0.5, 0.5, 0], [1.5, 0.5, 0], [1.0, 0.9, 0], [1, 0.2, 0], [9, 9, 0.0]])
     objects = np.array([4, 4, 6, 0, 6])
@@ -469,7 +474,7 @@ def test_boxes_belong_to_what_they_hold_most_of():
     assert holders(np.empty((0, 8, 3)), cloud, objects).tolist() == []
 
 
-def test_the_untouched_notebook_names_what_it_may_borrow():
+def test_stored_answers_are_listed_and_sittings_are_marked():
     header = LESSON.header
     text = LESSON.source.read_text("utf-8")
     assert all(f"def {name}(" in text for name in header.lent)
@@ -478,16 +483,16 @@ def test_the_untouched_notebook_names_what_it_may_borrow():
     assert stops == 3
 
 
-def test_the_minutes_are_those_of_four_sittings():
-    """What the head of the lesson says of them, and that the reports are most of the last."""
+def test_the_lesson_takes_four_sittings():
+    """The times are those at the head of the lesson, and reports take most of the last sitting."""
     sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 4 and max(sittings) < 60
     assert sum(sittings[:3]) < 140 and sittings[3] > 2 * durations.MINUTES_A_REPORT
 
 
-def test_no_row_waits_for_one_that_is_green():
+def test_no_check_waits_for_a_passed_check():
     (lucky,) = (answer for answer in answers_to("detect_obstacles") if "one round" in answer.name)
-    for seed in range(4):  # in some, a road is found at once
+    for seed in range(4):  # with some seeds, one round finds the road
         namespace = {"np": np}
         exec(lucky.source.replace("(low, 1, 0.2, 0)", f"(low, 1, 0.2, {seed})"), namespace)
         with one_run():
