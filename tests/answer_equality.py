@@ -1,7 +1,7 @@
-"""Whether two answers are the same, as far as the docstring of an exercise says what to return.
+"""Compare two answers to an exercise as loosely as the docstring of the exercise allows.
 
-A list for an array is let be: the lessons note it, and take no points. So is the sign of a normal,
-the order of cells, of corners, of what is found, and the numbers that clusters have.
+A list may replace an array, because the lessons only add a note and take no points for it. The
+sign of a normal, the order of cells, corners and found indices, and the cluster labels are free.
 """
 
 import numpy as np
@@ -10,82 +10,90 @@ from scipy.spatial import cKDTree
 from utils.boxes.containment import distance_outside
 from utils.checks.boxes import footprint
 
-CROOKED = 6.0  # degrees: a search in steps of five is allowed
-MICRO = {"rtol": 1e-6, "atol": 1e-7}
+ANGLE_TOLERANCE = 6.0  # degrees, as a search in steps of five degrees is allowed
+TOLERANCE = {"rtol": 1e-6, "atol": 1e-7}
 
 
-def arrays(one, other):
-    """The same shape and, nearly, the same numbers; nothing has no shape in a list."""
-    one, other = np.asarray(one), np.asarray(other)
-    if object in (one.dtype, other.dtype):
-        return one.shape == other.shape and bool(np.all(one == other))
-    if one.size == other.size == 0:
-        return len(one) == len(other) if one.ndim and other.ndim else one.ndim == other.ndim
-    return one.shape == other.shape and np.allclose(one, other, **MICRO, equal_nan=True)
-
-
-def models(one, other):
-    """Lines or planes, or None; the sign of all numbers is free."""
-    if one is None or other is None:
-        return one is other
-    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    # Single precision may do, also where the points lie a hand's breadth apart.
-    return one.shape == other.shape and any(
-        np.allclose(one, sign * other, rtol=1e-4, atol=1e-4) for sign in (1, -1)
+def arrays(answer, expected):
+    """Compare shapes and, nearly, numbers; empty arrays need only the same length."""
+    answer, expected = np.asarray(answer), np.asarray(expected)
+    if object in (answer.dtype, expected.dtype):
+        return answer.shape == expected.shape and bool(np.all(answer == expected))
+    if answer.size == expected.size == 0:
+        return (
+            len(answer) == len(expected)
+            if answer.ndim and expected.ndim
+            else answer.ndim == expected.ndim
+        )
+    return answer.shape == expected.shape and np.allclose(
+        answer, expected, **TOLERANCE, equal_nan=True
     )
 
 
-def rows(one, other):
-    """The same rows in any order."""
-    one, other = (np.asarray(answer, dtype=float) for answer in (one, other))
-    if one.shape != other.shape or one.size == 0:
-        return arrays(one, other)
-    if not (np.isfinite(one).all() and np.isfinite(other).all()):
-        return arrays(one, other)
-    apart = max(cKDTree(of).query(to)[0].max() for of, to in ((one, other), (other, one)))
-    return bool(apart < 1e-6 * (1 + np.abs(other).max()))
+def models(answer, expected):
+    """Compare two lines or planes, either of which may be None, up to a common sign."""
+    if answer is None or expected is None:
+        return answer is expected
+    answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
+    # Single precision is allowed, even if the points are only a few centimetres apart.
+    return answer.shape == expected.shape and any(
+        np.allclose(answer, sign * expected, rtol=1e-4, atol=1e-4) for sign in (1, -1)
+    )
 
 
-def partitions(one, other):
-    """The same clusters under other numbers, of which 0 is none."""
-    one, other = np.asarray(one), np.asarray(other)
-    if one.shape != other.shape or not np.array_equal(one == 0, other == 0):
+def rows(answer, expected):
+    """Compare rows in any order."""
+    answer, expected = (np.asarray(array, dtype=float) for array in (answer, expected))
+    if answer.shape != expected.shape or answer.size == 0:
+        return arrays(answer, expected)
+    if not (np.isfinite(answer).all() and np.isfinite(expected).all()):
+        return arrays(answer, expected)
+    apart = max(
+        cKDTree(tree).query(to)[0].max() for tree, to in ((answer, expected), (expected, answer))
+    )
+    return bool(apart < 1e-6 * (1 + np.abs(expected).max()))
+
+
+def partitions(answer, expected):
+    """Compare clusterings up to their labels; label 0 marks points outside every cluster."""
+    answer, expected = np.asarray(answer), np.asarray(expected)
+    if answer.shape != expected.shape or not np.array_equal(answer == 0, expected == 0):
         return False
-    pairs = {*zip(one.tolist(), other.tolist(), strict=True)}
+    pairs = {*zip(answer.tolist(), expected.tolist(), strict=True)}
     return len(pairs) == len({mine for mine, _ in pairs}) == len({right for _, right in pairs})
 
 
-def corners(one, other):
-    """The same boxes, each with its corners in any order."""
-    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    if one.shape != other.shape or one.size == 0:
-        return arrays(one, other)
-    return all(map(rows, one, other))
+def corners(answer, expected):
+    """Compare lists of boxes; the corners of each box may be in any order."""
+    answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
+    if answer.shape != expected.shape or answer.size == 0:
+        return arrays(answer, expected)
+    return all(map(rows, answer, expected))
 
 
-def axes(one, other, points):
-    """Right-handed and orthonormal, with the same spread along each."""
-    one, points = np.asarray(one, dtype=float), np.asarray(points, dtype=float)[:, :3]
-    if one.shape != (3, 3) or not np.allclose(one.T @ one, np.eye(3), atol=1e-6):
+def axes(answer, expected, points):
+    """Accept right-handed, orthonormal axes with the expected spread of points along each axis."""
+    answer, points = np.asarray(answer, dtype=float), np.asarray(points, dtype=float)[:, :3]
+    if answer.shape != (3, 3) or not np.allclose(answer.T @ answer, np.eye(3), atol=1e-6):
         return False
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) == 0:
-        return np.linalg.det(one) > 0
-    spreads = [np.var(points @ each, axis=0) for each in (one, other)]
+        return np.linalg.det(answer) > 0
+    spreads = [np.var(points @ directions, axis=0) for directions in (answer, expected)]
     size = 1e-6 * max(np.abs(points).max(initial=0), 1.0) ** 2
-    return np.linalg.det(one) > 0 and np.allclose(*spreads, rtol=1e-6, atol=size)
+    return np.linalg.det(answer) > 0 and np.allclose(*spreads, rtol=1e-6, atol=size)
 
 
-def snug(one, other, cloud, cluster_labels):
-    """Upright boxes around the same points, each turned in one of the ways that are good.
+def snug(answer, expected, cloud, cluster_labels):
+    """Accept upright boxes around the same points if each box has an acceptable orientation.
 
-    Sizes follow from that: a box reaches no farther than its points.
+    The sizes follow from the orientation, because a box reaches no farther than its points.
     """
-    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    if one.shape != other.shape or one.size == 0:
-        return arrays(one, other)
+    answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
+    if answer.shape != expected.shape or answer.size == 0:
+        return arrays(answer, expected)
     labels, cloud = np.asarray(cluster_labels), np.asarray(cloud, dtype=float)
-    for mine, right, label in zip(one, other, np.unique(labels[labels > 0]), strict=True):
+    for mine, right, label in zip(answer, expected, np.unique(labels[labels > 0]), strict=True):
         floor, points = footprint(mine), cloud[labels == label, :3]
         heights = np.sort(mine[:, 2]), np.sort(right[:, 2])
         if floor is None or not np.allclose(*heights, atol=1e-6):
@@ -100,25 +108,25 @@ def snug(one, other, cloud, cluster_labels):
 
 
 def sides_of(rectangle):
-    """Two sides, as vectors."""
+    """Return two adjacent sides of a rectangle as vectors."""
     return np.diff(rectangle[:3], axis=0)
 
 
-def is_turned_as(one, other):
-    """Whether a side of a rectangle runs as one of another does."""
-    one, other = (
+def is_turned_as(first, second):
+    """Return whether two rectangles have parallel sides, within `ANGLE_TOLERANCE`."""
+    first, second = (
         np.degrees(np.arctan2(*max(sides_of(rectangle), key=np.linalg.norm)[::-1]))
-        for rectangle in (one, other)
+        for rectangle in (first, second)
     )
-    return abs((one - other + 45) % 90 - 45) <= CROOKED
+    return abs((first - second + 45) % 90 - 45) <= ANGLE_TOLERANCE
 
 
 def is_no_looser(points, rectangle):
-    """Whether it covers hardly more ground than one that is turned in a good way.
+    """Return whether a rectangle is hardly larger than one with a standard orientation.
 
-    As the smallest rectangle, as the narrowest, as the first axis, or with its sides near the
-    points (Zhang et al., IV 2017). Where these agree, one that is turned otherwise is larger than
-    all; where they do not, nothing says how it has to be turned.
+    Standard orientations are those of the smallest rectangle, of the narrowest one, of the first
+    principal axis, and of the sides closest to the points (Zhang et al., IV 2017). If they agree,
+    any other orientation gives a larger rectangle. If they do not, the orientation is not defined.
     """
     turns = np.arange(0, 180, 0.5)
     if len(points) > 1:
@@ -137,7 +145,7 @@ def is_no_looser(points, rectangle):
 
 
 def reaches_no_farther(points, rectangle):
-    """Whether the points fill a rectangle from side to side."""
+    """Return whether the points fill a rectangle from side to side."""
     for side in sides_of(rectangle):
         length = np.linalg.norm(side)
         if length > 1e-4 and np.ptp(points @ side) / length < length - 1e-4:
@@ -145,13 +153,14 @@ def reaches_no_farther(points, rectangle):
     return True
 
 
-def fitted(one, other, points, max_iterations, distance_tolerance, rng=None):
-    """A model and its own inliers, and both or neither; which it is depends on the draws.
+def fitted(answer, expected, points, max_iterations, distance_tolerance, rng=None):
+    """Accept any unit model with its own inliers; None agrees only with None.
 
-    So does one that comes of a sample more than was told, as of ``range(max_iterations + 1)``: it
-    is no worse. A sample too few is asked for by checks, and so are many too many.
+    Which model it is depends on the random draws. One sample too many, as by
+    ``range(max_iterations + 1)``, is accepted because it does no harm. The checks themselves test
+    for one sample too few and for far too many.
     """
-    (model, mask), (right, _) = one, other
+    (model, mask), (right, _) = answer, expected
     if model is None or right is None:
         return model is right and not np.any(mask)
     model, points = np.asarray(model, dtype=float), np.asarray(points, dtype=float)
@@ -164,14 +173,13 @@ def fitted(one, other, points, max_iterations, distance_tolerance, rng=None):
     )
 
 
-def balanced(one, other, points):
-    """Every row once, and before all others of its part the lower median along its axis.
+def balanced(answer, expected, points):
+    """Accept an order with each row once in which every part starts with its lower median.
 
-    Among points of which some are alike along an axis, more than one part is right: those are let
-    be.
+    If points share a coordinate, more than one order is right, and any of them is accepted.
     """
-    order, points = [int(row) for row in one], np.asarray(points)
-    if sorted(order) != sorted(map(int, other)):
+    order, points = [int(row) for row in answer], np.asarray(points)
+    if sorted(order) != sorted(map(int, expected)):
         return False
     if any(len({*along}) < len(points) for along in points.T.tolist()):
         return True
@@ -188,23 +196,23 @@ def balanced(one, other, points):
     return True
 
 
-def numbers(one, other):
-    """The same number, or both so large that nobody can play so many rounds."""
-    never = [value is None or bool(np.asarray(value) >= 1e9) for value in (one, other)]
-    return all(never) or arrays(one, other)
+def numbers(answer, expected):
+    """Compare numbers of iterations; all that are too large to run are equal."""
+    never = [value is None or bool(np.asarray(value) >= 1e9) for value in (answer, expected)]
+    return all(never) or arrays(answer, expected)
 
 
-def found(one, other, tree, target, tolerance):
-    """The same indices in any order.
+def found(answer, expected, tree, target, tolerance):
+    """Compare indices in any order; accept any in a tree that insertion cannot have built.
 
-    Checks hang points where no insertion would, to see how far a search looks: in such a tree one
-    that looks too far is slow and not wrong.
+    Some checks attach points in wrong places to see how far a search goes. In such a tree, a
+    search that goes too far is slow but not wrong.
     """
-    return sorted(map(int, one)) == sorted(map(int, other)) or not is_in_order(tree.root)
+    return sorted(map(int, answer)) == sorted(map(int, expected)) or not is_in_order(tree.root)
 
 
 def is_in_order(root):
-    """Whether insertion may have built a tree: left is less, right is not."""
+    """Return whether insertion may have built a tree: only left children are less."""
     waiting = [(root, 0, ())]
     while waiting:
         node, depth, sides = waiting.pop()
@@ -219,21 +227,25 @@ def is_in_order(root):
     return True
 
 
-def anything(one, other):
-    """By value; what trees hold, too."""
-    if hasattr(one, "__dict__"):
-        return type(one).__name__ == type(other).__name__ and anything(vars(one), vars(other))
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(anything(one[key], other[key]) for key in one)
-    if isinstance(one, np.random.Generator):
-        return True  # who draws otherwise draws as well
-    if one is None or other is None or isinstance(one, str) or isinstance(other, str):
-        return one is other or one == other
-    return arrays(one, other)
+def anything(answer, expected):
+    """Compare any two answers by value, including the attributes of tree nodes."""
+    if hasattr(answer, "__dict__"):
+        return type(answer).__name__ == type(expected).__name__ and anything(
+            vars(answer), vars(expected)
+        )
+    if isinstance(answer, dict) and isinstance(expected, dict):
+        return answer.keys() == expected.keys() and all(
+            anything(answer[key], expected[key]) for key in answer
+        )
+    if isinstance(answer, np.random.Generator):
+        return True  # the answer may have drawn differently and still be right
+    if answer is None or expected is None or isinstance(answer, str) or isinstance(expected, str):
+        return answer is expected or answer == expected
+    return arrays(answer, expected)
 
 
 BY_EXERCISE = {
-    "insert": lambda one, other: True,  # the tree is what counts
+    "insert": lambda answer, expected: True,  # the answer is the changed tree, not a return value
     "line_through": models,
     "plane_through": models,
     "fit_plane": models,
@@ -254,7 +266,10 @@ WITH_THE_ARGUMENTS = {
 
 
 def alike(exercise, call, answer, expected):
-    """Whether an answer to a call is as good as the expected one; what it raises is a type."""
+    """Return whether an answer to a call is as good as the expected one.
+
+    A call that raised has the type of the exception as its answer.
+    """
     if isinstance(answer, type) or isinstance(expected, type):
         return answer is expected
     try:

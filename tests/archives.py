@@ -1,7 +1,7 @@
-"""Archives as learning platforms write them, made up from the rules of their sources.
+"""Archives as Canvas and Moodle write them, built by the rules of their source code.
 
 Canvas: ``lib/content_zipper.rb``, ``Attachment.make_unique_filename``. Moodle:
-``mod/assign/classes/downloader.php``, ``clean_filename``; of the worksheet ``gradingtable.php``.
+``mod/assign/classes/downloader.php``, ``clean_filename``; ``gradingtable.php`` for the worksheet.
 """
 
 import csv
@@ -22,7 +22,7 @@ STAGE3 = (SIX, SEVEN, EIGHT, NINE)
 
 
 def notebook(lesson=SIX, text="x = 1", named=True):
-    """A notebook of a lesson, with something that somebody wrote."""
+    """Return the bytes of a notebook whose one code cell holds a student's text."""
     metadata = {"lidar_obstacle_lab": {"lesson": lesson}} if named else {}
     cell = {"cell_type": "code", "metadata": {}, "source": text, "outputs": []}
     content = {"cells": [cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
@@ -30,31 +30,31 @@ def notebook(lesson=SIX, text="x = 1", named=True):
 
 
 def released(lesson=SIX):
-    """A notebook as it was handed out."""
+    """Return the bytes of a lesson's released notebook."""
     return find_lesson(lesson).released.read_bytes()
 
 
 def zipped(files, when=(2026, 10, 12, 9, 0, 0)):
-    """A zip of (name, bytes) or (name, bytes, time)."""
+    """Return the bytes of a zip of (name, bytes) or (name, bytes, time)."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data, *time in files:
             info = zipfile.ZipInfo("x", time[0] if time else when)
-            info.filename = name  # as it is: ZipInfo itself would cut names at NUL
+            info.filename = name  # set afterwards, because ZipInfo() cuts names at NUL
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, data)
     return file.getvalue()
 
 
 def canvas_prefix(sortable_name, user, late=False, anonymous=""):
-    """What Canvas writes before each file of a submission."""
+    """Return the prefix that Canvas puts before the name of each submitted file."""
     name = re.sub(r"_(\d+)_", r"\1", sortable_name).lower()
     parts = [None if anonymous else name, "LATE" if late else None, anonymous or str(user)]
     return re.sub(r"[^\w]", "", "_".join(part for part in parts if part))
 
 
 def canvas_files(sortable_name, user, attachments, late=False, anonymous=""):
-    """Files of a submission: of each attachment its id, name and content."""
+    """Return the files of a submission; an attachment is its ID, name and content."""
     prefix = canvas_prefix(sortable_name, user, late, anonymous and f"anon_{anonymous}")
     shown = re.compile(r'[\x00/\\:*?"<>|]+')
     return [
@@ -63,7 +63,7 @@ def canvas_files(sortable_name, user, attachments, late=False, anonymous=""):
 
 
 def moodle_files(name, number, files, folders=True, plugin="file"):
-    """Files of a participant, or of a team: of each its path and content."""
+    """Return the files of a participant or of a team; a file is its path and content."""
     prefix = name.replace("_", " ") + (f"_{number}" if number else "")
     prefix = re.sub(r"[\\/:*?\"<>|]", "", f"{prefix}_assignsubmission_{plugin}")
     divider = "/" if folders else "_"
@@ -85,12 +85,12 @@ PARTICIPANT = {"en": "Participant ", "de": "Teilnehmer/in"}
 
 
 def worksheet(people, language="en"):
-    """Moodle's grading worksheet: of each their number, name, id number, e-mail and time."""
+    """Return Moodle's grading worksheet; a person is a number, name, ID number, e-mail and time."""
     file = io.StringIO()
     table = csv.writer(file, quoting=csv.QUOTE_ALL)
     table.writerow(MOODLE_TITLES[language].split(","))
     for number, name, id_number, email, time in people:
-        who = PARTICIPANT[language] + str(number)
+        participant = PARTICIPANT[language] + str(number)
         marks = ["Submitted for grading", "", "100.00", "Yes", time, "-", ""]
-        table.writerow([who, name, id_number, email, *marks])
+        table.writerow([participant, name, id_number, email, *marks])
     return "\ufeff" + file.getvalue()

@@ -1,7 +1,7 @@
-"""What attacks share: a hostile notebook, and what it can tell of its success.
+"""Helpers for attacks: run hostile code in the sandbox and read its report.
 
-Every attack runs for real, in the sandbox. A student's function reports what it managed to do; the
-tests read that report, and look at the grader's side of it.
+Every attack runs for real. The hostile function returns a report of its success. The tests read
+that report, and inspect the grader's side as well.
 """
 
 import os
@@ -29,22 +29,23 @@ in_namespaces = pytest.mark.skipif(
 
 
 def tried(names, attacks):
-    """Run a test once for each attack of {what it tries: values}."""
+    """Parametrize a test by a dictionary from a description of each attack to its values."""
     attacks = {
-        what: values if isinstance(values, tuple) else (values,) for what, values in attacks.items()
+        description: values if isinstance(values, tuple) else (values,)
+        for description, values in attacks.items()
     }
     return pytest.mark.parametrize(
-        names, [pytest.param(*values, id=what) for what, values in attacks.items()]
+        names, [pytest.param(*values, id=description) for description, values in attacks.items()]
     )
 
 
 def function(body, name="f", parameters="*arguments"):
-    """Source of a function."""
+    """Return the source of a function with this body."""
     return f"def {name}({parameters}):\n" + textwrap.indent(body.strip("\n"), "    ") + "\n"
 
 
 def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
-    """A student whose notebook is one cell that defines `f`."""
+    """Return a proxy for a student whose notebook is one cell that defines `f`."""
     program = Program(
         (source,), ("f",), modules=modules or {}, forbidden=tuple(forbidden), packages=packages
     )
@@ -52,13 +53,13 @@ def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
 
 
 def outcome_of(source, *arguments, **options):
-    """What `f` returns to the judge."""
+    """Return the answer of `f` as the judge receives it."""
     with attack(source, **options) as student:
         return student.f(*arguments)
 
 
 def stopped_by(source, *arguments, calls=3, **limits):
-    """The sentence with which a student is stopped."""
+    """Return the message with which the sandbox stops this code; fail if it does not."""
     begin = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):

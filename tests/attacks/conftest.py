@@ -1,4 +1,4 @@
-"""Attacks need a wall to run against."""
+"""Fixtures of the attacks: the sandbox under attack and a way to submit answers."""
 
 import json
 
@@ -14,19 +14,19 @@ from tests.prerequisites import demand_walls
 
 @pytest.fixture(scope="session", autouse=True)
 def walls():
-    """The sandbox for strangers' code."""
+    """Return the sandbox that the attacks run in, or skip them all without one."""
     return demand_walls(WALLS.name)
 
 
 @pytest.fixture(scope="session")
 def filtering():
-    """Lesson 06: two short exercises, 30 points."""
+    """Return lesson 06, which has two short exercises worth 30 points."""
     return find_lesson("06_filter_ground")
 
 
 @pytest.fixture
 def hand_in(filtering, tmp_path):
-    """Judge answers typed into a lesson, or the whole text of a file."""
+    """Return a function that judges answers to a lesson, or the whole text of a file."""
 
     def hand_in(answers=None, text=None, lesson=filtering, modules=(), **limits):
         path = tmp_path / f"{lesson.name}.ipynb"
@@ -40,5 +40,5 @@ def hand_in(filtering, tmp_path):
 
 @pytest.fixture
 def verdict_text():
-    """All that a verdict publishes, as one text."""
+    """Return a function that turns everything a verdict publishes into one text."""
     return lambda verdict: json.dumps(verdict.as_dict(), ensure_ascii=False)

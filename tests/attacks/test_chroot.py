@@ -1,6 +1,6 @@
-"""The walls for a container that judges one student: a folder, a user, no sockets.
+"""Attacks on the sandbox for a container that judges one student: a chroot and its own user.
 
-`ATTACKED=chroot` tries those of other files on them, too.
+With `ATTACKED=chroot` the attacks of the other files run in this sandbox as well.
 """
 
 import os
@@ -51,7 +51,7 @@ def f():
 """
 
 
-def test_sees_what_it_is_shown_and_nothing_else(tmp_path):
+def test_only_shown_files_are_visible(tmp_path):
     (tmp_path / "seed").write_text("secret")
     seen = set(outcome_of(LOOK))
     assert str(PROJECT / "grader" / "sandbox" / "inside" / "worker.py") in seen
@@ -82,7 +82,7 @@ def test_sees_what_it_is_shown_and_nothing_else(tmp_path):
         "makes a namespace": "assert ctypes.CDLL(None).unshare(0x10000000) == 0",
     },
 )
-def test_has_no_right(body):
+def test_privileges_are_refused(body):
     source = "import ctypes, os\n" + function(
         f"try:\n    {body}\nexcept (OSError, AssertionError):\n    return 'refused'\n"
         "return 'gained'"
@@ -90,7 +90,7 @@ def test_has_no_right(body):
     assert outcome_of(source) == "refused"
 
 
-def test_reaches_no_process_of_the_judge():
+def test_processes_of_the_judge_cannot_be_killed():
     victim = subprocess.Popen(["sleep", "60"])
     body = (
         "refused = 0\nfor number in (victim, judge, parent, 1):\n"
@@ -125,7 +125,7 @@ def f(python, mark):
 
 
 @pytest.mark.parametrize("how", ["it is stopped", "it ends"])
-def test_nothing_of_it_outlives(how):
+def test_processes_and_files_do_not_outlive_the_worker(how):
     mark = secrets.token_hex(8)
     with attack(STAY) as student:
         assert student.f(sys.executable, mark) == ["left"]
@@ -144,8 +144,8 @@ def test_nothing_of_it_outlives(how):
 
 
 def running(mark):
-    told = subprocess.run(["ps", "-wweo", "stat,args"], capture_output=True, text=True).stdout
-    return [line for line in told.splitlines() if mark in line and not line.startswith("Z")]
+    listing = subprocess.run(["ps", "-wweo", "stat,args"], capture_output=True, text=True).stdout
+    return [line for line in listing.splitlines() if mark in line and not line.startswith("Z")]
 
 
 def child_of(pid):
@@ -153,7 +153,7 @@ def child_of(pid):
         return int(file.read().split()[0])
 
 
-def test_two_at_a_time_do_not_meet():
+def test_two_sandboxes_at_a_time_are_separate():
     put = "import os\n" + function(
         "open('/tmp/here', 'w').close()\nos.chmod('/tmp', 0o777)\nreturn os.getuid(), os.getpid()"
     )
@@ -161,14 +161,14 @@ def test_two_at_a_time_do_not_meet():
         "try: os.kill(pid, 9)\nexcept OSError: return os.listdir('/tmp'), os.getuid()",
         parameters="pid",
     )
-    with attack(put) as one, attack(look) as other:
-        user, pid = one.f()
-        found, another = other.f(pid)
-        assert found == [] and another != user
-        assert one.f() == (user, pid)
+    with attack(put) as first, attack(look) as second:
+        user, pid = first.f()
+        found, second_user = second.f(pid)
+        assert found == [] and second_user != user
+        assert first.f() == (user, pid)
 
 
-def test_bears_no_more_processes_than_it_may():
+def test_number_of_processes_is_limited():
     body = (
         "import time\nborn = 0\ntry:\n    while True:\n        if os.fork() == 0: time.sleep(60)\n"
         "        born += 1\nexcept OSError:\n    return born"
@@ -176,8 +176,8 @@ def test_bears_no_more_processes_than_it_may():
     assert outcome_of("import os\n" + function(body)) < Limits().processes
 
 
-def test_memory_of_what_hides_from_its_parent_counts():
-    """What loses its parent is below the jailer still, where it is seen."""
+def test_memory_of_orphaned_processes_counts():
+    """An orphaned process is still a descendant of the jailer, which measures it."""
     body = (
         "import os, time, numpy as np\n"
         "if os.fork() == 0:\n    os.setsid()\n    if os.fork(): os._exit(0)\n"
@@ -202,13 +202,13 @@ except SandboxUnavailable as error:
 
 
 @pytest.mark.parametrize("right", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
-def test_refuses_without_the_right(right):
+def test_refuses_to_start_without_a_capability(right):
     command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]
     ran = subprocess.run([*command, "-c", TRY], capture_output=True, text=True, cwd=PROJECT)
     assert ran.stdout.startswith("Root may not shut others in here."), ran
 
 
-def test_refuses_whoever_is_not_root(monkeypatch):
+def test_refuses_to_start_without_root(monkeypatch):
     monkeypatch.setattr(users, "is_root", lambda: False)
     monkeypatch.setattr(chroot, "_complaint", chroot._complaint.__wrapped__)
     with pytest.raises(SandboxUnavailable, match="need root"):

@@ -1,6 +1,7 @@
-"""Texts that are made to be looked at for ever, outside the walls, where a stranger's text is read.
+"""Texts made to take the grader's parsers a very long time, outside the sandbox.
 
-Twice the text may take twice the time, not four times: else a text cell of 200 KB holds the class.
+Twice the text may take twice the time, but not four times. Otherwise a text cell of 200 KB holds
+up grading for the whole class.
 """
 
 import contextlib
@@ -23,10 +24,10 @@ from grader.lms.sanitizer import as_code, sanitize_markdown
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")
-MOST = 2.5  # times the processor's time for twice the text
+MOST = 2.5  # permitted ratio of processor times if the text doubles
 TRIES = 3
-SHORTEST = 0.04  # seconds, below which nothing is measured
-LARGEST = 400_000  # characters, that take no longer than that: fast enough
+SHORTEST = 0.04  # seconds; a shorter time cannot be measured reliably
+LARGEST = 400_000  # characters; work that takes less than SHORTEST for these is fast enough
 
 ALPHABETS = {
     "brackets": "](",
@@ -68,7 +69,7 @@ ALPHABETS = {
 
 
 def notebook_with(cells):
-    """A released notebook with more cells in it, as (kind, source)."""
+    """Return the bytes of the released notebook with added cells, given as (kind, source)."""
     notebook = json.loads(fill_in(LESSON, {}))
     for kind, source in cells:
         cell = {"cell_type": kind, "metadata": {}, "source": source}
@@ -76,19 +77,19 @@ def notebook_with(cells):
     return json.dumps(notebook).encode()
 
 
-def handed_in(cells):
+def submission_of(cells):
     return SubmittedFiles(f"{LESSON.name}.ipynb", notebook_with(cells), modules={"helper": "x = 1"})
 
 
 def draft_of(cells):
-    """What the steps of preflight work on."""
-    given = handed_in(cells)
-    notebook = given.notebook()
-    return preflight._Draft(LESSON, given, notebook, list(notebook.cells))
+    """Return the draft on which the steps of preflight work."""
+    submission = submission_of(cells)
+    notebook = submission.notebook()
+    return preflight._Draft(LESSON, submission, notebook, list(notebook.cells))
 
 
-def taken(prepare, work, times=3):
-    """Processor seconds of some work, the best of some; what it works on is prepared before."""
+def processor_seconds(prepare, work, times=3):
+    """Return the least processor seconds of several runs, without the time to prepare each run."""
     found = []
     for _ in range(times):
         material = prepare()
@@ -99,17 +100,17 @@ def taken(prepare, work, times=3):
 
 
 def assert_linear(material, work, size=12_500):
-    """Twice as much takes twice as long; `material` takes a length."""
+    """Assert that the time of `work` grows linearly; `material(length)` makes its input."""
 
     def seconds_for(length, times=3):
-        return taken(lambda: material(length), work, times)
+        return processor_seconds(lambda: material(length), work, times)
 
     seconds = seconds_for(size, 1)
     while seconds < SHORTEST and size < LARGEST:
         size *= 2
         seconds = seconds_for(size, 1)
     if seconds >= SHORTEST:
-        # A busy machine spoils one measurement, but not all: a square stays a square.
+        # A busy machine spoils one measurement, but quadratic work fails every time.
         found = [(seconds_for(size), seconds_for(2 * size))]
         while found[-1][1] >= MOST * found[-1][0] and len(found) < TRIES:
             found.append((seconds_for(size), seconds_for(2 * size)))
@@ -123,14 +124,14 @@ def text(letters, size):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_markdown_is_looked_at_once(letters):
+def test_sanitizing_markdown_takes_linear_time(letters):
     assert_linear(lambda size: text(letters, size), sanitize_markdown)
     assert_linear(lambda size: text(letters, size), as_code)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_file_is_looked_at_once(letters):
+def test_decoding_a_file_takes_linear_time(letters):
     def read(data):
         with contextlib.suppress(UnreadableNotebook):
             decode_notebook(data, "file.ipynb")
@@ -142,34 +143,34 @@ def test_a_file_is_looked_at_once(letters):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["code", "markdown", "raw"])
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_cell_is_looked_at_once(letters, kind):
-    """In all steps of preflight and in the copy that is made of it."""
+def test_copying_a_cell_takes_linear_time(letters, kind):
+    """Preflight and the copy for Formgrader take linear time for one long cell."""
 
     def show(draft):
-        made = preflight.prepare(draft, LESSON)
-        copy = build_copy(made)
+        prepared = preflight.prepare(draft, LESSON)
+        copy = build_copy(prepared)
         write_verdict(copy, VERDICT)
 
-    assert_linear(lambda size: handed_in([(kind, text(letters, size))]), show)
+    assert_linear(lambda size: submission_of([(kind, text(letters, size))]), show)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_verdict_is_looked_at_once(letters, tmp_path):
-    """In the report on a class, and under the cells of a copy."""
+def test_showing_a_verdict_takes_linear_time(letters, tmp_path):
+    """The report on a class and the copy for Formgrader take linear time for a long message."""
 
     def verdict(size):
-        said = text(letters, size)
-        tests = (CheckResult("a check", said, False, 0.0, 1.0, said, True),)
+        message = text(letters, size)
+        tests = (CheckResult("a check", message, False, 0.0, 1.0, message, True),)
         exercises = tuple(
-            ExerciseResult(exercise.name, 0.0, exercise.points, tests, said, "a check")
+            ExerciseResult(exercise.name, 0.0, exercise.points, tests, message, "a check")
             for exercise in LESSON.machine_graded
         )
-        return dataclasses.replace(VERDICT, exercises=exercises, problems=(said,))
+        return dataclasses.replace(VERDICT, exercises=exercises, problems=(message,))
 
-    def show(said):
-        write_report(Course(tmp_path), [(SimpleNamespace(student="mallory"), said)])
-        write_verdict(build_copy(preflight.prepare(handed_in([]), LESSON)), said)
+    def show(verdict):
+        write_report(Course(tmp_path), [(SimpleNamespace(student="mallory"), verdict)])
+        write_verdict(build_copy(preflight.prepare(submission_of([]), LESSON)), verdict)
 
     assert_linear(verdict, show)
 
@@ -177,8 +178,8 @@ def test_a_verdict_is_looked_at_once(letters, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("step", preflight.STEPS, ids=lambda step: step.__name__)
 @pytest.mark.parametrize("kinds", [("code",), ("markdown",), ("raw",), ("code", "markdown")])
-def test_many_cells_are_looked_at_once(step, kinds):
-    """Each of which defines an exercise, is marked as graded, or looks like a written answer."""
+def test_preflight_of_many_cells_takes_linear_time(step, kinds):
+    """The cells define an exercise, are marked as graded, or look like a written answer."""
     sources = ["def match_boxes(a): return 1", "match_boxes = 1\nimport helper", "An answer.", ""]
 
     def material(size):
