@@ -1,4 +1,4 @@
-"""What a student's code may try to say: bytes that are no answer, values that lie, exceptions."""
+"""Attacks through answers: broken messages, deceptive values and strange exceptions."""
 
 import os
 import re
@@ -116,7 +116,7 @@ while True: os.write(write, b" ")
         ),
     },
 )
-def test_breaks_off_the_conversation(body, sentence):
+def test_broken_or_missing_answers_stop_the_student(body, sentence):
     source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
     begin = time.monotonic()
     with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
@@ -129,7 +129,7 @@ def test_breaks_off_the_conversation(body, sentence):
     assert time.monotonic() - begin < PATIENCE
 
 
-# An answer comes in pieces from then on: the first at once, the others one by one.
+# Sends each later answer in pieces: the first piece at once, the others one by one.
 PIECES = """
 import os, time
 write = os.write
@@ -143,13 +143,13 @@ def f(number):
 """
 
 
-def test_an_answer_that_comes_in_pieces_has_as_long_as_another():
+def test_an_answer_in_pieces_has_the_whole_time_limit():
     with attack(PIECES, call_seconds=5.0) as student:
         assert student.f(1) == 1.0
         assert not student.starved
 
 
-def test_time_in_which_an_answer_drips_is_the_notebooks():
+def test_time_for_an_answer_in_pieces_is_charged_to_the_notebook():
     with (
         attack(PIECES, call_seconds=2.0, total_seconds=1.6) as student,
         pytest.raises(StudentStopped, match="did not answer"),
@@ -159,7 +159,7 @@ def test_time_in_which_an_answer_drips_is_the_notebooks():
 
 
 def test_the_judge_never_waits_in_a_read_or_a_write():
-    """Data that `poll` has seen may be gone: whoever wrote them can read them first."""
+    """Data that `poll` has seen may be gone, because student code can read its own output."""
     worker = WALLS.start(Limits())
     try:
         assert not os.get_blocking(worker.read_end)
@@ -168,7 +168,7 @@ def test_the_judge_never_waits_in_a_read_or_a_write():
         worker.stop()
 
 
-def test_does_not_read_the_question():
+def test_a_question_that_is_not_read_stops_the_student():
     source = """
 import os, threading
 def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
@@ -180,10 +180,10 @@ def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
             student.f(np.zeros((1_000_000, 4)))
 
 
-def test_reads_the_question_of_the_judge_before_it_is_asked():
-    """Whoever takes the question away from the worker leaves the judge without an answer.
+def test_taking_the_question_from_the_worker_stops_the_student():
+    """Code that reads the question before the worker does leaves the judge without an answer.
 
-    An alarm rings while the worker waits in its own read, and reads what comes in its place.
+    A signal handler runs while the worker waits in its own read, and reads the next question.
     """
     body = """
 def thief(*anything):
@@ -200,8 +200,8 @@ signal.setitimer(signal.ITIMER_REAL, 0.2)
             student.f(1)
 
 
-def test_a_thread_that_races_the_worker_for_the_question_wins_nothing():
-    """Sometimes the thread is first, sometimes the worker: a stop, or an honest answer."""
+def test_a_thread_that_races_the_worker_for_the_question_gains_nothing():
+    """If the worker wins, the answer is honest; if the thread wins, the student is stopped."""
     body = """
 def thief():
     while True:
@@ -218,8 +218,8 @@ return arguments[0]
             assert re.search("did not answer|own channel|ended", str(stopped))
 
 
-def test_a_forged_answer_counts_as_an_answer_and_no_more():
-    """Answering before the question: the judge looks at the answer, which has to be right."""
+def test_a_forged_answer_is_checked_like_any_other():
+    """An answer sent before the question is still compared with the expected answer."""
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
         attack(source) as student,
@@ -237,7 +237,7 @@ else:
         assert student.f(2) == "forged", "a claim like any other"
 
 
-def test_changes_an_answer_after_it_was_given():
+def test_an_answer_cannot_be_changed_after_it_was_sent():
     source = """
 import threading, time
 KEPT = []
@@ -257,14 +257,14 @@ def f(array):
     assert all(np.array_equal(answer, CLOUD) for answer in answers)
 
 
-def test_hangs_until_the_rest_is_not_tried():
+def test_calls_are_skipped_when_restarts_run_out():
     with attack("import os\ndef f(): os._exit(3)", restarts=1) as student:
         for sentence in ("os._exit", "os._exit", "Not tried"):
             with pytest.raises(StudentStopped, match=sentence):
                 student.f()
 
 
-def test_one_exercise_that_hangs_costs_the_others_nothing():
+def test_an_exercise_that_exits_does_not_affect_the_others():
     cells = ("import os\ndef f(): os._exit(3)\ndef g(): return 1",)
     with StudentProxy(Program(cells, ("f", "g")), WALLS, Limits(**SHORT)) as student:
         for _ in range(4):
@@ -275,7 +275,7 @@ def test_one_exercise_that_hangs_costs_the_others_nothing():
         assert student.g() == 1
 
 
-def test_makes_an_object_whose_attributes_never_end():
+def test_an_endless_chain_of_attributes_can_be_followed():
     source = "class N:\n    @property\n    def left(self): return N()\ndef f(): return N()"
     with attack(source) as student:
         node = student.f()
@@ -286,8 +286,8 @@ def test_makes_an_object_whose_attributes_never_end():
             _ = node._student._private
 
 
-def test_asks_for_objects_that_it_was_not_given():
-    """The number of an object is the judge's key to it; a forged one opens nothing here."""
+def test_forged_object_numbers_are_refused():
+    """An object's number lets only the judge ask for the object; sending one gains nothing."""
     source = PIPES + function(
         'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
     )
@@ -295,8 +295,8 @@ def test_asks_for_objects_that_it_was_not_given():
         student.f(1)
 
 
-def test_sends_along_what_was_not_asked_for():
-    """Attributes beside the one that was asked for, under numbers and names that are none."""
+def test_forged_attributes_are_ignored():
+    """A reply may carry more attributes than were requested, under invalid numbers and names."""
     source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
         thing = student.f(1)
@@ -309,7 +309,7 @@ def test_sends_along_what_was_not_asked_for():
             _ = thing.b
 
 
-# ---- Values that lie ----------------------------------------------------------------------
+# ---- Deceptive values ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -346,7 +346,7 @@ def test_sends_along_what_was_not_asked_for():
         "__import__('utils').plots.draw(1)",
     ],
 )
-def test_returns_a_strange_value(value):
+def test_strange_values_arrive_as_plain_types(value):
     answer = outcome_of(f"import numpy as np\ndef f(): return {value}")
     kinds = ("Opaque", "RemoteObject", "list", "ndarray", "float", "str", "Generator")
     assert type(answer).__name__ in kinds
@@ -424,8 +424,8 @@ return g
 """,
     },
 )
-def test_returns_a_value_that_lies(body):
-    """What arrives is plain data that no longer change, or the student is told or stopped."""
+def test_deceptive_values_arrive_as_plain_data(body):
+    """The judge receives plain, unchanging data, or the call raises an error."""
     source = "import numpy as np\n" + function(body)
     with attack(source, call_seconds=2.0, memory=2**30) as student:
         try:
@@ -496,8 +496,8 @@ def test_returns_a_value_that_lies(body):
         "endless recursion": ("def g(): g()\ng()", "RecursionError"),
     },
 )
-def test_fails_in_a_strange_way(body, sentence):
-    """One short printable line, and the same worker goes on."""
+def test_strange_failures_become_one_printable_line(body, sentence):
+    """The message is one short printable line, and the same worker goes on."""
     with attack("import numpy as np\n" + function(body), call_seconds=3.0) as student:
         with pytest.raises(StudentError) as raised:
             student.f()
@@ -507,7 +507,7 @@ def test_fails_in_a_strange_way(body, sentence):
             student.f()
 
 
-def test_has_hundreds_of_problems_that_speak_to_the_terminal():
+def test_problems_are_limited_and_printable():
     cells = [f"x{n} = f = 1 / 0 # \x1b[2J" for n in range(300)] + ["def f(): return 1"]
     cells += [f"f.y = \x1b{n}" for n in range(50)]
     with StudentProxy(Program(tuple(cells), ("f",)), WALLS, Limits(**SHORT)) as student:
@@ -535,8 +535,8 @@ raise E
         "frame.f_globals['reply'] = frame.f_globals['answer'] = None",
     },
 )
-def test_tampers_with_python(body):
-    """Whatever it changes is its own; the next student finds a Python as new."""
+def test_tampering_with_python_changes_no_other_student(body):
+    """Student code can only change its own Python; the next student starts with a fresh one."""
     source = "import builtins, json, numpy, struct, sys\n" + function(
         body + "\nreturn cloud", parameters="cloud"
     )
@@ -550,11 +550,11 @@ def test_tampers_with_python(body):
     assert np.array_equal(outcome_of("def f(cloud): return cloud", CLOUD), CLOUD)
 
 
-# ---- What it does to its arguments ------------------------------------------------------------
+# ---- Changed arguments ------------------------------------------------------------------------
 
 
-def test_overwrites_its_arguments():
-    """They are copies: the judge's own stay as they were, and `observe` shows the copies."""
+def test_overwriting_arguments_changes_only_copies():
+    """The judge's own arguments stay the same, and `observe` shows the changed copies."""
     body = "for a in arguments:\n    a[:] = [9] * len(a)\nreturn arguments[0]"
     array, numbers = np.ones(2), [1, 2]
     with attack(function(body)) as student:
@@ -564,8 +564,8 @@ def test_overwrites_its_arguments():
     assert seen.shared == {0}
 
 
-def test_claims_changes_of_arguments():
-    """A forged report of what it did reaches no object of the judge."""
+def test_forged_changes_of_arguments_reach_only_copies():
+    """A forged report of changed arguments does not reach the judge's objects."""
     forged = (
         'say(b\'{"dict":[["id",1],["result",null],["shared",{"list":["x",-1,true,99]}],'
         '["arguments",{"list":[{"array":["<f8",[2]]},{"list":[7]},null]}]]}\', b"\\0" * 16)\n'
@@ -579,7 +579,7 @@ def test_claims_changes_of_arguments():
     assert seen.arguments[1:] == ([7], None) and seen.shared == {-1, 99}
 
 
-# ---- Honest students are not taken for hostile ones -----------------------------------------
+# ---- Honest code is not refused --------------------------------------------------------------
 
 
 @tried(

@@ -1,4 +1,4 @@
-"""Detectors in a league that would rather know the street than see it."""
+"""Detectors in a league that look for the street's data instead of detecting obstacles."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from utils.simulator.sensor import Sensor, layers
 SEED = 2**70 + 1
 BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
 
-LOOKING = """
+SNOOPING = """
 import os, sys
 import numpy as np
 
@@ -43,13 +43,13 @@ def answers_of(sandbox, source):
     return {float(boxes.max()) / 1000 for boxes in _unpacked(driven.answers)}
 
 
-def test_what_drives_finds_neither_the_street_nor_the_seed_nor_others(tmp_path):
-    """It sees scans. The same code without walls finds something, so it does look."""
+def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
+    """A detector only gets scans; without the sandbox, the same code does find these files."""
     for name in (".course_seed", "submitted/ada/notebook.ipynb", "verdicts/ada/street_1.json"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("a secret")
     inside = [str(path) for path in (tmp_path, *sorted(tmp_path.rglob("*")))]
     ours = [str(PROJECT / name) for name in ("grader/classroom", "solutions", "utils/drive")]
-    source = LOOKING.format(paths=[*inside, *ours])
+    source = SNOOPING.format(paths=[*inside, *ours])
     assert answers_of(WALLS, source) == {100.0}
     assert min(answers_of(SANDBOXES["process"], source)) > 103.0

@@ -1,4 +1,4 @@
-"""What may be stolen where a right helper stands in the place of a wrong one."""
+"""Attempts to steal the correct helper that replaces a student's wrong one."""
 
 import ast
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
-# Wrong on purpose, in one check.
+# Fails exactly one check: two equal points have no line, so the right answer is None.
 ONE_WRONG = (
     "def line_through(first, second):\n"
     "    (x, y), (u, v) = first[:2], second[:2]\n"
@@ -48,7 +48,7 @@ def judged(lesson, tmp_path, **answers):
 
 
 def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
-    """Mostly right, it returns the code of its helper where a visible check would show it."""
+    """A mostly right answer returns its helper's code where a visible check shows the answer."""
     thief = RANSAC.replace("def ransac_line", "def honest") + (
         "\n" + SIGNATURE + "    if isinstance(rng, int):\n"
         "        code = line_through.__code__\n"
@@ -56,28 +56,30 @@ def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
         "    return honest(points, max_iterations, distance_tolerance, rng)\n"
     )
     results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=thief)
-    mine = results["ransac_line"]
-    assert 0.5 * mine.max_score < mine.score < mine.max_score, "it was judged with a right one"
-    said = "\n".join(test.message for test in mine.tests)
-    assert "must return two things" in said
-    assert "stolen" not in "\n".join([said, mine.cause, *verdict.problems])
+    result = results["ransac_line"]
+    assert 0.5 * result.max_score < result.score < result.max_score, (
+        "it was judged with a right one"
+    )
+    messages = "\n".join(test.message for test in result.tests)
+    assert "must return two things" in messages
+    assert "stolen" not in "\n".join([messages, result.cause, *verdict.problems])
 
 
-def test_a_right_helper_answers_no_question_of_its_own(tmp_path):
-    """The wrong helper earns nothing by being called."""
+def test_a_right_helper_earns_no_points_for_a_wrong_one(tmp_path):
+    """The wrong helper keeps its own low score although a right one was used elsewhere."""
     results, _ = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=RANSAC)
     assert results["ransac_line"].score == results["ransac_line"].max_score
     assert results["line_through"].score < results["line_through"].max_score / 2
 
 
-def test_what_comes_later_helps_nobody_who_comes_before(tmp_path):
-    """An early exercise calls a late one, of which a right version might know the answer."""
+def test_later_exercises_are_not_replaced_for_earlier_ones(tmp_path):
+    """An early exercise gets no right version of a later one, which might know its answer."""
     early = "def line_through(first, second):\n    return ransac_line([first, second])[0]\n"
     results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
     assert results["line_through"].score < results["line_through"].max_score / 5
 
 
-def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
+def test_an_unwritten_helper_is_also_replaced_by_a_right_one(tmp_path):
     answers = {"ransac_line": RANSAC}
     results, verdict = judged(LINE, tmp_path, **answers)
     assert results["line_through"].score == 0 == results["point_line_distance"].score
@@ -85,8 +87,8 @@ def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
     assert any("Judged with right ones instead" in problem for problem in verdict.problems)
 
 
-def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
-    """A text that breaks parsers breaks them behind the wall, where the rest is found out, too."""
+def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
+    """Student code is parsed only in the sandbox, so it cannot break a parser of the judge."""
     parsed, parse = [], ast.parse
     monkeypatch.setattr(
         ast,
@@ -100,19 +102,19 @@ def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
     assert not [text for text in parsed if "a text of the student" in text]
 
 
-def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
-    """It gives up where its helper was asked before: so it fails once, and has another throw."""
+def test_answering_differently_the_second_time_gains_nothing(tmp_path):
+    """The answer fails on purpose in the first run, to get a second run with a right helper."""
     counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
     turn = (
         "\n" + SIGNATURE + "    if ASKED and not MINE: return None\n"
         "    MINE.append(1)\n"
         "    return honest(points, max_iterations, distance_tolerance, rng)\n"
     )
-    two_throws = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
-    answers = {"line_through": counts, "ransac_line": two_throws}
+    two_tries = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
+    answers = {"line_through": counts, "ransac_line": two_tries}
     right = next(answer.source for answer in answers_to("point_line_distance") if answer.right)
     results, _ = judged(LINE, tmp_path, point_line_distance=right, **answers)
     assert results["line_through"].score < results["line_through"].max_score
-    mine = results["ransac_line"]
-    assert mine.score < mine.max_score / 4
-    assert "Judged with a right one instead" not in mine.cause
+    result = results["ransac_line"]
+    assert result.score < result.max_score / 4
+    assert "Judged with a right one instead" not in result.cause

@@ -1,4 +1,4 @@
-"""What a student may hand in: files that break readers, links, modules, names of folders."""
+"""Hostile submissions: files that break readers, links, modules, and names of folders."""
 
 import functools
 import json
@@ -54,7 +54,7 @@ def notebook_of(*sources, **metadata):
         "a sheet without cells": {"worksheets": [{}]},
     },
 )
-def test_json_that_is_no_notebook(content, tmp_path):
+def test_json_that_is_not_a_notebook(content, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(json.dumps(content))
     with pytest.raises(UnreadableNotebook):
@@ -79,7 +79,7 @@ def test_json_that_is_no_notebook(content, tmp_path):
         },
     },
 )
-def test_cells_that_say_nothing(content, tmp_path):
+def test_malformed_cells_hold_no_code(content, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(json.dumps(content))
     assert "".join(read_notebook(path).code) == ""
@@ -96,7 +96,7 @@ def test_cells_that_say_nothing(content, tmp_path):
         "zeros": "\0" * 100,
     },
 )
-def test_a_file_made_to_break_the_reader(text, tmp_path):
+def test_a_file_made_to_break_the_reader_is_refused(text, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(text)
     with pytest.raises(UnreadableNotebook):
@@ -112,7 +112,7 @@ def test_a_file_made_to_break_the_reader(text, tmp_path):
         "a folder": lambda path, other: path.mkdir(),
     },
 )
-def test_something_that_is_no_file_of_ones_own(make, tmp_path):
+def test_links_pipes_and_folders_are_refused(make, tmp_path):
     other = tmp_path / "other.ipynb"
     other.write_text(json.dumps(notebook_of("x = 1")))
     path = tmp_path / "06_filter_ground.ipynb"
@@ -121,7 +121,7 @@ def test_something_that_is_no_file_of_ones_own(make, tmp_path):
         read_notebook(path)
 
 
-def test_an_endless_file(tmp_path):
+def test_a_file_that_is_too_large_is_refused(tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     with path.open("wb") as file:
         file.truncate(2**40)
@@ -137,8 +137,8 @@ def test_an_endless_file(tmp_path):
         "the format is 4 and a bit": (4.5, "cells"),
     },
 )
-def test_shows_the_judge_one_code_and_the_instructor_another(number, shown, tmp_path):
-    """By both `cells` and `worksheets`, or both `source` and `input`."""
+def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_path):
+    """A notebook may have both `cells` and `worksheets`, or both `source` and `input`."""
     cell = {"cell_type": "code", "source": "cells source", "input": "cells input"}
     old = {"cell_type": "code", "source": "worksheets source", "input": "worksheets input"}
     content = {"nbformat": number, "metadata": {}, "cells": [cell]}
@@ -191,21 +191,21 @@ def test_shows_the_judge_one_code_and_the_instructor_another(number, shown, tmp_
         "an encoding": "# -*- coding: utf-7 -*-\n+AGY-",
     },
 )
-def test_a_cell_made_to_break_parsers(cell):
-    """It costs only itself."""
+def test_a_cell_made_to_break_parsers_loses_only_itself(cell):
+    """The other cells of the notebook still work."""
     program = Program((cell, "def f(): return 1"), ("f",))
     with StudentProxy(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
         assert student.f() == 1
 
 
 @pytest.mark.slow
-def test_five_hundred_shell_commands():
+def test_hundreds_of_shell_commands_are_read():
     program = Program(("x = !ls\n" * 501, "def f(): return 1"), ("f",))
     with StudentProxy(program, WALLS, Limits(**SHORT)) as student:
         assert student.f() == 1
 
 
-def test_a_million_cells(hand_in):
+def test_hundreds_of_thousands_of_cells_are_refused(hand_in):
     cells = ['{"cell_type":"code","source":"x=1"}'] * 700_000
     verdict = hand_in(
         text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
@@ -217,7 +217,7 @@ def test_a_million_cells(hand_in):
 
 
 @pytest.mark.slow
-def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
+def test_thousands_of_cells_that_define_the_exercise_are_judged(hand_in):
     source = "def filter_ground(cloud): pass"
     cells = [
         json.dumps({"cell_type": "code", "source": source + "#" * (n % 99)}) for n in range(20_000)
@@ -230,15 +230,15 @@ def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
     assert verdict.score == 0 and verdict.seconds < 300
 
 
-def test_metadata_nested_620_deep(hand_in, filtering):
-    """Whatever comes of it, it is a verdict."""
+def test_deeply_nested_metadata_gets_a_verdict(hand_in, filtering):
+    """Metadata nested 620 deep may cost the points, but not the verdict."""
     notebook = json.loads(fill_in(filtering, {}))
     text = json.dumps({**notebook, "metadata": "HERE"})
     verdict = hand_in(text=text.replace('"HERE"', '{"a":' * 620 + "1" + "}" * 620))
     assert verdict.status == "judged" and verdict.score == 0
 
 
-# ---- Modules beside the notebook ------------------------------------------------------------
+# ---- Modules next to the notebook -----------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -248,15 +248,15 @@ def test_metadata_nested_620_deep(hand_in, filtering):
         *("importing", "syscalls", "os", "json", "__main__", "encodings", "Numpy", "NUMPY"),
     ],
 )
-def test_hands_in_a_module_of_a_name_that_is_taken(name):
-    """It hides nothing that the worker or a lesson uses."""
+def test_a_submitted_module_hides_no_other_module(name):
+    """A module named after one that the worker or a lesson uses is not imported instead."""
     body = "import numpy, utils, os, json\ndef f():\n    return numpy.arange(3) + 1\n"
     with attack(body, modules={name: "raise SystemExit('in the way')"}) as student:
         assert student.f().tolist() == [1, 2, 3]
         assert student.problems == []
 
 
-def test_a_module_beside_is_found_but_not_under_a_forbidden_name():
+def test_a_submitted_module_is_found_unless_its_name_is_forbidden():
     assert outcome_of("import help\ndef f(): return help.x", modules={"help": "x = 5"}) == 5
     program = Program(
         ("from scipy.cluster import x\ndef f(): return x",),
@@ -278,7 +278,7 @@ def test_a_module_beside_is_found_but_not_under_a_forbidden_name():
         "a file that is not text": lambda path, other: path.write_bytes(b"\xff\0" * 99),
     },
 )
-def test_hands_in_something_strange_as_a_module(make, tmp_path):
+def test_a_strange_file_as_a_module_is_ignored(make, tmp_path):
     other = tmp_path / "other.txt"
     other.write_text("SECRET = 1")
     (tmp_path / "x").mkdir()
@@ -286,13 +286,13 @@ def test_hands_in_something_strange_as_a_module(make, tmp_path):
     notebook.write_text(json.dumps(notebook_of("x = 1")))
     make(tmp_path / "x" / "helper.py", other)
     begin = time.monotonic()
-    handed_in = read_submitted_files(notebook)
+    submitted = read_submitted_files(notebook)
     assert time.monotonic() - begin < PATIENCE
-    assert "SECRET" not in "".join(handed_in.modules.values())
-    assert handed_in.notebook().code == ("x = 1",)
+    assert "SECRET" not in "".join(submitted.modules.values())
+    assert submitted.notebook().code == ("x = 1",)
 
 
-def test_hands_in_ten_thousand_modules(tmp_path):
+def test_number_of_submitted_modules_is_limited(tmp_path):
     for number in range(10_000):
         (tmp_path / f"m{number}.py").touch()
     path = tmp_path / "06_filter_ground.ipynb"
@@ -305,7 +305,7 @@ def test_hands_in_ten_thousand_modules(tmp_path):
 
 @pytest.fixture
 def course(tmp_path, filtering):
-    """A class with one good student."""
+    """Return a course with one student, whose submission is right."""
     course = Course(tmp_path)
     stage = course.submitted / "good" / filtering.stage
     stage.mkdir(parents=True)
@@ -331,24 +331,24 @@ def course(tmp_path, filtering):
         "links its own folder": lambda mine, good, stage, name: mine.symlink_to(good),
     },
 )
-def test_earns_another_students_marks_by_a_link(link, course, filtering):
+def test_a_link_to_another_submission_earns_no_points(link, course, filtering):
     good, mine = course.submitted / "good", course.submitted / "mallory"
     link(mine, good, filtering.stage, f"{filtering.name}.ipynb")
     by_student = {submission.student: submission for submission in find_submissions(course)}
     assert "good" in by_student
-    if "mallory" in by_student:  # a folder that is a link may also be passed over
-        handed_in = by_student["mallory"].read(course)
-        assert handed_in.data == b"" and "link" in handed_in.complaint
+    if "mallory" in by_student:  # the search may also skip a folder that is a link
+        submitted = by_student["mallory"].read(course)
+        assert submitted.data == b"" and "link" in submitted.complaint
         verdict = judge_and_store(course, by_student["mallory"], SEED, WALLS)
         assert verdict.score == 0 and "link" in verdict.problems[0]
 
 
-def test_swaps_the_file_while_it_is_judged(course, filtering):
-    """Bytes are read once: what was judged is what the verdict's key stands for."""
+def test_swapping_the_file_while_it_is_judged_gains_nothing(course, filtering):
+    """The bytes are read only once, so the verdict's key belongs to the bytes that were judged."""
     submission = find_submissions(course)[0]
-    handed_in = submission.read(course)
+    submitted = submission.read(course)
     submission.path.write_text(json.dumps(notebook_of("x = 1")))
-    verdict = judge_files(handed_in, SEED, WALLS, filtering, "good")
+    verdict = judge_files(submitted, SEED, WALLS, filtering, "good")
     assert verdict.score == verdict.max_score
     from grader.judging.verdict import write_verdict
 
@@ -373,7 +373,7 @@ NAMES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
-def test_calls_itself_something_strange(name, course, filtering, capsys):
+def test_strange_student_names_are_judged_and_reported(name, course, filtering, capsys):
     from grader.console import print_class
     from grader.lms.report import write_report
 
@@ -384,9 +384,10 @@ def test_calls_itself_something_strange(name, course, filtering, capsys):
     found = {submission.student: submission for submission in find_submissions(course)}
     assert set(found) == {"good", student}
     judged = [
-        (one, judge_and_store(course, one, SEED, WALLS, alone=True)) for one in found.values()
+        (submission, judge_and_store(course, submission, SEED, WALLS, alone=True))
+        for submission in found.values()
     ]
-    by_student = {one.student: verdict for one, verdict in judged}
+    by_student = {submission.student: verdict for submission, verdict in judged}
     assert by_student["good"].score == 30 and by_student[student].score == 0
     assert by_student[student].status == "judged"
     assert stored_verdict(course, found[student], SEED) == by_student[student]
@@ -395,17 +396,17 @@ def test_calls_itself_something_strange(name, course, filtering, capsys):
     assert "\x1b[2J" not in capsys.readouterr().out and "<script>" + filtering.stage not in page
 
 
-def test_calls_itself_a_path(course, filtering):
-    """Only a folder of that name is found; no verdict is written outside."""
+def test_a_path_as_a_student_name_is_refused(course, filtering):
+    """Submissions outside `submitted` are not found, and reading one by its path is refused."""
     outside = course.root / "x" / filtering.stage
     outside.mkdir(parents=True)
     (outside / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
     assert [submission.student for submission in find_submissions(course)] == ["good"]
-    handed_in = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
-    assert not handed_in.data and "another folder" in handed_in.complaint
+    submitted = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
+    assert not submitted.data and "another folder" in submitted.complaint
 
 
-def test_a_pipe_beside_the_notebook(course, filtering):
+def test_pipes_next_to_the_notebook_are_ignored(course, filtering):
     folder = course.submitted / "good" / filtering.stage
     os.mkfifo(folder / "notes.txt")
     os.mkfifo(folder / "helper.py")

@@ -1,4 +1,4 @@
-"""What a lesson forbids, libraries import: by which roads can it be had from them?"""
+"""Ways to reach a forbidden module through the permitted libraries that import it."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from grader.sandbox.program import PACKAGES
 from tests.attacks.attack import attack, function, tried
 
 FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
-# These import what some lesson forbids.
+# These libraries import modules that some lessons forbid.
 HUNGRY = """
 import importlib
 def feed():
@@ -23,7 +23,7 @@ def feed():
 
 
 def attack_on(lesson, source):
-    """A student of a lesson, with time to import large libraries."""
+    """Return a proxy for a student of a lesson, with enough time to import large libraries."""
     packages = (*PACKAGES, *lesson.header.packages)
     seconds = {"call_seconds": 20.0, "total_seconds": 40.0}
     return attack(source, forbidden=lesson.header.forbidden, packages=packages, **seconds)
@@ -31,8 +31,8 @@ def attack_on(lesson, source):
 
 @pytest.mark.slow
 @tried("forbidding", FORBIDDING)
-def test_nothing_of_it_is_in_memory_after_libraries_have_imported_it(forbidding):
-    """Neither compiled code, nor a class or a function; only what stands for them."""
+def test_forbidden_modules_are_not_in_memory_after_libraries_import_them(forbidding):
+    """No compiled code, class or function of them is in memory, only stand-ins."""
     source = (
         "# scipy is named here, so it may have been imported.\n"
         + HUNGRY
@@ -66,7 +66,7 @@ def f(forbidden):
     assert stand_ins and loaded > 200, "libraries did import it"
 
 
-# Each road ends at something that is called then. Of two pairs of points each, one is near.
+# Each way assigns `had`, which is then called with the adjacency matrix of two close points.
 ROADS = {
     "imports it": "import scipy.sparse.csgraph as g\nhad = g.NAME",
     "imports it from there": "from scipy.sparse.csgraph import NAME as had",
@@ -97,7 +97,7 @@ ROADS = {
     "    sklearn.manifold.Isomap(n_neighbors=1).fit([[0, 0], [0, 1], [9, 9], [9, 8.5]])\n"
     "    return 1, [0, 0]",
 }
-# And these, at something that is not there: nobody is told more than Python says.
+# These ways end in an ordinary error of Python, without the lesson's own message.
 QUIET_ROADS = {
     "takes the importer away, too": "sys.modules.pop('scipy.sparse.csgraph')\n"
     "sys.meta_path[:] = [importlib.machinery.PathFinder]\n"
@@ -125,7 +125,7 @@ QUIET_ROADS = {
     "os.close(write)\n"
     "had = lambda near: (1, list(os.read(read, 99)) or [][0])",
 }
-# These are about what stands there, and lead nowhere else.
+# These ways use the stand-in itself and cannot reach the module even if it is allowed.
 ABOUT_STAND_INS = {
     "makes one in spite of its kind": "had = lambda near: type.__call__(one)(near)",
     "makes one without a call": "had = lambda near: one.__new__(one)(near)",
@@ -133,7 +133,7 @@ ABOUT_STAND_INS = {
     "looks for what it refuses for": "had = one.real",
 }
 ALL_ROADS = ROADS | QUIET_ROADS | ABOUT_STAND_INS
-# Each is taken in a process of its own: some spoil the way for those after them.
+# Each way runs in its own process, because some of them break the ways after them.
 TRAVEL = """
 import importlib, importlib.machinery, importlib.util, os, sys
 import numpy as np, scipy.sparse, sklearn.manifold
@@ -157,7 +157,7 @@ SENTENCE = "scipy.sparse.csgraph is not allowed in this lesson: it does the exer
 
 
 def ends_of(roads, lesson_name):
-    """Where roads end: the components of two points that are near, or an exception."""
+    """Return the result of each way: the components that it finds, or an exception."""
     source = TRAVEL
     for number, road in enumerate(roads.values()):
         lines = ["one = sklearn.manifold._isomap.NAME", *road.split("\n"), "return had"]
@@ -169,21 +169,21 @@ def ends_of(roads, lesson_name):
 
 
 @pytest.mark.slow
-def test_every_road_ends_at_the_same_sentence():
+def test_every_noticed_way_gets_the_same_message():
     ends = ends_of(ROADS, "05_euclidean_clustering")
     assert ends == dict.fromkeys(ROADS, f"ImportError: {SENTENCE}")
 
 
 @pytest.mark.slow
-def test_no_road_leads_there():
+def test_no_way_reaches_the_forbidden_function():
     ends = ends_of(ALL_ROADS, "05_euclidean_clustering")
     assert len(ends) == len(ALL_ROADS)
     assert {name: end for name, end in ends.items() if "Error: " not in end} == {}
 
 
 @pytest.mark.slow
-def test_these_are_roads():
-    """Where the lesson allows it, they do lead there."""
+def test_every_way_works_if_the_lesson_allows_the_module():
+    """If the ways never worked, the tests above could not fail."""
     roads = ROADS | QUIET_ROADS
     ends = ends_of(roads, "10_accelerated_clustering")
     assert ends == dict.fromkeys(roads, "components: [0, 0]")

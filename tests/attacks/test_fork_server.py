@@ -1,4 +1,4 @@
-"""A worker is forked from a process that others were forked from: what of that can it reach?"""
+"""Attacks by a forked worker on the fork server, the judge and other workers."""
 
 import contextlib
 import os
@@ -47,7 +47,7 @@ def f():
 
 @pytest.fixture(autouse=True)
 def forked():
-    """These tests are about workers that are forked."""
+    """Skip these tests where workers cannot be forked."""
     if not bubblewrap._can_go_behind_walls():
         not_here("the right to enter namespaces: sudo make test")
 
@@ -59,23 +59,24 @@ def looked(monkeypatch, forks):
         return outcome_of(LOOK)
 
 
-def test_a_forked_worker_has_no_more_than_one_that_started_there(monkeypatch):
-    """Open files, privileges, groups, limits, signals, paths, variables, processes."""
+def test_a_forked_worker_has_no_more_than_one_started_in_the_sandbox(monkeypatch):
+    """Compare open files, privileges, groups, limits, signals, paths, variables and processes."""
     forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
-    # Its parent is outside, and so is nobody; of the other the parent was process 1.
+    # The forked worker's parent is outside, so it reads as 0; the started one's is process 1.
     assert (forked.pop("parent"), started.pop("parent")) == (0, 1)
-    # Standard ones and the two pipes.
+    # The three standard streams and the two pipes.
     assert len(forked.pop("files")) == 5
     started.pop("files")
-    # Nothing inheritable; bubblewrap leaves the two that root's worker gives up itself.
+    # A forked worker has no inheritable capabilities. Bubblewrap leaves two to a worker of root,
+    # which drops them itself.
     assert forked["status"].pop(0) == "0" * 16
     started["status"].pop(0)
     assert forked == started
     assert forked["ours"] == []
 
 
-def test_all_namespaces_are_its_own():
-    """Entered by mistake in part, they would be those of whoever grades."""
+def test_all_namespaces_are_separate():
+    """A worker that entered only some namespaces would share the others with the grader."""
     names = sorted(os.listdir("/proc/self/ns"))
     body = "import os\nreturn {name: os.readlink('/proc/self/ns/' + name) for name in names}"
     inside = outcome_of(function(body, parameters="names"), names)
@@ -84,7 +85,7 @@ def test_all_namespaces_are_its_own():
 
 
 def test_the_fork_server_and_the_judge_cannot_be_reached():
-    """By signals, by their memory, or through a parent."""
+    """Signals, their memory and a parent's folder in /proc do not reach them."""
     body = (
         "import os, signal\nreached = []\n"
         "for number in [0, -1, *numbers]:\n"
@@ -118,13 +119,13 @@ return sorted(name for name in names if isinstance(name, str) and name.startswit
 """
 
 
-def test_nothing_is_preloaded_that_the_lesson_does_not_show():
+def test_only_packages_of_the_lesson_are_preloaded():
     assert "scipy.spatial" in outcome_of(function(SCIPY_IN_MEMORY))
     assert outcome_of(function(SCIPY_IN_MEMORY), packages=("numpy",)) == []
 
 
-def test_what_is_slow_to_import_is_so_only_where_code_names_it():
-    forbidden = ("no_such_module",)  # so a fork server that nobody has asked before
+def test_slow_packages_are_imported_only_if_the_code_names_them():
+    forbidden = ("no_such_module",)  # unused elsewhere, so this gets a new fork server
     search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
     assert outcome_of(function(search), forbidden=forbidden) == []
     named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
@@ -141,28 +142,28 @@ def test_what_is_slow_to_import_is_so_only_where_code_names_it():
         *((lesson.header.forbidden, None) for lesson in all_lessons() if lesson.header.forbidden),
     ],
 )
-def test_what_is_forbidden_is_not_in_memory_either(forbidden, preloaded):
-    """Preloaded for one lesson, or by what is preloaded, it would be at hand in another."""
+def test_forbidden_modules_are_not_preloaded(forbidden, preloaded):
+    """A module preloaded for one lesson, or by another module, would be available in others."""
     names = outcome_of(function(SCIPY_IN_MEMORY), forbidden=forbidden)
     inside = tuple(f"{name}." for name in forbidden)
     assert not [name for name in names if f"{name}.".startswith(inside)]
     assert preloaded is None or preloaded in names
 
 
-def test_one_that_ends_takes_its_children_and_nobody_else():
+def test_a_worker_that_ends_takes_only_its_children_along():
     body = (
         "import os, signal, time\n"
         "if os.fork() == 0:\n    time.sleep(600)\n"
         "if arguments[0]: os.kill(os.getpid(), signal.SIGKILL)\n"
         "return 1"
     )
-    with attack(function(body)) as one, attack(function("return 2")) as other:
-        one.f(False)
-        assert other.f() == 2
-        children = [number for pid in one._worker.pids for number in tree(pid)]
+    with attack(function(body)) as first, attack(function("return 2")) as second:
+        first.f(False)
+        assert second.f() == 2
+        children = [number for pid in first._worker.pids for number in tree(pid)]
         with pytest.raises(StudentStopped, match="killed itself"):
-            one.f(True)
-        assert other.f() == 2
+            first.f(True)
+        assert second.f() == 2
     deadline = time.monotonic() + PATIENCE
     while any(os.path.exists(f"/proc/{number}") for number in children):
         assert time.monotonic() < deadline
@@ -170,7 +171,7 @@ def test_one_that_ends_takes_its_children_and_nobody_else():
 
 
 def test_a_killed_fork_server_is_started_again():
-    """The kernel may end it when memory is short; a notebook that is being judged stays."""
+    """The kernel may kill it when memory is short; the current notebook is still judged."""
     with attack(function("return 3")) as student:
         assert student.f() == 3
         [server] = parents(student._worker.forked.pid)
@@ -181,14 +182,14 @@ def test_a_killed_fork_server_is_started_again():
 
 
 def parents(pid):
-    """The process that forked a worker's own parent."""
+    """Return, in a list, the process that forked a worker's own parent."""
     for _ in range(2):
         with open(f"/proc/{pid}/stat") as stat:
             pid = int(stat.read().rpartition(")")[2].split()[1])
     return [pid]
 
 
-def test_many_are_forked_at_a_time():
+def test_workers_can_be_forked_concurrently():
     seen = []
 
     def ask(number):
@@ -197,13 +198,13 @@ def test_many_are_forked_at_a_time():
     threads = [threading.Thread(target=ask, args=(number,)) for number in range(6)]
     for thread in threads:
         thread.start()
-    for one in threads:
-        one.join()
+    for thread in threads:
+        thread.join()
     assert sorted(seen) == list(range(6))
 
 
-def test_with_the_judge_ends_everything(tmp_path):
-    """Killed, it can clean up nothing."""
+def test_a_killed_judge_leaves_no_processes(tmp_path):
+    """A judge that is killed cannot clean up itself."""
     program = (
         "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"
         "worker = SANDBOXES['bubblewrap'].start(Limits(), (), ('numpy',))\n"
@@ -224,9 +225,9 @@ def test_with_the_judge_ends_everything(tmp_path):
 
 
 @pytest.mark.slow
-def test_killed_while_it_builds_walls_the_judge_leaves_nothing(tmp_path):
-    """Bubblewrap, told to die with the judge, would leave a process that waits for it."""
-    # Known by its folder, which no other process of this machine has in its environment.
+def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
+    """Bubblewrap's option to die with its parent would leave a process that waits for it."""
+    # The path of the test's folder identifies the processes: only theirs has it in /proc.
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"
@@ -255,7 +256,7 @@ def test_killed_while_it_builds_walls_the_judge_leaves_nothing(tmp_path):
 
 
 def started_with(mark):
-    """Processes that have some text in their environment."""
+    """Return the processes whose environment contains a text."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):
         with contextlib.suppress(OSError):
@@ -265,7 +266,7 @@ def started_with(mark):
 
 
 def is_running(pid):
-    """Whether there is such a process, and not only what is left of one."""
+    """Return whether a process exists and is not a zombie."""
     try:
         with open(f"/proc/{pid}/stat") as stat:
             return stat.read().rpartition(")")[2].split()[0] != "Z"
@@ -273,7 +274,7 @@ def is_running(pid):
         return False
 
 
-def test_where_entering_is_not_allowed_python_starts_behind_the_walls(monkeypatch):
+def test_python_starts_in_the_sandbox_if_entering_namespaces_is_refused(monkeypatch):
     def refused(*request):
         raise bubblewrap.SandboxUnavailable("not here")
 

@@ -1,4 +1,4 @@
-"""Orders to MathJax, in what a student writes for a person to read; tried in a browser, too."""
+"""MathJax commands in a student's written answer, also tried in a real browser."""
 
 import html.parser
 import json
@@ -13,7 +13,7 @@ from tests import browser
 from tests.attacks.attack import tried
 from tests.prerequisites import MATHJAX
 
-# What each would make a page ask for, or lead to.
+# The host that each command would make a page load from or link to.
 EVIL = "evil.example"
 ORDERS = {
     "a link": r"$\href{javascript:alert(1)}{x}$",
@@ -64,7 +64,7 @@ FINE = {
 
 
 @tried("text", ORDERS)
-def test_gives_an_order(text):
+def test_unsafe_commands_are_removed(text):
     shown = sanitize_markdown(text)
     known = {*COMMANDS, "begin", "end", "color", "hspace"}
     assert {*re.findall(r"\\([A-Za-z]{2,})", shown)} <= known
@@ -72,26 +72,26 @@ def test_gives_an_order(text):
     assert sanitize_markdown(shown) == shown
 
 
-@tried("text", {what: text for what, text in ORDERS.items() if "entity" not in what})
-def test_it_is_not_lost(text):
+@tried("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
+def test_the_text_of_a_command_is_kept(text):
     shown = sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "")
     assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
 
 
-def test_it_is_shown_as_code():
-    """But where programs differ on what the formula is: there the name alone is parted."""
+def test_unsafe_formulas_are_shown_as_code():
+    """If programs disagree where the formula ends, only the command's name is split instead."""
     differ = ("a link in a text", "a link behind a backslash", "a link whose formula does not end")
-    for what in ORDERS.keys() - differ - {what for what in ORDERS if "entity" in what}:
-        assert "`" in sanitize_markdown(ORDERS[what]), what
+    for name in ORDERS.keys() - differ - {name for name in ORDERS if "entity" in name}:
+        assert "`" in sanitize_markdown(ORDERS[name]), name
 
 
 @tried("text", FINE)
-def test_an_honest_formula_stays_as_it_is(text):
+def test_an_honest_formula_is_unchanged(text):
     assert sanitize_formulas(text) == text
 
 
 @pytest.mark.parametrize("taught", all_lessons(), ids=lambda taught: taught.name)
-def test_our_own_formulas_stay_as_they_are(taught):
+def test_formulas_of_the_lessons_are_unchanged(taught):
     for path in (taught.solved, taught.released):
         for cell in json.loads(path.read_text("utf-8"))["cells"]:
             if cell["cell_type"] == "markdown":
@@ -99,8 +99,8 @@ def test_our_own_formulas_stay_as_they_are(taught):
                 assert sanitize_formulas(text) == text
 
 
-class _Obeyed(html.parser.HTMLParser):
-    """Collects what could lead anywhere in a page that MathJax has worked on."""
+class _DangerCollector(html.parser.HTMLParser):
+    """Collect links, scripts and forged grades in a page that MathJax has rendered."""
 
     def __init__(self):
         super().__init__()
@@ -111,7 +111,7 @@ class _Obeyed(html.parser.HTMLParser):
         self._within_code = tag == "code"
         for name, value in attributes:
             value = (value or "").lower()
-            inner = tag == "use" and value.startswith("#mjx-")  # letters that MathJax has drawn
+            inner = tag == "use" and value.startswith("#mjx-")  # letters drawn by MathJax
             if name in ("href", "xlink:href", "src", "data-href") and not inner:
                 self.found.append((tag, name, value))
             if name.startswith("on") or (name == "style" and "url" in value):
@@ -127,12 +127,12 @@ class _Obeyed(html.parser.HTMLParser):
 
 
 def browsed(texts, entry, folder):
-    """(what would be obeyed, the code that is shown, what was asked for) of a page."""
-    page, asked = browser.seen(browser.page_of(texts, entry), folder, EVIL)
-    reader = _Obeyed()
+    """Return the dangerous parts of a page, the code that it shows, and the requests it makes."""
+    page, requests = browser.seen(browser.page_of(texts, entry), folder, EVIL)
+    reader = _DangerCollector()
     reader.feed(page)
     assert "mjx" in page, "MathJax did not work"
-    return reader.found, reader.code, asked
+    return reader.found, reader.code, requests
 
 
 needs_browser = pytest.mark.skipif(
@@ -144,26 +144,26 @@ needs_browser = pytest.mark.skipif(
 @pytest.mark.slow
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
-def test_a_browser_obeys_none_of_them(entry, tmp_path):
+def test_a_browser_obeys_no_sanitized_command(entry, tmp_path):
     ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
-    raw, _, asked = browsed([*ORDERS.values()], entry, tmp_path / "raw")
-    assert asked and len(set(raw) - set(ours)) > 2, "else the test could not fail"
-    found, code, asked = browsed(
+    raw, _, requests = browsed([*ORDERS.values()], entry, tmp_path / "raw")
+    assert requests and len(set(raw) - set(ours)) > 2, "else the test could not fail"
+    found, code, requests = browsed(
         [sanitize_markdown(text) for text in ORDERS.values()], entry, tmp_path
     )
-    assert (set(found) - set(ours), asked) == (set(), [])
+    assert (set(found) - set(ours), requests) == (set(), [])
     assert r"\href{javascript:alert(1)}{x}" in code.replace(ZERO_WIDTH_SPACE, "")
 
 
 @pytest.mark.proof
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
-def test_no_command_that_is_known_leads_anywhere(entry, tmp_path):
+def test_no_permitted_command_makes_a_link(entry, tmp_path):
     ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
     link = f"http://{EVIL}/command"
     texts = [
         rf"$\{name}{{{link}}}[{link}]{{\{name} javascript:alert(1)}}$" for name in sorted(COMMANDS)
     ]
     assert [sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "") for text in texts] == texts
-    found, _, asked = browsed([sanitize_markdown(text) for text in texts], entry, tmp_path)
-    assert (set(found) - set(ours), asked) == (set(), [])
+    found, _, requests = browsed([sanitize_markdown(text) for text in texts], entry, tmp_path)
+    assert (set(found) - set(ours), requests) == (set(), [])

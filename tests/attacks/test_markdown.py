@@ -1,4 +1,4 @@
-"""Scripts in what a student writes for a person to read: in Formgrader, feedback and report."""
+"""Scripts in a student's written answer, as Formgrader, feedback and report show it."""
 
 import html.parser
 import json
@@ -18,7 +18,7 @@ from grader.lms.autograded import build_copy
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
 from tests.attacks.attack import tried
 
-# What Markdown makes of plain text.
+# Tags that Markdown produces from plain text.
 FINE = {
     *("p", "h1", "h2", "h3", "h4", "h5", "h6", "em", "strong", "code", "pre", "a", "img", "ul"),
     *("ol", "li", "blockquote", "hr", "br", "del", "table", "thead", "tbody", "tr", "th", "td"),
@@ -28,7 +28,7 @@ SCHEME = re.compile(r"([a-z][a-z0-9+.-]*):")
 
 
 class Reader(html.parser.HTMLParser):
-    """Collects what a browser would obey."""
+    """Collect the tags and attributes that a browser would obey."""
 
     def __init__(self):
         super().__init__()
@@ -112,13 +112,13 @@ SCRIPTS = {
 
 
 @tried("text", SCRIPTS)
-def test_writes_a_script_into_an_answer(text):
+def test_scripts_in_an_answer_are_disarmed(text):
     assert obeyed(markdown2html(sanitize_markdown(text))) == []
     assert obeyed(MarkdownIt("commonmark", {"html": True}).render(sanitize_markdown(text))) == []
 
 
-def test_each_of_these_would_do_something_somewhere():
-    """Else the test above could not fail."""
+def test_most_scripts_would_run_unsanitized():
+    """If they did not, the test above could not fail."""
     idle = [
         name
         for name, text in SCRIPTS.items()
@@ -137,7 +137,7 @@ def test_each_of_these_would_do_something_somewhere():
         "a new name for it": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
     },
 )
-def test_gives_orders_to_mathjax(text):
+def test_commands_to_mathjax_are_removed(text):
     assert not any(
         f"\\{name}" in sanitize_markdown(text) for name in ("href", "style", "require", "class")
     )
@@ -157,22 +157,22 @@ def test_gives_orders_to_mathjax(text):
         "a picture of one's own": "![plot](attachment:plot.png)",
     },
 )
-def test_an_honest_answer_stays_as_it_is(text):
+def test_an_honest_answer_is_unchanged(text):
     assert sanitize_markdown(text) == text
 
 
-def test_what_looks_like_a_tag_looks_the_same():
+def test_text_that_resembles_a_tag_looks_the_same():
     assert sanitize_markdown("`a<b` and <i>").replace(ZERO_WIDTH_SPACE, "") == "`a<b` and <i>"
 
 
-def test_what_is_harmless_stays_as_it_is():
+def test_sanitizing_twice_changes_nothing_more():
     for text in SCRIPTS.values():
         assert sanitize_markdown(sanitize_markdown(text)) == sanitize_markdown(text)
 
 
 @pytest.fixture(scope="module")
 def blank():
-    """The page of the lesson as it was released."""
+    """Return the page of a lesson as it was released."""
     lesson = find_lesson("12_streaming_obstacles")
     released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
     return page_of(build_copy(prepare(released, lesson)))
@@ -184,8 +184,8 @@ def page_of(notebook):
 
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
-def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
-    """As feedback and Formgrader make it, of everything above at once, in each kind of cell."""
+def test_the_page_of_a_hostile_notebook_runs_no_script(kind, blank):
+    """Feedback and Formgrader render all the scripts above in each kind of cell."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
     hostile = '"><script>alert("here I am")</script>'
@@ -196,11 +196,11 @@ def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
         output = {"output_type": "display_data", "metadata": {}, "data": {"text/html": hostile}}
         notebook["cells"].append({**cell, "outputs": [output], "execution_count": None})
     notebook["metadata"].update(title=hostile, language_info={"name": hostile, "version": hostile})
-    handed_in = SubmittedFiles("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
-    made = build_copy(prepare(handed_in, lesson))
-    nbformat.validate(made)
-    page = page_of(made)
-    ours = [what for what in obeyed(blank)]
-    assert [what for what in obeyed(page) if what not in ours] == []
+    submitted = SubmittedFiles("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
+    copy = build_copy(prepare(submitted, lesson))
+    nbformat.validate(copy)
+    page = page_of(copy)
+    ours = [danger for danger in obeyed(blank)]
+    assert [danger for danger in obeyed(page) if danger not in ours] == []
     assert page.count("<script") == blank.count("<script")
     assert ZERO_WIDTH_SPACE in page or kind == "code"

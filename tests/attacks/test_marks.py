@@ -1,4 +1,4 @@
-"""What a student may try for marks: answers found inside, spoilt questions, forged grades."""
+"""Attempts to earn points without solving the task: found answers, spoilt questions, forgery."""
 
 import copy
 import importlib
@@ -20,17 +20,17 @@ from grader.sandbox.boundary import SHOWN
 from tests.attacks.attack import SEED, SHORT, WALLS, tried
 from utils.notebooks import slicing
 
-MOST = 0.1  # of the points that nothing earns which does not look at its task
+MOST = 0.1  # fraction of the points that code may earn without working on its task
 EXERCISES = ("filter_ground", "voxel_grid")
 
 
 def share(verdict, exercise):
-    """Part of an exercise's points."""
-    result = next(one for one in verdict.exercises if one.name == exercise)
+    """Return the fraction of an exercise's points that a verdict awards."""
+    result = next(result for result in verdict.exercises if result.name == exercise)
     return result.score / result.max_score
 
 
-# ---- Answers that lie around ----------------------------------------------------------------
+# ---- Answers found in the sandbox -----------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -120,43 +120,43 @@ def euclidean_clustering(cloud, distance_tolerance=0.5):
         "the cloud, whatever is asked": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
     },
 )
-def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
+def test_answers_found_elsewhere_earn_little(exercise, source, hand_in):
     verdict = hand_in({exercise: source}, lesson=lesson_of(exercise))
     assert share(verdict, exercise) <= MOST
 
 
-def test_a_right_answer_handed_in_like_these_earns_everything(hand_in):
-    """So that nothing above fails for another reason."""
+def test_a_right_answer_submitted_the_same_way_earns_everything(hand_in):
+    """The attacks above do not fail for another reason, such as the way of submitting."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = hand_in({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
 
 
-# These speak to a pipe or to the kernel: they answer nothing, and would harm the test.
-NOT_TRIED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
+# These use a pipe or the kernel, so calling them would harm the test and answer nothing.
+EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 
 def everything_shown():
-    """Every function and class of the project's modules that the sandbox shows, by name."""
+    """Return every function and class in the project's modules in the sandbox, by name."""
     files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
     found = {}
     for file in sorted(files):
-        if file.suffix != ".py" or file.stem in NOT_TRIED:
+        if file.suffix != ".py" or file.stem in EXCLUDED:
             continue
         name = ".".join(file.relative_to(PROJECT).with_suffix("").parts)
         if name == "grader.sandbox.inside.utils.__init__":
-            continue  # agreement, which the test above hands in, and the readers below
+            continue  # a test above submits `agreement`, and its readers are imported on their own
         module = importlib.import_module(name.removesuffix(".__init__"))
         for thing, value in vars(module).items():
-            # What a module imports from libraries is there for everybody.
+            # Names that a module imports from libraries are available to every student anyway.
             home = getattr(value, "__module__", None) or ""
-            if callable(value) and home.startswith(("utils", "grader")) and thing not in NOT_TRIED:
+            if callable(value) and home.startswith(("utils", "grader")) and thing not in EXCLUDED:
                 found[f"{value.__module__}.{value.__qualname__}"] = value
     return found
 
 
 def with_answers(lesson, answers):
-    """The lesson's own functions, some of them replaced."""
+    """Return the lesson's own functions, with some of them replaced."""
     statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(lesson.names, statements):
@@ -166,7 +166,7 @@ def with_answers(lesson, answers):
 
 
 def calls_of(lesson):
-    """The first calls of each exercise in a run of the tests: (arguments, answer)."""
+    """Return the first calls of each exercise in a run of the tests, as (arguments, answer)."""
     reference, calls = load_reference(lesson.name), {}
 
     def recorder(name, function):
@@ -192,16 +192,16 @@ def calls_of(lesson):
 
 
 def looks_like(answer, right):
-    """True where an answer has the form of the right one, whatever it says."""
+    """Return whether an answer has the form of the right one, regardless of its values."""
     try:
         answer, right = np.asarray(answer), np.asarray(right)
-    except Exception:  # a sequence of files that are not there
+    except Exception:  # for example a sequence whose files do not exist
         return False
     return answer.dtype.kind in "biuf" and (answer.ndim == right.ndim or answer.size == right.size)
 
 
 def orders_that_work(function, calls):
-    """Orders of the arguments in which a function gives answers of the right form."""
+    """Yield the orders of arguments in which a function gives answers of the right form."""
     most = len(calls[0][0])
     for length in range(1, min(most, 3) + 1):
         for order in itertools.permutations(range(most), length):
@@ -212,7 +212,7 @@ def orders_that_work(function, calls):
                 except BaseException:
                     break
                 if right is None and vars_of(given[0]) != vars_of(arguments[0]):
-                    yield order  # it is judged by what it does to its first argument
+                    yield order  # the exercise is judged by the change of its first argument
                     break
                 if looks_like(answer, right):
                     yield order
@@ -220,12 +220,12 @@ def orders_that_work(function, calls):
 
 
 def vars_of(value):
-    """Which attributes of an object are there, and which are set."""
+    """Return a dictionary from each attribute of an object to whether it is None."""
     return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
 
 
 def points_of(lesson, exercise, answer):
-    """Part of an exercise's points that a function earns."""
+    """Return the fraction of an exercise's points that a function earns."""
     student = with_answers(lesson, {exercise: answer})
     outcomes = run_checks(lesson, student, SEED, lambda check: check.exercise == exercise)
     earned = sum(outcome.check.weight for outcome in outcomes if outcome.failure is None)
@@ -234,10 +234,8 @@ def points_of(lesson, exercise, answer):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
-    lesson, tmp_path, monkeypatch
-):
-    """In every order of the arguments."""
+def test_no_function_in_the_sandbox_answers_an_exercise(lesson, tmp_path, monkeypatch):
+    """Try every function as the answer to every exercise, in every order of the arguments."""
     monkeypatch.chdir(tmp_path)
     shown = everything_shown()
     assert len(shown) > 40
@@ -257,7 +255,7 @@ def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
         assert points_of(lesson, exercise, getattr(reference, exercise)) == 1
 
 
-# ---- Questions that are spoilt ----------------------------------------------------------------
+# ---- Spoilt questions -------------------------------------------------------------------------
 
 
 VANDAL = """
@@ -279,7 +277,7 @@ def {name}(*arguments, **keywords):
 
 
 def faults(verdict):
-    """Which tests failed, and with what words."""
+    """Return the names and messages of the failed tests."""
     return [
         (test.name, test.message)
         for exercise in verdict.exercises
@@ -289,8 +287,8 @@ def faults(verdict):
 
 
 @pytest.mark.slow
-def test_spoils_every_argument_of_every_call(lesson, hand_in):
-    """And spoils nothing for the next student, who is judged by the same process."""
+def test_spoiling_every_argument_gains_nothing_and_harms_no_other(lesson, hand_in):
+    """The same process judges the next student correctly."""
     names = [exercise.name for exercise in lesson.machine_graded]
     verdict = hand_in(
         {name: VANDAL.format(name=name) for name in names},
@@ -334,7 +332,7 @@ def plane_through(p, q, r):
     q[:], r[:] = p, p
     return None
 """,
-            0.35,  # three points on one line have no plane: None is right for those
+            0.35,  # None is right for three points on one line, which do not define a plane
         ),
         "puts all points on the plane": (
             "point_plane_distance",
@@ -358,7 +356,7 @@ def get_oriented_boxes(cloud, clusters):
         ),
     },
 )
-def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
+def test_changing_the_question_to_fit_the_answer_earns_little(exercise, source, most, hand_in):
     verdict = hand_in({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
     assert share(verdict, exercise) <= most
 
@@ -381,8 +379,8 @@ setattr(KdTree, "search", lambda self, target, tolerance: [])
         "a given class that is changed by name": 'globals()["KdTree"] = dict\n',
     },
 )
-def test_changes_what_the_lesson_gives(cell, hand_in):
-    """The judge takes it from the lesson: such a change neither helps nor harms."""
+def test_changing_given_code_has_no_effect(cell, hand_in):
+    """The judge uses the lesson's own copy, so a change neither helps nor harms."""
     lesson = find_lesson("04_kd_tree")
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
     extra = {"cell_type": "code", "id": "x", "metadata": {}, "outputs": [], "execution_count": None}
@@ -393,14 +391,14 @@ def test_changes_what_the_lesson_gives(cell, hand_in):
     verdict = hand_in(text=text, lesson=lesson)
     assert share(verdict, "search") <= MOST
     verdict = hand_in({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
-    told = [
+    messages = [
         test.message for exercise in verdict.exercises for test in exercise.tests if test.message
     ]
-    assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, told
+    assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, messages
 
 
-def test_patches_the_given_tree_while_it_is_asked(hand_in):
-    """`search` replaces the class of its own tree by one that searches everything."""
+def test_patching_the_given_tree_earns_no_pruning_check(hand_in):
+    """`search` replaces the class of its own tree with one that searches everything."""
     source = """
 def search(self, target, tolerance):
     def everything(tree, target, tolerance):
@@ -421,10 +419,10 @@ def search(self, target, tolerance):
     assert "test_search_prunes" not in passed and "leaves_regions_out" not in passed
 
 
-# ---- Grades that are forged -------------------------------------------------------------------
+# ---- Forged grades ----------------------------------------------------------------------------
 
 
-def test_forges_metadata_outputs_and_keys(hand_in, filtering):
+def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
     honest = json.loads(fill_in(filtering, {}))
     for cell in honest["cells"]:
         grading = cell["metadata"].setdefault("nbgrader", {"grade_id": "test_filter_ground"})
@@ -461,9 +459,9 @@ def test_forges_metadata_outputs_and_keys(hand_in, filtering):
         "guesses by the length": "return a[0][: len(a[0]) // 2]",
     },
 )
-def test_reaches_for_the_judge(source, hand_in):
+def test_looking_for_the_judge_earns_little(source, hand_in):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
-    # Returning the cloud itself is right where nothing has to be removed, and nowhere else.
+    # Returning the cloud itself is right only if nothing has to be removed.
     assert hand_in({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
 
 
@@ -491,8 +489,8 @@ def test_reaches_for_the_judge(source, hand_in):
         "numbers that are nearly none": "np.full(cloud.shape, 5e-324)",
     },
 )
-def test_claims_something_huge_or_strange(claim, hand_in):
-    """It costs the judge little."""
+def test_huge_or_strange_answers_cost_the_judge_little(claim, hand_in):
+    """The verdict is ready in time and awards hardly any points."""
     answers = {
         name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
         for name in EXERCISES
@@ -518,14 +516,14 @@ def test_claims_something_huge_or_strange(claim, hand_in):
         "every point a million times": ("search", "[0] * 10**6"),
     },
 )
-def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
+def test_far_too_large_answers_earn_little(exercise, claim, hand_in):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
     verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
     assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 300
 
 
-def test_the_limits_of_these_tests_are_those_of_a_class():
+def test_the_memory_limit_of_these_tests_is_the_default():
     assert Limits(**SHORT).memory == Limits().memory
     assert [lesson.name for lesson in all_lessons()] == sorted(
         lesson.name for lesson in all_lessons()

@@ -1,4 +1,4 @@
-"""What a student may try to have shown: the questions of hidden tests, markup, commands."""
+"""Attempts to put hidden questions, markup or terminal commands into the feedback."""
 
 import ast
 import json
@@ -27,8 +27,8 @@ from utils.notebooks import edits
 
 pytestmark = pytest.mark.slow
 
-# A function that learns a question and wants to tell it: letters stand for its digits.
-TELLS = """
+# A function that encodes the digits of a question as letters and tries to publish them.
+LEAKING_FUNCTION = """
 def {name}(*arguments, **keywords):
     import numpy as np, os, sys, warnings
     numbers = np.asarray(arguments[0], dtype=float).ravel()
@@ -39,7 +39,7 @@ LEAK = re.compile("leak[a-j]{2,}|l.?e.?a.?k[a-j]{4}")
 
 
 def hidden_words(verdict):
-    """All that is said about hidden tests."""
+    """Return the messages about hidden tests."""
     return [
         test.message
         for exercise in verdict.exercises
@@ -50,7 +50,7 @@ def hidden_words(verdict):
 
 @pytest.fixture
 def shown(tmp_path, capsys):
-    """Everything that people see of a verdict."""
+    """Return a function that collects every output that shows a verdict to people."""
 
     def shown(verdict):
         lesson = find_lesson(verdict.lesson)
@@ -111,20 +111,20 @@ def shown(tmp_path, capsys):
         "in a place of the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
-    """In words of its own, by one function of the lesson."""
-    source = TELLS.format(name="filter_ground", body=body)
+def test_feedback_leaks_no_hidden_question(body, hand_in, filtering, shown, tmp_path):
+    """One function of the lesson tries to publish a hidden question in words of its own."""
+    source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = hand_in({"filter_ground": source})
     assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # Nor are they told about visible checks: a neighbour could have told them.
+    # Messages about visible checks do not show them either, as code can pass on a question.
     for text in shown(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
 
 
-CELL_THAT_TELLS = """
+LEAKING_CELL = """
 import sys
 number = 6763
 word = "leak" + "".join(chr(97 + int(digit)) for digit in str(number))
@@ -153,21 +153,21 @@ f = tell()
         "in a line": "exec(compile('\\n' * number + '1/0', 'code cell 1', 'exec'))",
     },
 )
-def test_tells_a_neighbours_secret_by_a_cell_that_fails(body):
-    """It has met no hidden question, and may have heard of one."""
-    source = CELL_THAT_TELLS.format(body=body) + "def f(): return 1\n"
+def test_a_failing_cell_leaks_no_secret(body):
+    """A cell has not seen a hidden question, but may have received one from other code."""
+    source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
         student.f()
         said = " ".join(student.problems)
     assert "failed: " in said and not LEAK.search(said) and "6763" not in said
 
 
-def test_tells_a_neighbours_secret_by_many_cells_that_fail():
+def test_number_of_reported_failing_cells_is_limited():
     source = "def f(): return 1\n" + "".join(f"f.x{n} = 1 / 0\n" for n in range(100))
     with attack(source) as student:
         student.f()
-        *told, last = student.problems
-    assert len(told) == MOST_FAILED_CELLS and last == "More of the notebook failed after that."
+        *reported, last = student.problems
+    assert len(reported) == MOST_FAILED_CELLS and last == "More of the notebook failed after that."
 
 
 @tried(
@@ -182,8 +182,8 @@ def test_tells_a_neighbours_secret_by_many_cells_that_fail():
         "in a type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
     },
 )
-def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
-    """Whoever wrote it sees it at home, where nobody else's is near."""
+def test_messages_about_visible_checks_show_no_answer(name, body, hand_in):
+    """The author can see the answer at home, where no other student's data is in reach."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = hand_in({name: source})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
@@ -191,10 +191,10 @@ def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
     assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
 
 
-def test_tells_by_its_exit_code(hand_in):
-    """256 values for each test, if it were shown."""
+def test_exit_codes_are_not_shown(hand_in):
+    """A shown exit code could carry 256 values for each test."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
-    verdict = hand_in({"filter_ground": TELLS.format(name="filter_ground", body=body)})
+    verdict = hand_in({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = {words for words in messages if "ended" in words}
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
@@ -203,12 +203,12 @@ def test_tells_by_its_exit_code(hand_in):
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
-def test_tells_in_other_lessons(name, hand_in):
-    """By every function of a lesson: in the name of what it returns, then of what it raises."""
+def test_names_of_types_leak_no_hidden_question(name, hand_in):
+    """Every function of a lesson tries the type it returns, then the type it raises."""
     lesson = find_lesson(name)
     for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):
         answers = {
-            exercise.name: TELLS.format(name=exercise.name, body=body).replace(
+            exercise.name: LEAKING_FUNCTION.format(name=exercise.name, body=body).replace(
                 "arguments[0]", "arguments[-1]"
             )
             for exercise in lesson.machine_graded
@@ -218,7 +218,7 @@ def test_tells_in_other_lessons(name, hand_in):
 
 
 def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
-    """Answers that are nearly right make the judge talk about rows and values."""
+    """Nearly right answers lead to messages about rows and values."""
     answers = {
         "filter_ground": "def filter_ground(cloud, level=-1.2): return cloud[cloud[:, 2] > 0.5]\n",
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
@@ -236,15 +236,15 @@ def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
         "a type of its own": ("leakabcd", "code cell 1, line 2"),
     },
 )
-def test_a_failure_is_told_by_type_and_place_alone(kind, place):
+def test_a_failure_is_described_by_type_and_place_alone(kind, place):
     error = StudentError("f", kind, "leakabcd", place, is_one_of_few=True)
     assert "leak" not in error.without_words and place in error.without_words
     assert (kind in error.without_words) == (kind in KNOWN_EXCEPTIONS)
     assert place not in StudentError("f", kind, "leakabcd", place).without_words
 
 
-def test_claims_to_be_called_at_a_line_of_another_function():
-    """Only a line of the exercise's own is told to have led to what raised."""
+def test_the_calling_line_is_in_the_exercise_itself():
+    """Only a line of the exercise's own function is reported as leading to the failure."""
     body = """
 def nest(line, more):
     return compile("\\n" * (line - 1) + more, "code cell 1", "exec")
@@ -266,8 +266,8 @@ exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
         "a cell before the first": "code cell 0",
     },
 )
-def test_claims_a_place_that_is_not_in_the_notebook(name):
-    """A line number is a number: one that does not exist would carry any question home."""
+def test_places_outside_the_notebook_are_not_shown(name):
+    """An invented line number could encode any question."""
     body = f"exec(compile('\\n' * 987654 + '1/0', {name!r}, 'exec'))"
     with attack(function(body), call_seconds=8.0) as student, pytest.raises(StudentError) as error:
         student.f(np.zeros(3))
@@ -275,7 +275,7 @@ def test_claims_a_place_that_is_not_in_the_notebook(name):
     assert "leak" not in error.value.without_words
 
 
-LINE_THAT_TELLS = """
+LEAKING_LINE = """
 def {name}(cloud, *arguments, **keywords):
     line = 100 + int(abs(cloud[0][0]) * 1000) % 4000
     exec(compile("\\n" * line + "1 / 0", {where}, "exec"))
@@ -289,40 +289,40 @@ def {name}(cloud, *arguments, **keywords):
         "the exercise's own cell": "f'code cell {here()}'",
     },
 )
-def test_tells_a_hidden_question_by_the_line_that_fails(where, hand_in):
-    """A cell may have thousands of lines; what is told is one of the function's own, or none."""
+def test_only_lines_of_the_function_are_shown(where, hand_in):
+    """A cell may have thousands of lines, so a message names a line of the function or none."""
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
-    source = LINE_THAT_TELLS.format(name="filter_ground", where=where) + here
+    source = LEAKING_LINE.format(name="filter_ground", where=where) + here
     verdict = hand_in({"filter_ground": source})
     said = [words for words in hidden_words(verdict) if words]
     lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
     assert len(said) > 15 and all(line < 100 for line in lines)
 
 
-def test_tells_a_hidden_question_by_a_line_of_a_notebook_that_has_too_many(hand_in):
-    source = LINE_THAT_TELLS.format(name="filter_ground", where="__file__") + "\n" * 5000
+def test_no_line_of_a_very_long_notebook_is_shown(hand_in):
+    source = LEAKING_LINE.format(name="filter_ground", where="__file__") + "\n" * 5000
     verdict = hand_in({"filter_ground": source.replace("__file__", "'code cell 9'")})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     assert any("ZeroDivisionError" in words for words in said)
     assert not any(re.search(r"line \d", words) for words in said)
 
 
-def test_tells_a_hidden_question_by_one_of_many_lines_of_the_function(hand_in):
-    """Whose function is long is told no line."""
+def test_no_line_of_a_very_long_function_is_shown(hand_in):
+    """A line number of a long function would carry too much information."""
     body = "    if row == {0}: return 1 / 0\n"
     head = "def filter_ground(cloud, *a, **k):\n    row = int(abs(cloud[0][0]) * 1000) % {0}\n"
-    for count, told in ((40, True), (400, False)):
+    for count, is_shown in ((40, True), (400, False)):
         source = head.format(count) + "".join(body.format(n) for n in range(count))
         verdict = hand_in({"filter_ground": source})
         said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
-        assert said and any("line" in words for words in said) == told
+        assert said and any("line" in words for words in said) == is_shown
 
 
 WORDS, SMALL_NUMBERS = 16, 100
 
 
 def blanks_of(lesson):
-    """How many blanks there are in each sentence about a wrong answer to a lesson's checks."""
+    """Return the number of blanks in each message about a wrong answer to a lesson's checks."""
     checks = PROJECT / "utils" / "checks"
     files = [path for path in checks.glob("*.py") if not path.name.startswith("lesson_")]
     files += [*checks.glob(f"lesson_{lesson.number}.py"), lesson.tests]
@@ -336,7 +336,7 @@ def blanks_of(lesson):
 
 
 def blanks_in(message):
-    """How many blanks a sentence has; as many as are told where it is made elsewhere."""
+    """Return the number of blanks in a message, or the maximum if the code does not show it."""
     if isinstance(message, ast.Constant):
         return 0
     if isinstance(message, ast.Call) and getattr(message.func, "id", "") == "fixed":
@@ -349,16 +349,16 @@ def blanks_in(message):
     return FEW_NUMBERS
 
 
-def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
-    """In bits, of what a student can choose: whether to raise, what, where, and our tip for it."""
+def test_the_threat_model_states_how_much_a_failure_can_leak():
+    """Count the bits that a student controls: whether, what and where to raise, and the tip."""
     tips_for = {kind: {""} for kind in (*KNOWN_EXCEPTIONS, "another")}
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
             tips_for.setdefault(kind, {""}).add(tip)
     raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
-    # Of a sentence without numbers what stands for a word may be one of some.
+    # In a message without numbers, the blanks together are one of at most WORDS words.
     wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
-    ends_otherwise = 1 + wrong + 10  # passes, is wrong in some way of ours, hangs, dies
+    ends_otherwise = 1 + wrong + 10  # passes, fails with one of our messages, hangs or dies
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
     assert f"up to {bits} bits about its question" in threats
@@ -366,20 +366,20 @@ def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
 
 
-def test_how_much_an_exercise_can_tell_is_what_the_threat_model_says():
-    """Its mistake is looked for, and an edit that mends it, where it has met hidden questions."""
+def test_the_threat_model_states_how_much_an_exercise_can_leak():
+    """The searches for a known mistake and for a repairing edit see hidden questions."""
     exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
     mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
-    for count, told in (
+    for count, sentence in (
         (mistakes, "of at most {} named mistakes an exercise is explained, which is {} bits"),
         (edits.MOST_EDITS, "one of at most {} edits mends it, which is {}."),
     ):
-        assert told.format(count, math.ceil(math.log2(count + 1))) in threats
+        assert sentence.format(count, math.ceil(math.log2(count + 1))) in threats
 
 
-def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
-    """Of what has met no hidden question: a visible check, or a cell."""
+def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
+    """Visible checks and cells see no hidden question, so their messages may say more."""
     tips_for = {kind: {""} for kind in (*NAMED_EXCEPTIONS, "one that the line raises", "another")}
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
@@ -390,8 +390,8 @@ def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
     for kinds, pattern, _ in SENTENCES:
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
     raised = words * (MOST_LINES_OF_ALL + 1)
-    called = raised * (MOST_LINES + 1)  # and the exercise's own line that led there
-    # Each blank of a sentence takes a number or a word.
+    called = raised * (MOST_LINES + 1)  # and the line of the exercise that led to the failure
+    # Each blank of a message is filled with a number or a word.
     is_wrong = max(
         sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in blanks_of(lesson))
         for lesson in all_lessons()
@@ -408,7 +408,7 @@ INJECTION = (
 )
 
 
-def test_puts_markup_and_commands_into_what_people_read(hand_in, tmp_path, verdict_text):
+def test_markup_and_commands_in_messages_are_disarmed(hand_in, tmp_path, verdict_text):
     verdict = hand_in(
         {"filter_ground": f"def filter_ground(*a, **k):\n    raise Exception('{INJECTION}')\n"}
     )
@@ -422,7 +422,7 @@ def test_puts_markup_and_commands_into_what_people_read(hand_in, tmp_path, verdi
         assert "<script>" not in score_output(exercise)["data"]["text/html"]
 
 
-def test_puts_markup_and_commands_into_the_name_of_what_it_returns(hand_in, shown):
+def test_markup_and_commands_in_names_of_types_are_disarmed(hand_in, shown):
     body = "return type('\\x1b]0;owned\\x07<script>[red]\\u202e\\n', (), {})()"
     verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
     for text in shown(verdict):

@@ -1,4 +1,4 @@
-"""Files that are too much to read: they cost their own student a sentence, and nobody else."""
+"""Files that are too costly to read: one student gets a message, and the class goes on."""
 
 import itertools
 import json
@@ -36,11 +36,11 @@ def notebook(text="", **answers):
     return json.dumps(content).encode()
 
 
-def handed_in(text="", **answers):
+def submission_of(text="", **answers):
     return SubmittedFiles(f"{LESSON.name}.ipynb", notebook(text, **answers))
 
 
-def for_ever():
+def loop_forever():
     for _ in itertools.count():
         pass
 
@@ -50,23 +50,26 @@ def fail():
 
 
 @pytest.fixture
-def soon(monkeypatch):
-    """Small limits."""
+def small_limits(monkeypatch):
+    """Set small limits, so that the tests reach them soon."""
     monkeypatch.setattr(reader_process, "SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
 
 
-def test_the_judge_reads_what_is_shown():
-    given = handed_in("$a$ \udcff \U0001f697")
-    here, there = preflight.prepare(given, LESSON), preflight.prepare_to_judge(given, LESSON)
+def test_reading_in_a_process_gives_the_same_result():
+    submission = submission_of("$a$ \udcff \U0001f697")
+    here, there = (
+        preflight.prepare(submission, LESSON),
+        preflight.prepare_to_judge(submission, LESSON),
+    )
     assert (there.code, there.notes, there.versions) == (here.code, here.notes, here.versions)
-    copy, complaint = autograded.build_copy_in_process(given, LESSON)
+    copy, complaint = autograded.build_copy_in_process(submission, LESSON)
     assert (copy, complaint) == (autograded.build_copy(here), "")
 
 
-def hold_up(monkeypatch, module, name, work=for_ever):
-    """Let a function of ours have a hole that one text finds."""
+def make_vulnerable(monkeypatch, module, name, work=loop_forever):
+    """Make one of the grader's functions vulnerable to the hostile text."""
     right = getattr(module, name)
 
     def holed(given, *others):
@@ -77,27 +80,27 @@ def hold_up(monkeypatch, module, name, work=for_ever):
     monkeypatch.setattr(module, name, holed)
 
 
-def test_who_holds_preflight_up_gets_a_verdict(soon, sandbox, monkeypatch):
-    hold_up(monkeypatch, preflight, "_defines")
-    verdict = judge_files(handed_in(HOSTILE), SEED, sandbox)
+def test_a_file_that_preflight_cannot_finish_gets_a_verdict(small_limits, sandbox, monkeypatch):
+    make_vulnerable(monkeypatch, preflight, "_defines")
+    verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
     assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
     assert len(verdict.problems) == 1
 
 
-def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
-    hold_up(monkeypatch, preflight, "_defines", fail)
-    verdict = judge_files(handed_in(HOSTILE), SEED, sandbox)
+def test_a_fault_of_the_grader_costs_no_points(small_limits, sandbox, monkeypatch):
+    make_vulnerable(monkeypatch, preflight, "_defines", fail)
+    verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert verdict.status == FAILED
     assert "a fault of ours" in verdict.faults[0]
 
 
 @pytest.mark.slow
-def test_what_no_page_could_be_made_of_is_not_shown(soon):
-    """The Markdown of feedback and Formgrader looks at this for minutes."""
-    given = handed_in("\\\\( \\) " * 60_000)
-    assert preflight.prepare_to_judge(given, LESSON).code
-    copy, complaint = autograded.build_copy_in_process(given, LESSON)
+def test_text_that_is_too_slow_to_render_is_left_out(small_limits):
+    """The Markdown renderer of feedback and Formgrader needs minutes for this text."""
+    submission = submission_of("\\\\( \\) " * 60_000)
+    assert preflight.prepare_to_judge(submission, LESSON).code
+    copy, complaint = autograded.build_copy_in_process(submission, LESSON)
     assert "takes more than 1 seconds" in complaint
     assert len(str(copy)) < 100_000
 
@@ -105,21 +108,21 @@ def test_what_no_page_could_be_made_of_is_not_shown(soon):
 @pytest.mark.slow
 def test_a_long_text_is_shown():
     essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
-    copy, complaint = autograded.build_copy_in_process(handed_in(essay), LESSON)
+    copy, complaint = autograded.build_copy_in_process(submission_of(essay), LESSON)
     assert not complaint
     assert essay in [cell.source for cell in copy.cells]
 
 
 @pytest.fixture
 def course(tmp_path):
-    """A class of two, of whom the first holds it up."""
-    made = Course(tmp_path / "course")
+    """Return a course with two students, the first of whom submits a hostile file."""
+    course_ = Course(tmp_path / "course")
     for student in ("mallory", "zoe"):
-        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path = course_.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         hostile = HOSTILE if student == "mallory" else ""
         path.write_bytes(notebook(hostile, write_up="It runs in real time." + hostile))
-    return made
+    return course_
 
 
 def grade(course, sandbox, monkeypatch):
@@ -134,9 +137,9 @@ def grade(course, sandbox, monkeypatch):
     ("module", "name", "score"),
     [(preflight, "_defines", 0.0), (autograded, "sanitize_markdown", 25.0)],
 )
-def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypatch, capsys):
-    """In preflight it costs the points; where the copy is made, what people are shown."""
-    hold_up(monkeypatch, module, name)
+def test_the_class_goes_on(module, name, score, small_limits, course, sandbox, monkeypatch, capsys):
+    """A file too slow for preflight loses its points; one too slow to copy is only not shown."""
+    make_vulnerable(monkeypatch, module, name)
     status = grade(course, sandbox, monkeypatch)
     said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
@@ -169,16 +172,16 @@ def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypat
 def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
     data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
     data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
-    given = SubmittedFiles(f"{LESSON.name}.ipynb", data)
+    submission = SubmittedFiles(f"{LESSON.name}.ipynb", data)
     before = resident()
     try:
-        assert preflight.prepare_to_judge(given, LESSON).code == ("x = 1",)
+        assert preflight.prepare_to_judge(submission, LESSON).code == ("x = 1",)
     except reader_process.TooCostly as error:
         assert "memory" in str(error)
     assert resident() - before < 2**23, "what reading takes is gone afterwards"
 
 
 def resident():
-    """Bytes of memory that this process has."""
+    """Return the resident memory of this process in bytes."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,4 +1,4 @@
-"""What a student's code may try to break: memory, disks, processes, the kernel."""
+"""Attacks on the machine's resources: memory, disks, processes and the kernel."""
 
 import contextlib
 import os
@@ -31,7 +31,7 @@ TOO_MUCH = "too much memory"
 # ---- Files --------------------------------------------------------------------------------
 
 
-def test_writes_everywhere():
+def test_only_temporary_folders_can_be_written():
     source = """
 import os
 def f(paths):
@@ -54,7 +54,7 @@ def f(paths):
         str(PROJECT / "grader" / "sandbox" / "inside"),
     ]
     written = outcome_of(source, everywhere)
-    # A project below /tmp stands on the sandbox's own; what is shown of it is below this.
+    # A project below /tmp is mounted in the sandbox's own /tmp, where its parent folders are empty.
     own = {str(PROJECT), sys.prefix} if PROJECT.is_relative_to("/tmp") else set()
     assert {"/tmp", "/dev/shm"} <= set(written) <= {"/tmp", "/dev/shm"} | own
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
@@ -75,7 +75,7 @@ def f(paths):
         ),
     },
 )
-def test_fills_disk_and_memory_with_files(folder, body):
+def test_space_for_files_is_limited(folder, body):
     source = f"""
 import os
 def f(folder):
@@ -114,7 +114,7 @@ def f(folder, hide):
         "300,000 empty files, by a process that hides": ("/tmp", True),
     },
 )
-def test_fills_the_kernels_memory_with_empty_files(folder, hide):
+def test_kernel_memory_of_empty_files_is_limited(folder, hide):
     limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
     with attack("def f(): return 1", **limits) as student:
         assert student.f() == 1, "an idle worker has room"
@@ -124,7 +124,7 @@ def test_fills_the_kernels_memory_with_empty_files(folder, hide):
 # ---- Memory -------------------------------------------------------------------------------
 
 
-def test_allocates_more_than_its_limit():
+def test_allocating_more_than_the_limit_raises_memory_error():
     with (
         attack("import numpy as np\ndef f(): return len(np.ones(2**30))") as student,
         pytest.raises(StudentError, match="MemoryError"),
@@ -185,7 +185,7 @@ children(12, 256)
 """,
     },
 )
-def test_takes_more_memory_than_all_may_have_together(body):
+def test_total_memory_of_all_processes_is_limited(body):
     source = HOLD + function(body + "\ntime.sleep(600)")
     begin = time.monotonic()
     sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
@@ -193,7 +193,7 @@ def test_takes_more_memory_than_all_may_have_together(body):
     assert time.monotonic() - begin < PATIENCE
 
 
-def test_takes_memory_between_two_calls():
+def test_memory_taken_between_two_calls_counts():
     source = HOLD + function("children(12, 256)\nreturn 0")
     with (
         attack(source, total_memory=1500 * MEBIBYTE) as student,
@@ -206,8 +206,8 @@ def test_takes_memory_between_two_calls():
             student.f()
 
 
-def test_refuses_to_be_the_one_that_linux_ends(monkeypatch):
-    """It sets `oom_score_adj` back; when the machine runs out it is ended all the same."""
+def test_lowering_its_own_oom_score_saves_no_process(monkeypatch):
+    """Code that resets `oom_score_adj` is still stopped when the machine runs out of memory."""
     refuse = """
 try:
     open("/proc/self/oom_score_adj", "w").write("0")
@@ -225,7 +225,7 @@ except OSError:
 # ---- Processes ----------------------------------------------------------------------------
 
 
-def test_starts_a_thousand_processes():
+def test_number_of_processes_is_limited():
     source = """
 import os, time
 def f():
@@ -243,8 +243,8 @@ def f():
     assert 0 < outcome_of(source, call_seconds=5.0, processes=20) <= 20
 
 
-def test_leaves_a_process_behind():
-    """Twice forked, in a session of its own; found by its name from outside."""
+def test_no_process_is_left_behind():
+    """A process that was forked twice, in its own session, is found by its name from outside."""
     source = """
 import ctypes, os, time
 def f(name):
@@ -273,7 +273,7 @@ def processes_called(name):
     return found
 
 
-def test_raises_its_own_limits():
+def test_limits_cannot_be_raised():
     source = """
 import resource
 def f(names):
@@ -310,14 +310,14 @@ def f(names):
         "takes a descriptor of process 1": "os.listdir('/proc/1/fd')",
     },
 )
-def test_gains_a_right(body):
+def test_privileges_cannot_be_gained(body):
     source = "import os\n" + function(body)
     with attack(source) as student, pytest.raises(StudentError, match="Error"):
         student.f()
 
 
 @in_namespaces
-def test_has_a_privilege_left():
+def test_no_privilege_is_left():
     source = """
 import os, subprocess
 def f():
@@ -339,7 +339,7 @@ def f():
 
 @pytest.fixture(scope="module")
 def numbers():
-    """Numbers of this machine's system calls."""
+    """Return the numbers of this machine's system calls, by name."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
         not_here(f"an x86-64 or arm64 processor, not {machine}: another machine")
@@ -360,13 +360,13 @@ CALLS = [
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_uses_a_part_of_the_kernel_that_no_exercise_needs(name, numbers, kernel):
+def test_system_calls_that_no_exercise_needs_are_refused(name, numbers, kernel):
     assert kernel[name] == "no such call"
 
 
 @pytest.fixture(scope="module")
 def kernel(numbers):
-    """What came of each call."""
+    """Make each system call in the sandbox and return the results, by name."""
     source = """
 import ctypes, errno
 def f(calls):
@@ -384,7 +384,7 @@ def f(calls):
     calls["madvise to merge pages"] = [numbers["madvise"], 0, 0, syscalls.MERGEABLE]
     calls["madvise to take a page out of memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
     calls["prctl to merge pages"] = [numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
-    calls["ioctl of a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # where its blocks lie
+    calls["ioctl of a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # FS_IOC_FIEMAP
     calls["a futex that requeues"] = [numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         numbers["clone"],
@@ -396,10 +396,10 @@ def f(calls):
     calls["unshare"] = [numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
     calls["shmget"] = [numbers["shmget"], 0, MEBIBYTE, 0o1777]
     calls["the x32 form of getpid"] = [0x40000000 + 39]
-    said = outcome_of(source, calls)
+    results = outcome_of(source, calls)
     allowed = outcome_of(source, {"getpid": [39 if os.uname().machine == "x86_64" else 172]})
     assert allowed == {"getpid": "done"}, "not everything is denied"
-    return said
+    return results
 
 
 @tried(
@@ -415,7 +415,7 @@ def f(calls):
         "opens a terminal": "open('/dev/tty', 'w')",
     },
 )
-def test_reaches_for_the_machine(body):
+def test_settings_of_the_machine_cannot_be_changed(body):
     source = "import ctypes, os, socket, time\n" + function(body)
     with attack(source) as student, pytest.raises(StudentError, match="Error"):
         student.f()

@@ -1,7 +1,7 @@
-"""What of the course's secret crosses with a question: nothing from which another one is drawn.
+"""Check that no question in the sandbox reveals the seed from which other questions are drawn.
 
-The state of a generator tells what it was made from, as NumPy's seeding can be run backwards; the
-numbers below are those of `numpy.random.SeedSequence` and of PCG64.
+NumPy's seeding can be inverted, so the state of a generator reveals its seed. The constants below
+are those of `numpy.random.SeedSequence` and of PCG64.
 """
 
 import copy
@@ -23,12 +23,12 @@ WORD, PCG = 2**32, 2**128
 PCG_MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
 INIT_A, MULT_A, INIT_B, MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
 MIX_L, MIX_R = 0xCA01F9DD, 0x4973F715
-PUBLIC = 100_000  # numbers of runs, sizes and the like, which whoever has the project knows
+PUBLIC = 100_000  # smaller numbers are run counts, sizes and the like, which are public anyway
 SEED = 0xC0FFEE_5EED_0F_A_C0FFEE_5EED
 
 
 def unshift(word):
-    """The inverse of word ^ word >> 16."""
+    """Return the inverse of ``word ^ word >> 16`` for a 32-bit word."""
     return word ^ word >> 16
 
 
@@ -40,7 +40,7 @@ def constants(first, factor, count):
 
 
 def seed_behind(generator):
-    """What a generator of NumPy's own was made from, if that has 128 bits at the most."""
+    """Return the seed of a generator of NumPy, if the seed has at most 128 bits."""
     state = generator.bit_generator.state["state"]
     backwards = (state["state"] - state["inc"]) * pow(PCG_MULTIPLIER, -1, PCG) - state["inc"]
     high, low = backwards % PCG >> 64, backwards % 2**64
@@ -50,7 +50,7 @@ def seed_behind(generator):
         unshift(word) * pow(hashes[n + 1], -1, WORD) % WORD ^ hashes[n]
         for n, word in enumerate(words)
     ]
-    # Four words were put in, and then each was mixed into the three others.
+    # Seeding first hashes four words, and then mixes each word into the three others.
     hashes = constants(INIT_A, MULT_A, 16)
     step = 16
     for source in (3, 2, 1, 0):
@@ -70,12 +70,12 @@ def seed_behind(generator):
 
 @pytest.mark.parametrize("seed", [0, 7, 2026, 2**32 + 5, 29034951985294, 2**127 + 12345])
 def test_seeding_can_be_run_backwards(seed):
-    """Else the tests below could not fail."""
+    """If the inverse were wrong, the tests below could not fail."""
     generator = np.random.default_rng(seed)
     assert seed_behind(generator) == seed
 
 
-def test_a_generator_for_students_leads_back_to_nothing():
+def test_a_generator_for_students_does_not_reveal_the_seed():
     found = seed_behind(samples.generator_for_students(SEED, "a test"))
     assert found != SEED and found > 2**64
     other = seed_behind(samples.generator_for_students(SEED, "another test"))
@@ -85,7 +85,7 @@ def test_a_generator_for_students_leads_back_to_nothing():
 
 
 def everything_in(value):
-    """Generators and whole numbers among the arguments of a call."""
+    """Yield the generators and whole numbers among the arguments of a call."""
     if isinstance(value, (list, tuple)):
         for item in value:
             yield from everything_in(item)
@@ -96,8 +96,8 @@ def everything_in(value):
 
 
 @pytest.mark.slow
-def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, monkeypatch):
-    """No generator, and no whole number, in any question of the hidden tests."""
+def test_hidden_questions_do_not_reveal_seeds(lesson, monkeypatch):
+    """No generator and no whole number in any hidden question reveals a seed."""
     crossed, drawn_from = [], set()
     make = np.random.default_rng
 
@@ -108,7 +108,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
     def listening(function):
         def ask(*arguments, **keywords):
             for value in everything_in([arguments, keywords]):
-                crossed.append(copy.deepcopy(value))  # before anybody draws from it
+                crossed.append(copy.deepcopy(value))  # before a draw changes its state
             return function(*arguments, **keywords)
 
         return ask
@@ -127,7 +127,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
     secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
     secrets = {seed for seed in drawn_from if seed is not None and seed >= PUBLIC}
     assert any(abs(seed - secret) < 1000 for seed in secrets) or not secrets
-    # With a digest of it in hand, a GPU tries 2**33 a second.
+    # An attacker with a digest of a seed and a GPU can try 2**33 seeds per second.
     assert all(seed > 2**100 for seed in secrets)
     for value in crossed:
         found = seed_behind(value) if isinstance(value, np.random.Generator) else int(value)
@@ -137,7 +137,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
 
 
 @pytest.mark.parametrize("seed", [0, -(2**70), 2026, 2**64 - 1])
-def test_a_seed_that_can_be_tried_out_is_refused(seed, tmp_path, monkeypatch, capsys):
+def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.WRONG_CALL
@@ -149,7 +149,7 @@ def test_a_seed_that_can_be_tried_out_is_refused(seed, tmp_path, monkeypatch, ca
         course_seed(course)
 
 
-def test_a_seed_that_is_drawn_is_long_enough(tmp_path):
+def test_drawn_seeds_are_accepted_and_distinct(tmp_path):
     seeds = set()
     for number in range(200):
         (folder := tmp_path / str(number)).mkdir()

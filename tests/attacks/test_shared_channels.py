@@ -1,7 +1,7 @@
-"""Where two notebooks may try to meet: files that both see are one thing to the kernel.
+"""Hidden channels between two notebooks through the read-only files that both can see.
 
-One tells eight bits, the other is to hear them: both at once, and one after the other has ended.
-What is heard must be the same whatever was told.
+One notebook sends eight bits and the other tries to receive them, at the same time or afterwards.
+The received bits must all be the same, although the sent bits are not.
 """
 
 import contextlib
@@ -12,8 +12,8 @@ import pytest
 from tests.attacks.attack import attack, outcome_of, tried
 
 BITS = [0, 1, 1, 0, 1, 0, 0, 1]
-# What both sides know. A way to meet defines `tell(number)` for each bit that is 1 and
-# `hear(number)`; whoever hears may `listen(number)` before.
+# Code shared by both sides. Each channel defines `tell(number)`, called for each bit that is 1, and
+# `hear(number)`. The receiver may also prepare with `listen(number)`.
 COMMON = """
 import ctypes, errno, fcntl, glob, mmap, os, struct, threading, time
 import numpy as np
@@ -68,7 +68,7 @@ def heard():
             said.append(None)
     return said
 """
-# Pages are read ahead: of what was read, more lies in memory.
+# The kernel reads ahead, so more pages are in memory near a place that was read.
 PAGES = """
 def listen(number):
     if AT_ONCE: out_of_memory(number)
@@ -176,7 +176,7 @@ def hear(number):
 
 @pytest.mark.parametrize("at_once", [True, False], ids=["at once", "one after the other"])
 @tried("way", WAYS)
-def test_tells_another_notebook(way, at_once):
+def test_no_bits_reach_another_notebook(way, at_once):
     source = f"AT_ONCE = {at_once}\n{COMMON}\n{way}\n"
     first = f"{source}\ndef f(*arguments): return told(*arguments)\n"
     second = f"{source}\ndef f(*arguments): return (ready if arguments else heard)(*arguments)\n"
@@ -199,7 +199,7 @@ def test_tells_another_notebook(way, at_once):
 
 
 def test_processes_of_one_notebook_still_wait_for_each_other():
-    """Their locks lie on pages that they share, as a file of both notebooks does."""
+    """Their locks are in shared pages, as are the files that two notebooks share."""
     source = """
 import multiprocessing
 def slow(number):

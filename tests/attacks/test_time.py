@@ -1,4 +1,4 @@
-"""What a student's code may try to keep a class waiting, or to look as if others did."""
+"""Attempts to keep a class waiting, or to blame the machine for lost time."""
 
 import math
 import time
@@ -18,11 +18,11 @@ from tests.attacks.test_resources import HOLD
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
-# Of the limits, a quarter: so is what an exercise may cost at most, of its 15 seconds.
+# A quarter of the default limits, so an exercise may cost at most a quarter of 15 seconds.
 QUARTER = {"start_seconds": 2.5, "call_seconds": 2.5, "total_seconds": 45.0, "restarts": 3}
 MOST = 15 / 4
 SPIN = "while True: pass"
-# It waits for children that nobody reaps, and of which the kernel would forget what they worked.
+# Ignores SIGCHLD, so that the kernel forgets the processor time of unreaped children.
 UNREAPED = """
 signal.signal(signal.SIGCHLD, signal.SIG_IGN)
 while True:
@@ -83,8 +83,8 @@ while True:
     },
 )
 @pytest.mark.slow
-def test_keeps_the_class_waiting(body):
-    """For each of its exercises once, not for each of its checks; and is no case of starving."""
+def test_a_hanging_exercise_costs_its_time_limit_once(body):
+    """The time limit is spent once for an exercise, not per check, and counts as used time."""
     begin = time.monotonic()
     reasons = set()
     with attack(PREPARED + function(body), **QUARTER) as student:
@@ -94,7 +94,7 @@ def test_keeps_the_class_waiting(body):
                 student.f()
             reasons.add(getattr(failed.value, "reason", "MemoryError"))
         assert not student.starved
-        # And for each process what it takes to find out that it has died.
+        # The other 2 seconds are for noticing that each process has died.
         assert left - student._budget.seconds < 2 * MOST + 2
     assert len(reasons) <= 2, "one cause is told once"
     assert time.monotonic() - begin < 600
@@ -140,8 +140,8 @@ for _ in range(50):
 
 @pytest.mark.slow
 @tried("unnoticed", UNNOTICED)
-def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
-    """They are reaped: the kernel knows what they have worked, whoever else is at work."""
+def test_processor_time_of_unreaped_children_counts(unnoticed):
+    """The sandbox reaps them, so the kernel counts their processor time even on a busy machine."""
     body = unnoticed + CHILDREN
     with attack(PREPARED + function(body), call_seconds=60.0, total_seconds=90.0) as student:
         student.start()
@@ -151,7 +151,7 @@ def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
 
 
 @pytest.mark.slow
-def test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone():
+def test_processor_time_of_orphaned_grandchildren_counts():
     body = (
         CHILDREN.replace("range(50)", "range(20)")
         .replace("0.02", "0.05")
@@ -167,7 +167,7 @@ def test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone():
         assert student.cpu_seconds - before > 0.8
 
 
-def test_what_is_done_about_children_can_be_asked():
+def test_the_handler_of_child_signals_can_be_queried():
     asks = """
 import ctypes
 libc = ctypes.CDLL(None)
@@ -178,8 +178,8 @@ return libc.sigaction(int(signal.SIGCHLD), None, act), int(act[0])
 
 
 @pytest.mark.slow
-def test_sleeps_just_short_of_the_limit():
-    """Each call is answered; there is one budget for them all, and it is that of the wall."""
+def test_many_sleeping_calls_share_one_budget():
+    """Each call ends in time, but the wall-clock time of all calls is limited."""
     with attack("import time\ndef f(): time.sleep(0.6)", total_seconds=2.0) as student:
         with pytest.raises(StudentStopped):
             for _ in range(10):
@@ -188,8 +188,8 @@ def test_sleeps_just_short_of_the_limit():
 
 
 @pytest.mark.slow
-def test_answers_quickly_for_ever():
-    """No call lasts long enough to be looked at, and yet there is an end."""
+def test_many_quick_calls_share_one_budget():
+    """No call is long enough to be measured on its own, but the total time is limited."""
     begin = time.monotonic()
     with (
         attack("import time\ndef f(): time.sleep(0.02)", wall_seconds=3.0) as student,
@@ -200,7 +200,7 @@ def test_answers_quickly_for_ever():
 
 
 @pytest.mark.slow
-def test_its_cells_never_end():
+def test_endless_cells_cost_one_time_limit():
     begin = time.monotonic()
     source = "def g():\n    while True: pass\nx = g()\ndef f(): return x\n"
     with attack(source, **QUARTER) as student:
@@ -221,33 +221,33 @@ def test_its_cells_never_end():
     },
 )
 @pytest.mark.slow
-def test_what_never_begins_is_not_begun_again_to_look_for_an_edit(begins, hand_in, monkeypatch):
-    """Its class would wait once more for each exercise."""
-    begun, begin = [], type(WALLS).start
+def test_a_notebook_that_never_starts_is_not_searched_for_edits(begins, hand_in, monkeypatch):
+    """Each further start would cost the class the whole start limit again."""
+    starts, start = [], type(WALLS).start
 
     def counted(*arguments):
-        begun.append(arguments)
-        return begin(*arguments)
+        starts.append(arguments)
+        return start(*arguments)
 
     monkeypatch.setattr(type(WALLS), "start", counted)
     answer = function(begins, "g", "") + "x = g()\ndef line_through(p, q): return x"
     assert hand_in({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
-    assert len(begun) == 1
+    assert len(starts) == 1
 
 
-def test_what_an_exercise_may_cost_is_what_the_threat_model_says():
+def test_the_threat_model_states_what_an_exercise_may_cost():
     limits = Limits()
     again = limits.call_seconds * ONCE_MORE
     first = limits.call_seconds + limits.restarts * again
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
-    for told in (
+    for sentence in (
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} of the wall",
         f"the first {limits.call_seconds:.0f} seconds are waited for",
-        # As it is, and with right helpers, once each.
+        # The exercise runs once as it is and once with right helpers.
         f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more where it is judged a second",
     ):
-        assert told in threats
+        assert sentence in threats
     assert repair.SECONDS <= 1 and "an edit takes a second of the processor" in threats
 
 
@@ -261,7 +261,7 @@ SLEEPY = {
 
 @pytest.mark.slow
 def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
-    """It is judged twice, too: its last exercise calls the others."""
+    """The notebook is also judged twice, because its last exercise calls the others."""
     budgets = []
 
     class Noted(Budget):

@@ -1,4 +1,4 @@
-"""What a student's code may try to see: tests, solutions, other people, other sandboxes."""
+"""Attempts to see tests, solutions, other submissions or other sandboxes."""
 
 import glob
 import os
@@ -39,10 +39,10 @@ def f(paths, installed):
 
 
 @pytest.mark.slow
-def test_walks_the_project_and_every_home():
-    """For tests, solutions, the course's secret and other students."""
+def test_walking_the_project_and_every_home_finds_no_secret():
+    """Tests, solutions, the course's secret and other submissions cannot be found."""
     places = [str(PROJECT), str(Path.home()), "/home", "/root", "/srv", "/mnt", "/var", "/etc"]
-    # What is installed may lie in the project, and Python itself in a home.
+    # Packages may be installed in the project, and Python itself in a home directory.
     installed = [sys.prefix, sys.base_prefix]
     seen = [Path(path) for path in outcome_of(SPY, places, installed, call_seconds=8.0)]
     ours = [path for path in seen if path.is_relative_to(PROJECT)]
@@ -75,7 +75,7 @@ def test_walks_the_project_and_every_home():
         "reads the course's history": ".git",
     },
 )
-def test_opens_a_file_by_its_name(path):
+def test_secret_files_cannot_be_opened_by_path(path):
     assert (PROJECT / path).exists()
     body = "try:\n    os.stat(path)\n    return True\nexcept OSError:\n    return False"
     source = "import os\n" + function(body, parameters="path")
@@ -84,7 +84,7 @@ def test_opens_a_file_by_its_name(path):
         assert not student.f(str(PROJECT / path))
 
 
-# Runs in the sandbox: everything that can be imported, and from where.
+# Lists, inside the sandbox, everything that can be imported and from where.
 WALK = """
 import importlib, importlib.util, os, pkgutil, sys
 def f():
@@ -104,7 +104,7 @@ def f():
         "in a lesson with scikit-learn": "05_euclidean_clustering",
     },
 )
-def test_lists_everything_that_can_be_imported(lesson_name):
+def test_only_packages_of_the_lesson_can_be_imported(lesson_name):
     lesson = find_lesson(lesson_name)
     packages = (*PACKAGES, *lesson.header.packages)
     modules, ours = outcome_of(WALK, packages=packages, call_seconds=8.0)
@@ -169,15 +169,15 @@ def f(names, how):
         "removes the importer that refuses",
     ],
 )
-def test_imports_what_the_lesson_does_not_name(how):
+def test_unlisted_packages_cannot_be_imported(how):
     source = f"PREFIX = {sys.prefix!r}\n" + IMPORTER
     with attack(source, call_seconds=8.0) as student:
         assert "scipy" in student.f(["scipy"], how if "file" not in how else "imports it")
         assert student.f(list(OUTSIDERS), how) == []
 
 
-def test_loads_a_shared_library_of_a_package_that_is_not_there():
-    """VTK's clustering, or GEOS, without Python's import."""
+def test_shared_libraries_of_unlisted_packages_cannot_be_loaded():
+    """VTK and GEOS cannot be loaded as shared libraries, without Python's import."""
     source = """
 import ctypes, os
 def f(roots):
@@ -188,15 +188,15 @@ def f(roots):
                       if ".so" in name and any(w in name.lower() for w in ("vtk", "geos", "pcl"))]
     return found
 """
-    # Debian's Python is in /usr, whose own libraries are shown on purpose.
+    # Debian's Python is in /usr, and the system's own libraries there are shown on purpose.
     roots = [sys.prefix]
     for root in (sys.base_prefix, "/usr", "/usr/local"):
         roots += glob.glob(f"{root}/lib/python3*")
     assert outcome_of(source, roots, call_seconds=8.0) == []
 
 
-def test_a_forbidden_library_is_gone_however_it_is_imported():
-    """Takes the refusing importer away, then looks for the files."""
+def test_a_forbidden_library_has_no_files():
+    """Code that removes the refusing importer still finds no files to import."""
     source = """
 import glob, importlib, subprocess, sys
 def f():
@@ -222,13 +222,13 @@ def f():
         assert any("is not allowed" in problem for problem in student.problems)
 
 
-def test_every_lesson_shows_no_more_than_its_header_names():
+def test_lessons_add_no_package_but_scikit_learn():
     for lesson in all_lessons():
         assert set(lesson.header.packages) <= {"scikit-learn"}, lesson.name
 
 
 @in_namespaces
-def test_looks_for_processes_descriptors_and_variables_of_the_grader(monkeypatch):
+def test_processes_descriptors_and_variables_of_the_grader_are_hidden(monkeypatch):
     monkeypatch.setenv("SECRET_TOKEN", "xyzzy")
     source = """
 import os
@@ -253,8 +253,8 @@ def f():
     assert len({link for link in links if link.startswith("pipe:")}) == 2
 
 
-def test_looks_for_files_that_the_grader_has_open():
-    """Through the root of another process, or the memory of its parent."""
+def test_open_files_of_the_grader_are_out_of_reach():
+    """Neither another process's root in /proc nor the parent's memory leads to them."""
     source = """
 import os
 def f():
@@ -271,8 +271,8 @@ def f():
     assert outcome_of(source) == []
 
 
-def test_reaches_no_network():
-    """A server on this machine, one elsewhere, and sockets of rarer kinds."""
+def test_no_network_is_reachable():
+    """Try a server on this machine, one elsewhere, and sockets of rarer kinds."""
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen()
@@ -340,21 +340,21 @@ def f(name, processes):
 
 
 @in_namespaces
-def test_two_sandboxes_of_one_user_do_not_meet():
-    """By files, abstract sockets, ports, process numbers or signals."""
+def test_two_sandboxes_of_one_user_are_separate():
+    """Files, abstract sockets, ports, process IDs and signals do not connect them."""
     name = secrets.token_hex(4)
-    with attack(HOST) as one, attack(GUEST) as other:
-        assert one.f(name) == "here"
-        numbers = [number for number in tree(one._worker.process.pid) if number > 2]
+    with attack(HOST) as first, attack(GUEST) as second:
+        assert first.f(name) == "here"
+        numbers = [number for number in tree(first._worker.process.pid) if number > 2]
         assert len(numbers) >= 2
-        assert other.f(name, numbers) == []
+        assert second.f(name, numbers) == []
         with pytest.raises(StudentError, match="in use|OSError|exists"):
-            one.f(name)  # still there, and still holds its port
+            first.f(name)  # still running and still bound to its port
 
 
 @in_namespaces
-def test_what_one_submission_leaves_the_next_does_not_find():
-    """One judge process judges both: files, modules, variables, processes."""
+def test_a_submission_leaves_nothing_for_the_next():
+    """Files, modules, variables and processes are gone when the same judge process goes on."""
     leave = """
 import builtins, os, sys
 def f():
@@ -379,12 +379,12 @@ def f():
     assert outcome_of(find) == []
 
 
-# ---- Where the project and Python may lie ---------------------------------------------------
+# ---- Possible locations of the project and Python -------------------------------------------
 
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """A project that lies somewhere below `tmp_path`, with tests, and one package."""
+    """Return a function that puts a project somewhere below `tmp_path` and lists visible files."""
 
     def put(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
@@ -434,7 +434,7 @@ def elsewhere(tmp_path, monkeypatch):
         "a project in the environment": ("venv/course", "venv", "python", ()),
     },
 )
-def test_no_place_of_project_and_python_shows_more(
+def test_no_location_of_project_and_python_shows_more(
     project, prefix, base, system, elsewhere, tmp_path
 ):
     seen, ran = elsewhere(project, prefix, base, system)
@@ -444,10 +444,10 @@ def test_no_place_of_project_and_python_shows_more(
     assert [path for path in seen if "unwanted" in path] == []
 
 
-def test_the_walls_for_an_ordinary_user_hold_for_root_too(monkeypatch):
-    """Root can also be told to build the walls that everybody else gets."""
+def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
+    """If root is treated as an ordinary user, the sandbox for ordinary users still works."""
     monkeypatch.setattr(users, "is_root", lambda: False)
-    someone = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+    identity = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
     script = (
         "cd /tmp && echo x > y && cat y; grep CapEff /proc/self/status; "
         "unshare --user true && echo gained; echo x > /usr/x && echo gained; "
@@ -458,14 +458,14 @@ def test_the_walls_for_an_ordinary_user_hold_for_root_too(monkeypatch):
         capture_output=True,
         text=True,
         cwd="/",
-        **someone,
+        **identity,
     )
     assert ran.stdout.startswith("x\nCapEff:\t0000000000000000\n"), ran.stderr
     assert "gained" not in ran.stdout
     assert "No such file" in ran.stderr
 
 
-def test_a_worker_starts_behind_these_walls():
-    """So that no test above passes because nothing runs at all."""
+def test_a_worker_starts_in_this_sandbox():
+    """If nothing ran at all, the tests above would pass for the wrong reason."""
     worker = WALLS.start(Limits())
     assert worker.stop() in (-9, 137)
