@@ -82,7 +82,7 @@ def test_only_shown_files_are_visible(tmp_path):
         "makes a namespace": "assert ctypes.CDLL(None).unshare(0x10000000) == 0",
     },
 )
-def test_privileges_are_refused(body):
+def test_has_no_right(body):
     source = "import ctypes, os\n" + function(
         f"try:\n    {body}\nexcept (OSError, AssertionError):\n    return 'refused'\n"
         "return 'gained'"
@@ -202,7 +202,7 @@ except SandboxUnavailable as error:
 
 
 @pytest.mark.parametrize("right", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
-def test_refuses_to_start_without_a_capability(right):
+def test_refuses_without_the_right(right):
     command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]
     ran = subprocess.run([*command, "-c", TRY], capture_output=True, text=True, cwd=PROJECT)
     assert ran.stdout.startswith("Root may not shut others in here."), ran

@@ -124,14 +124,14 @@ def text(letters, size):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_sanitizing_markdown_takes_linear_time(letters):
+def test_markdown_is_looked_at_once(letters):
     assert_linear(lambda size: text(letters, size), sanitize_markdown)
     assert_linear(lambda size: text(letters, size), as_code)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_decoding_a_file_takes_linear_time(letters):
+def test_a_file_is_looked_at_once(letters):
     def read(data):
         with contextlib.suppress(UnreadableNotebook):
             decode_notebook(data, "file.ipynb")
@@ -143,7 +143,7 @@ def test_decoding_a_file_takes_linear_time(letters):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["code", "markdown", "raw"])
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_copying_a_cell_takes_linear_time(letters, kind):
+def test_a_cell_is_looked_at_once(letters, kind):
     """Preflight and the copy for Formgrader take linear time for one long cell."""
 
     def show(draft):
@@ -156,7 +156,7 @@ def test_copying_a_cell_takes_linear_time(letters, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_showing_a_verdict_takes_linear_time(letters, tmp_path):
+def test_a_verdict_is_looked_at_once(letters, tmp_path):
     """The report on a class and the copy for Formgrader take linear time for a long message."""
 
     def verdict(size):
@@ -178,7 +178,7 @@ def test_showing_a_verdict_takes_linear_time(letters, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("step", preflight.STEPS, ids=lambda step: step.__name__)
 @pytest.mark.parametrize("kinds", [("code",), ("markdown",), ("raw",), ("code", "markdown")])
-def test_preflight_of_many_cells_takes_linear_time(step, kinds):
+def test_many_cells_are_looked_at_once(step, kinds):
     """The cells define an exercise, are marked as graded, or look like a written answer."""
     sources = ["def match_boxes(a): return 1", "match_boxes = 1\nimport helper", "An answer.", ""]
 

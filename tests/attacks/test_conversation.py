@@ -116,7 +116,7 @@ while True: os.write(write, b" ")
         ),
     },
 )
-def test_broken_or_missing_answers_stop_the_student(body, sentence):
+def test_breaks_off_the_conversation(body, sentence):
     source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
     begin = time.monotonic()
     with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
@@ -424,7 +424,7 @@ return g
 """,
     },
 )
-def test_deceptive_values_arrive_as_plain_data(body):
+def test_returns_a_value_that_lies(body):
     """The judge receives plain, unchanging data, or the call raises an error."""
     source = "import numpy as np\n" + function(body)
     with attack(source, call_seconds=2.0, memory=2**30) as student:
@@ -496,7 +496,7 @@ def test_deceptive_values_arrive_as_plain_data(body):
         "endless recursion": ("def g(): g()\ng()", "RecursionError"),
     },
 )
-def test_strange_failures_become_one_printable_line(body, sentence):
+def test_fails_in_a_strange_way(body, sentence):
     """The message is one short printable line, and the same worker goes on."""
     with attack("import numpy as np\n" + function(body), call_seconds=3.0) as student:
         with pytest.raises(StudentError) as raised:

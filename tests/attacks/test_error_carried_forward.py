@@ -102,7 +102,7 @@ def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
     assert not [text for text in parsed if "a text of the student" in text]
 
 
-def test_answering_differently_the_second_time_gains_nothing(tmp_path):
+def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
     """The answer fails on purpose in the first run, to get a second run with a right helper."""
     counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
     turn = (

@@ -191,7 +191,7 @@ def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_pa
         "an encoding": "# -*- coding: utf-7 -*-\n+AGY-",
     },
 )
-def test_a_cell_made_to_break_parsers_loses_only_itself(cell):
+def test_a_cell_made_to_break_parsers(cell):
     """The other cells of the notebook still work."""
     program = Program((cell, "def f(): return 1"), ("f",))
     with StudentProxy(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
@@ -217,7 +217,7 @@ def test_hundreds_of_thousands_of_cells_are_refused(hand_in):
 
 
 @pytest.mark.slow
-def test_thousands_of_cells_that_define_the_exercise_are_judged(hand_in):
+def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
     source = "def filter_ground(cloud): pass"
     cells = [
         json.dumps({"cell_type": "code", "source": source + "#" * (n % 99)}) for n in range(20_000)
@@ -373,7 +373,7 @@ NAMES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
-def test_strange_student_names_are_judged_and_reported(name, course, filtering, capsys):
+def test_calls_itself_something_strange(name, course, filtering, capsys):
     from grader.console import print_class
     from grader.lms.report import write_report
 

@@ -31,7 +31,7 @@ def attack_on(lesson, source):
 
 @pytest.mark.slow
 @tried("forbidding", FORBIDDING)
-def test_forbidden_modules_are_not_in_memory_after_libraries_import_them(forbidding):
+def test_nothing_of_it_is_in_memory_after_libraries_have_imported_it(forbidding):
     """No compiled code, class or function of them is in memory, only stand-ins."""
     source = (
         "# scipy is named here, so it may have been imported.\n"

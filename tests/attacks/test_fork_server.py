@@ -142,7 +142,7 @@ def test_slow_packages_are_imported_only_if_the_code_names_them():
         *((lesson.header.forbidden, None) for lesson in all_lessons() if lesson.header.forbidden),
     ],
 )
-def test_forbidden_modules_are_not_preloaded(forbidden, preloaded):
+def test_what_is_forbidden_is_not_in_memory_either(forbidden, preloaded):
     """A module preloaded for one lesson, or by another module, would be available in others."""
     names = outcome_of(function(SCIPY_IN_MEMORY), forbidden=forbidden)
     inside = tuple(f"{name}." for name in forbidden)

@@ -184,7 +184,7 @@ def page_of(notebook):
 
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
-def test_the_page_of_a_hostile_notebook_runs_no_script(kind, blank):
+def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
     """Feedback and Formgrader render all the scripts above in each kind of cell."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))

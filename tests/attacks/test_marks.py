@@ -120,7 +120,7 @@ def euclidean_clustering(cloud, distance_tolerance=0.5):
         "the cloud, whatever is asked": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
     },
 )
-def test_answers_found_elsewhere_earn_little(exercise, source, hand_in):
+def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
     verdict = hand_in({exercise: source}, lesson=lesson_of(exercise))
     assert share(verdict, exercise) <= MOST
 
@@ -234,7 +234,9 @@ def points_of(lesson, exercise, answer):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_no_function_in_the_sandbox_answers_an_exercise(lesson, tmp_path, monkeypatch):
+def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
+    lesson, tmp_path, monkeypatch
+):
     """Try every function as the answer to every exercise, in every order of the arguments."""
     monkeypatch.chdir(tmp_path)
     shown = everything_shown()
@@ -287,7 +289,7 @@ def faults(verdict):
 
 
 @pytest.mark.slow
-def test_spoiling_every_argument_gains_nothing_and_harms_no_other(lesson, hand_in):
+def test_spoils_every_argument_of_every_call(lesson, hand_in):
     """The same process judges the next student correctly."""
     names = [exercise.name for exercise in lesson.machine_graded]
     verdict = hand_in(
@@ -356,7 +358,7 @@ def get_oriented_boxes(cloud, clusters):
         ),
     },
 )
-def test_changing_the_question_to_fit_the_answer_earns_little(exercise, source, most, hand_in):
+def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
     verdict = hand_in({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
     assert share(verdict, exercise) <= most
 
@@ -379,7 +381,7 @@ setattr(KdTree, "search", lambda self, target, tolerance: [])
         "a given class that is changed by name": 'globals()["KdTree"] = dict\n',
     },
 )
-def test_changing_given_code_has_no_effect(cell, hand_in):
+def test_changes_what_the_lesson_gives(cell, hand_in):
     """The judge uses the lesson's own copy, so a change neither helps nor harms."""
     lesson = find_lesson("04_kd_tree")
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
@@ -459,7 +461,7 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
         "guesses by the length": "return a[0][: len(a[0]) // 2]",
     },
 )
-def test_looking_for_the_judge_earns_little(source, hand_in):
+def test_reaches_for_the_judge(source, hand_in):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
     # Returning the cloud itself is right only if nothing has to be removed.
     assert hand_in({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
@@ -489,7 +491,7 @@ def test_looking_for_the_judge_earns_little(source, hand_in):
         "numbers that are nearly none": "np.full(cloud.shape, 5e-324)",
     },
 )
-def test_huge_or_strange_answers_cost_the_judge_little(claim, hand_in):
+def test_claims_something_huge_or_strange(claim, hand_in):
     """The verdict is ready in time and awards hardly any points."""
     answers = {
         name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
@@ -516,7 +518,7 @@ def test_huge_or_strange_answers_cost_the_judge_little(claim, hand_in):
         "every point a million times": ("search", "[0] * 10**6"),
     },
 )
-def test_far_too_large_answers_earn_little(exercise, claim, hand_in):
+def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
     verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)

@@ -111,7 +111,7 @@ def shown(tmp_path, capsys):
         "in a place of the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_feedback_leaks_no_hidden_question(body, hand_in, filtering, shown, tmp_path):
+def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
     """One function of the lesson tries to publish a hidden question in words of its own."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = hand_in({"filter_ground": source})
@@ -153,7 +153,7 @@ f = tell()
         "in a line": "exec(compile('\\n' * number + '1/0', 'code cell 1', 'exec'))",
     },
 )
-def test_a_failing_cell_leaks_no_secret(body):
+def test_tells_a_neighbours_secret_by_a_cell_that_fails(body):
     """A cell has not seen a hidden question, but may have received one from other code."""
     source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
@@ -182,7 +182,7 @@ def test_number_of_reported_failing_cells_is_limited():
         "in a type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
     },
 )
-def test_messages_about_visible_checks_show_no_answer(name, body, hand_in):
+def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
     """The author can see the answer at home, where no other student's data is in reach."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = hand_in({name: source})
@@ -203,7 +203,7 @@ def test_exit_codes_are_not_shown(hand_in):
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
-def test_names_of_types_leak_no_hidden_question(name, hand_in):
+def test_tells_in_other_lessons(name, hand_in):
     """Every function of a lesson tries the type it returns, then the type it raises."""
     lesson = find_lesson(name)
     for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):

@@ -114,7 +114,7 @@ def f(folder, hide):
         "300,000 empty files, by a process that hides": ("/tmp", True),
     },
 )
-def test_kernel_memory_of_empty_files_is_limited(folder, hide):
+def test_fills_the_kernels_memory_with_empty_files(folder, hide):
     limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
     with attack("def f(): return 1", **limits) as student:
         assert student.f() == 1, "an idle worker has room"

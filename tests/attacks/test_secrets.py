@@ -96,7 +96,7 @@ def everything_in(value):
 
 
 @pytest.mark.slow
-def test_hidden_questions_do_not_reveal_seeds(lesson, monkeypatch):
+def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, monkeypatch):
     """No generator and no whole number in any hidden question reveals a seed."""
     crossed, drawn_from = [], set()
     make = np.random.default_rng

@@ -176,7 +176,7 @@ def hear(number):
 
 @pytest.mark.parametrize("at_once", [True, False], ids=["at once", "one after the other"])
 @tried("way", WAYS)
-def test_no_bits_reach_another_notebook(way, at_once):
+def test_tells_another_notebook(way, at_once):
     source = f"AT_ONCE = {at_once}\n{COMMON}\n{way}\n"
     first = f"{source}\ndef f(*arguments): return told(*arguments)\n"
     second = f"{source}\ndef f(*arguments): return (ready if arguments else heard)(*arguments)\n"

@@ -83,7 +83,7 @@ while True:
     },
 )
 @pytest.mark.slow
-def test_a_hanging_exercise_costs_its_time_limit_once(body):
+def test_keeps_the_class_waiting(body):
     """The time limit is spent once for an exercise, not per check, and counts as used time."""
     begin = time.monotonic()
     reasons = set()
@@ -140,7 +140,7 @@ for _ in range(50):
 
 @pytest.mark.slow
 @tried("unnoticed", UNNOTICED)
-def test_processor_time_of_unreaped_children_counts(unnoticed):
+def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
     """The sandbox reaps them, so the kernel counts their processor time even on a busy machine."""
     body = unnoticed + CHILDREN
     with attack(PREPARED + function(body), call_seconds=60.0, total_seconds=90.0) as student:
@@ -151,7 +151,7 @@ def test_processor_time_of_unreaped_children_counts(unnoticed):
 
 
 @pytest.mark.slow
-def test_processor_time_of_orphaned_grandchildren_counts():
+def test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone():
     body = (
         CHILDREN.replace("range(50)", "range(20)")
         .replace("0.02", "0.05")
