@@ -1,4 +1,4 @@
-"""Pages in a browser, where there is one, with the MathJax that this machine has."""
+"""Open and print pages in Chromium, with the MathJax installed on this machine."""
 
 import http.server
 import os
@@ -15,11 +15,11 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 PDF_TO_TEXT = shutil.which("pdftotext")
-# Debian's package libjs-mathjax; or a folder with MathJax 2, or MathJax 3's `es5`.
+# From Debian's package libjs-mathjax; MATHJAX may be a folder with MathJax 2 or MathJax 3's `es5`.
 MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
-# Without its safe mode: what holds there holds in it.
+# Entries without MathJax's safe mode, as pages that are safe here are also safe in that mode.
 ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
-SECONDS = 100  # that scripts may take, by the page's own clock
+SECONDS = 100  # virtual time for the page's scripts
 PATIENCE = 500
 
 
@@ -30,7 +30,7 @@ def _run(command, **options):
 
 
 def mathjax_entries():
-    """What a page may load MathJax by."""
+    """Return the installed entry files through which a page can load MathJax."""
     return [entry for entry in ENTRIES if (MATHJAX / entry.split("?")[0]).is_file()]
 
 
@@ -43,7 +43,7 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
             file = MATHJAX / path.removeprefix("/mathjax/")
             self.answer(file.read_bytes() if file.is_file() else b"")
         else:
-            self.server.asked.append((host, self.path))  # Chromium has questions of its own
+            self.server.asked.append((host, self.path))  # may include Chromium's own requests
             self.answer(b"")
 
     def answer(self, content):
@@ -56,18 +56,18 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
 
 
 def page_of(texts, entry):
-    """A notebook's page, as feedback and Formgrader make it, that loads our MathJax."""
+    """Return a notebook's page as in feedback and Formgrader, which loads the local MathJax."""
     cells = [nbformat.v4.new_markdown_cell(text) for text in texts]
     exporter = HTMLExporter(template_name="classic", mathjax_url=f"/mathjax/{entry}")
     page = exporter.from_notebook_node(nbformat.v4.new_notebook(cells=cells))[0]
-    if "config=" not in entry:  # what the template says is for MathJax 2
+    if "config=" not in entry:  # the template's own settings are for MathJax 2
         settings = "MathJax = {tex: {inlineMath: [['$', '$'], ['\\\\(', '\\\\)']]}}"
         page = page.replace("<head>", f"<head><script>{settings}</script>", 1)
     return page
 
 
 def printed(page, folder):
-    """What stands on each sheet of paper, a list of its lines; needs Poppler's `pdftotext`."""
+    """Print a page and return the lines on each sheet; this needs Poppler's `pdftotext`."""
     folder.mkdir()
     (folder / "page.html").write_text(page, "utf-8")
     command = [
@@ -88,7 +88,7 @@ def printed(page, folder):
 
 
 def seen(page, folder, elsewhere):
-    """(the page after its scripts have run, the paths that it asked for of another host)."""
+    """Return the page after its scripts have run, and the paths requested from `elsewhere`."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
     server.page, server.asked = page.encode(), []
     threading.Thread(target=server.serve_forever, daemon=True).start()

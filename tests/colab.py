@@ -1,6 +1,6 @@
-"""A stand-in for Google Colab: its versions in an environment of their own, and a web server.
+"""A stand-in for Google Colab: its versions in a separate environment, and a web server.
 
-Colab's versions are those of August 2026. Only what a notebook can meet is installed.
+The versions are Colab's of August 2026. Only packages that a notebook can use are installed.
 """
 
 import contextlib
@@ -29,13 +29,13 @@ PINS = (
     "ipywidgets==7.7.1",
 )
 PYTHONS = ((3, 13), (3, 12))
-# Colab's kernel loads this package before the first cell; the course tells Colab by it.
+# Colab's kernel loads this package before the first cell, so the course uses it to detect Colab.
 MARK = "import sys, types; sys.modules['google.colab'] = types.ModuleType('google.colab')"
-NEEDED = ("curl", "tar")  # the setup cell calls them; Colab has both
+NEEDED = ("curl", "tar")  # programs that the setup cell runs
 
 
 def why_not():
-    """What keeps this machine from playing Colab, as a sentence; empty when nothing does."""
+    """Return the missing requirement of the stand-in as a sentence, or an empty string."""
     missing = [name for name in NEEDED if not shutil.which(name)]
     if sys.platform != "linux" or missing:
         return f"Linux with {' and '.join(NEEDED)}: sudo apt-get install curl tar"
@@ -46,7 +46,7 @@ def why_not():
 
 @functools.cache
 def find_python():
-    """Path of a Python of Colab's version, or None: this one, one on PATH, one of pyenv's."""
+    """Find a Python of Colab's version: this one, on PATH or in pyenv; None if there is none."""
     if sys.version_info[:2] in PYTHONS:
         return sys.executable
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
@@ -58,25 +58,25 @@ def find_python():
         for path in filter(None, candidates):
             program = "import ensurepip, sys, venv; print(*sys.version_info[:2])"
             done = subprocess.run([path, "-c", program], capture_output=True, text=True)
-            if done.stdout.split() == [str(major), str(minor)]:  # one of pyenv's shims may be dead
+            if done.stdout.split() == [str(major), str(minor)]:  # a shim of pyenv may not work
                 return str(path)
     return None
 
 
 def environment(cache):
-    """Make the environment in the folder `cache`, once for all the tests and runs.
+    """Create the environment below the folder `cache`, once for all tests and runs.
 
     Returns
     -------
     pathlib.Path
-        Its folder.
+        Folder of the environment.
     """
     import fcntl
 
     version = subprocess.run([find_python(), "-VV"], capture_output=True, text=True).stdout
     key = hashlib.sha256(repr((PINS, MARK, version)).encode()).hexdigest()[:12]
     folder = Path(cache) / key
-    with open(Path(cache) / f"{key}.lock", "w") as lock:  # pytest-xdist runs several of us
+    with open(Path(cache) / f"{key}.lock", "w") as lock:  # pytest-xdist runs several processes
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "complete").exists():
             shutil.rmtree(folder, ignore_errors=True)
@@ -102,7 +102,7 @@ def environment(cache):
 
 
 def _describe_kernel(folder):
-    """Make the environment known to Jupyter as the kernel "colab", for JUPYTER_PATH=`folder`."""
+    """Register the environment as Jupyter's kernel "colab", found with JUPYTER_PATH=`folder`."""
     argv = [
         str(folder / "bin" / "python"),
         "-Xfrozen_modules=off",
@@ -118,14 +118,14 @@ def _describe_kernel(folder):
 
 
 def archive_of(files, top="lab-main"):
-    """A .tar.gz as GitHub makes them, with everything in one folder.
+    """Return the bytes of a .tar.gz as GitHub makes it, with everything in one folder.
 
     Parameters
     ----------
     files : dict of str to bytes
         Content by path.
     top : str
-        That folder.
+        Name of the one folder.
     """
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w:gz", compresslevel=1) as archive:
@@ -137,7 +137,7 @@ def archive_of(files, top="lab-main"):
 
 
 def course_files():
-    """Content by path of what is in the repository, less what takes long to pack."""
+    """Return the repository's files as content by path, without files that are slow to pack."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for folder in ("data", "solutions", "utils")
@@ -148,12 +148,12 @@ def course_files():
 
 @contextlib.contextmanager
 def served(pages):
-    """Serve `pages`, bytes by path, on this machine; yields the address and what was asked for."""
-    asked = []
+    """Serve `pages`, bytes by path, on this machine; yield the address and the requested paths."""
+    requests = []
 
     class Handler(http.server.BaseHTTPRequestHandler):
         def do_GET(self):
-            asked.append(self.path)
+            requests.append(self.path)
             content = pages.get(self.path)
             self.send_response(404 if content is None else 200)
             self.end_headers()
@@ -165,7 +165,7 @@ def served(pages):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
-        yield f"http://127.0.0.1:{server.server_port}", asked
+        yield f"http://127.0.0.1:{server.server_port}", requests
     finally:
         server.shutdown()
         server.server_close()

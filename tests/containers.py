@@ -1,8 +1,8 @@
-"""What Docker's default profile forbids, for a process of this machine.
+"""Run a command with the restrictions of Docker's default profile.
 
     python3 tests/containers.py USER COMMAND...    # USER is a number, and 0 is root
 
-Needs root, and nothing but Python's own library. The lists are those of Docker's seccomp profile
+It needs root and only Python's standard library. The lists are those of Docker's seccomp profile
 and of its default capabilities.
 """
 
@@ -18,7 +18,7 @@ DOCKER = (
 
 
 def as_user(user: int, capabilities: Iterable[str] | None) -> list[str]:
-    """Words that run a command as a user with some capabilities; None stands for all."""
+    """Return words that run a command as a user with some capabilities, or all if None."""
     words = ["setpriv", "--inh-caps=-all"]
     if user:
         words += ["--reuid", str(user), "--regid", str(user), "--clear-groups"]
@@ -28,13 +28,13 @@ def as_user(user: int, capabilities: Iterable[str] | None) -> list[str]:
 
 
 def deny_what_docker_denies():
-    """Namespaces and mounts: "not permitted", as without CAP_SYS_ADMIN (x86_64)."""
+    """Refuse system calls for namespaces and mounts as without CAP_SYS_ADMIN (x86_64 only)."""
     load, jump, any_bit, give = 0x20, 0x15, 0x45, 0x06
     allow, no, unknown = 0x7FFF0000, 0x00050001, 0x00050026
     code = [(load, 0, 0, 0)]
     for number in (272, 308, 165, 166, 155, 321, 298, 250, 248, 323, 428, 429, 430, 432, 442):
         code += [(jump, 0, 1, number), (give, 0, 0, no)]
-    code += [(jump, 0, 1, 435), (give, 0, 0, unknown)]  # clone3, whose flags nobody can look at
+    code += [(jump, 0, 1, 435), (give, 0, 0, unknown)]  # clone3, whose flags a filter cannot read
     code += [(jump, 0, 3, 56), (load, 0, 0, 16), (any_bit, 0, 1, 0x7E020000), (give, 0, 0, no)]
     code += [(give, 0, 0, allow)]
 

@@ -25,13 +25,13 @@ from grader.sandbox import choose_sandbox
 
 SEED = 1
 CLASSES = (1_000, 100_000, 1_000_000)
-# An assumption: a virtual core of c5.2xlarge on demand in US East, 0.34 USD for eight of them, as
-# the user guide of Amazon EC2 Auto Scaling has it as an example.
+# Assumed price in USD per hour of one virtual core of an on-demand c5.2xlarge in US East. The user
+# guide of Amazon EC2 Auto Scaling uses 0.34 USD for eight cores as an example.
 PRICE = 0.0425
 
 
 def make_class(root, students):
-    """A course in which each student gives another variant as the answer to each exercise."""
+    """Return a course in which the students submit different kept answers to each exercise."""
     course = Course(root)
     for number in range(students):
         for lesson in all_lessons():
@@ -46,12 +46,12 @@ def make_class(root, students):
 
 
 def cpu_seconds(course, sandbox):
-    """Processor seconds a notebook, when each is judged here, one after another.
+    """Return the processor seconds per notebook if all are judged here, one after another.
 
-    At least: processes of a sandbox that is killed are counted by nobody.
+    This is a lower bound, because processes of a killed sandbox are not counted.
     """
     submissions = find_submissions(course)
-    for submission in submissions[: len(all_lessons())]:  # scenes and right answers are made once
+    for submission in submissions[: len(all_lessons())]:  # fills caches of scenes and right answers
         judge(course, submission, sandbox)
     begin = sum(os.times()[:4])
     for submission in submissions:
@@ -65,12 +65,12 @@ def judge(course, submission, sandbox):
 
 
 def core_seconds(course, sandbox):
-    """What is paid for a notebook: seconds of the whole run, joining included, times cores."""
+    """Return the core seconds to pay per notebook: time of the run with joining, times cores."""
     with LocalCluster(
         n_workers=1, threads_per_worker=processors(), dashboard_address=None
-    ) as there:
+    ) as cluster:
         begin = time.perf_counter()
-        with connect(there.scheduler_address, sandbox.name, print) as executor:
+        with connect(cluster.scheduler_address, sandbox.name, print) as executor:
             judged = judge_class(
                 course,
                 (),
@@ -84,11 +84,11 @@ def core_seconds(course, sandbox):
 
 
 def main():
-    """Measure and print."""
-    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    words.add_argument("--price", type=float, default=PRICE, help="of a core for an hour")
-    words.add_argument("--students", type=int, default=5, help="to measure with")
-    options = words.parse_args()
+    """Measure the costs and print them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--price", type=float, default=PRICE, help="of a core for an hour")
+    parser.add_argument("--students", type=int, default=5, help="to measure with")
+    options = parser.parse_args()
     sandbox = choose_sandbox()
     with tempfile.TemporaryDirectory() as folder:
         course = make_class(Path(folder).resolve(), options.students)

@@ -1,12 +1,12 @@
-"""Exact clustering of full scans, and boxes from raw ones: the lessons against other libraries.
+"""Time exact clustering and box detection on full scans: the lessons against other libraries.
 
-All work on the same cloud in the same run, in turn; ratios compare the times of one round. The
-clouds are `cloud.txt`, a random street, and whatever lies in the folder REAL_CLOUDS (KITTI's
-frames, which are no part of the project). Ours and dbscan meet two more, in which a grid of cells
-gains least. `peers.py` says how to install the peers; who is missing is left out, with a word.
-ROUNDS and PATIENCE (seconds for a slow peer) say how long it takes.
+All implementations run in turn on the same cloud, and ratios compare times of the same round. The
+clouds are `cloud.txt`, a random street, and the files in the folder REAL_CLOUDS. The latter are
+KITTI frames, which are not part of the project. The lessons and dbscan also run on two worst cases
+for a grid of cells. `peers.py` explains how to install the other libraries; a missing one is
+skipped with a message. ROUNDS and PATIENCE (seconds for a slow peer) limit the time.
 
-Prints a table in Markdown, and writes `.bench/measured.json` (under "clustering") and
+The script prints a table in Markdown. It writes `.bench/measured.json` (under "clustering") and
 `.bench/clustering.png`.
 """
 
@@ -34,15 +34,15 @@ from tests.benchmarks.racing import (
 from utils import load_cloud, scenes
 
 OURS = "ours, full speed"
-# What the worst cases of a grid are tried on.
+# Implementations that run on the worst cases for a grid.
 GRIDS = {name: CLUSTERING[name] for name in ("ours, Numba", OURS, "ours, taught", "dbscan (PyPI)")}
-# Told apart by the colour-blind, and by their markers (Okabe and Ito, 2008).
+# The palette of Okabe and Ito (2008), which colour-blind readers can distinguish.
 COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#000000", "#999999"]
 SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 
 
 def scans() -> Iterator[tuple[str, np.ndarray]]:
-    """Name and points of every cloud; a street is another one each time, and says its seed."""
+    """Yield the name and points of every cloud; the name of the random street has its seed."""
     yield "cloud.txt", load_cloud("cloud.txt")[:, :3]
     seed = int(os.environ.get("SEED", np.random.SeedSequence().entropy % 10**6))
     yield f"random street {seed}", scenes.city_block(seed=seed, frames=1)[0].cloud[:, :3]
@@ -53,7 +53,7 @@ def scans() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Name, points and right labels of clouds in which a grid of cells gains least."""
+    """Yield the name, points and right labels of clouds in which a grid of cells gains least."""
     rng = np.random.default_rng(3)
     inner, outer = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.normal(size=(2, 30_000, 3)))
     nested = np.vstack([0.05 * inner, (0.05 + RADIUS + 1e-4) * outer])
@@ -64,7 +64,7 @@ def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
 
 
 def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
-    """A line of the table."""
+    """Return the cells of one line of the table."""
     middle, low, high = result.times_as_long_as(mine)
     spread = np.nanpercentile(result.seconds, (25, 75)) * 1000
     return [
@@ -79,7 +79,7 @@ def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
 
 
 def print_table(title: str, rows: list[list[str]], last: str) -> None:
-    """In Markdown."""
+    """Print a table in Markdown."""
     head = ["", "least ms", "median ms", "quartiles", "times as long", "memory MB", last]
     print(f"\n{title}\n\n| {' | '.join(head)} |\n|---|---:|---:|---:|---:|---:|---|")
     for cells in rows:
@@ -87,7 +87,7 @@ def print_table(title: str, rows: list[list[str]], last: str) -> None:
 
 
 def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarray | None) -> dict:
-    """Race on one cloud, print the table; what goes into the JSON."""
+    """Race on one cloud, print the table and return the record for the JSON file."""
     results = race(ways, cloud)
     rows, record = [], {}
     for way, result in results.items():
@@ -108,14 +108,14 @@ def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarr
 
 
 def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
-    """So many points: whole turns of the scanner, 300 m apart, and part of one."""
+    """Return `count` points: whole turns of the scanner, 300 m apart, and part of one more."""
     turns = [scan + [0, 300.0 * number, 0] for number in range(-(-count // len(scan)))]
     few = np.random.default_rng(0).permutation(turns.pop())[: count - len(scan) * len(turns)]
     return np.ascontiguousarray(np.vstack([*turns, few]))
 
 
 def scale(scan: np.ndarray) -> dict[str, dict]:
-    """Seconds of each way at growing sizes, until one would take too long; printed, too."""
+    """Time each implementation at growing sizes until it is too slow; print and return times."""
     found: dict[str, dict] = {}
     ways = dict(CLUSTERING)
     for size in SIZES:
@@ -137,9 +137,9 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
     return found
 
 
-def draw_bars(name: str, one: dict, scale: str, axes) -> None:
-    """The quickest round of each way on one cloud."""
-    least = {way: 1000 * min(found["seconds"]) for way, found in one["ways"].items()}
+def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
+    """Draw the shortest round of each implementation on one cloud as bars."""
+    least = {way: 1000 * min(found["seconds"]) for way, found in measured["ways"].items()}
     ordered = sorted(least, key=least.get, reverse=True)
     colours = ["#0072B2" if way.startswith("ours") else "#BBBBBB" for way in ordered]
     drawn = axes.barh(ordered, [least[way] for way in ordered], color=colours)
@@ -150,7 +150,7 @@ def draw_bars(name: str, one: dict, scale: str, axes) -> None:
 
 
 def draw(record: dict, path: Path) -> None:
-    """The first cloud, clustered and from raw scan to boxes, and growth."""
+    """Save a figure of the results on the first cloud and of the times on growing clouds."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -176,7 +176,7 @@ def draw(record: dict, path: Path) -> None:
 
 
 def main() -> None:
-    """Measure, print, write."""
+    """Measure, print the tables and write the files."""
     about = {"python": sys.version.split()[0], "machine": platform.machine(), "rounds": ROUNDS}
     record = about | {"radius": RADIUS, "clustering": {}, "worst": {}, "detector": {}}
     clouds = {name: np.ascontiguousarray(cloud, dtype=float) for name, cloud in scans()}

@@ -1,14 +1,14 @@
-"""The detector of lesson 12: where its time goes, beside PCL's whole pipeline, and what it finds.
+"""Time the steps of lesson 12's detector next to PCL's pipeline, and measure its quality.
 
 Times are medians over ROUNDS, in turn on `cloud.txt`. Quality is F1 over one frame of each of the
-eight streets of lesson 12, and of eight others, with standard errors by the jackknife over streets;
-and recall on the labelled frames in REAL_CLOUDS, with Wilson's interval of 95 %: a handful of cars
-says little, and the interval says how little.
+eight streets of lesson 12, and of eight others, with standard errors by the jackknife over streets.
+The labelled frames in REAL_CLOUDS give recall with Wilson's 95 % interval, which is wide because
+there are only a few cars.
 
-The rows are not alike, which is printed below them. `search_detector.py` looks for better
-parameters.
+The rows cannot be compared with each other directly, and a note below them says why.
+`search_detector.py` searches for better parameters.
 
-Adds to `.bench/measured.json`, under "detector by steps" and "quality".
+The script adds to `.bench/measured.json`, under "detector by steps" and "quality".
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ STREETS = {"lesson 12's streets": range(8), "eight others": range(100, 108)}
 
 
 def detector_with(change: Callable[[dict], dict]) -> Callable[[np.ndarray], np.ndarray]:
-    """Lesson 12's detector, which calls other functions in the place of some of its steps."""
+    """Return lesson 12's detector with some of its steps replaced by `change(steps)`."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     steps = detect.__globals__
     return FunctionType(detect.__code__, steps | change(steps), argdefs=detect.__defaults__)
 
 
 class Watched:
-    """The detector, with a clock around each step that it calls itself."""
+    """The detector, with a timer around each step that it calls."""
 
     def __init__(self) -> None:
         self._seconds: dict[str, float] = {}
@@ -77,7 +77,7 @@ class Watched:
         return clocked
 
     def __call__(self, cloud: np.ndarray) -> dict[str, float]:
-        """Seconds of each step, of the rest, and of all."""
+        """Return the seconds of each step, of the rest, and of the whole detector."""
         self._seconds.clear()
         begin = time.perf_counter()
         self._detect(cloud)
@@ -87,7 +87,7 @@ class Watched:
 
 
 def steps_beside_pcl(cloud: np.ndarray) -> dict[str, list[float]]:
-    """Seconds in each round."""
+    """Return the seconds of each step, and of PCL if it is installed, in each round."""
     watched, pcl = Watched(), None
     watched(cloud)
     try:
@@ -109,7 +109,7 @@ def steps_beside_pcl(cloud: np.ndarray) -> dict[str, list[float]]:
 
 
 def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """F1 at each of `OVERLAPS`, and its errors."""
+    """Return F1 at each of `OVERLAPS`, and its standard errors."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     frames = [scenes.city_block(seed, frames=1)[0] for seed in seeds]
     card = score_card([detect(frame.cloud) for frame in frames], frames, CARRIAGEWAY)
@@ -117,7 +117,7 @@ def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
-    """Each recording beside a table of boxes, and the corners of those in the region; (N, 8, 3)."""
+    """Yield each labelled recording with the corners of the boxes in the region, (N, 8, 3)."""
     for table in sorted(folder.rglob("*_boxes.csv")):
         with table.open() as file:
             rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
@@ -138,7 +138,7 @@ def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
 
 
 def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
-    """The interval of a share, honest at 0 and at 1, too (Wilson, 1927)."""
+    """Return Wilson's interval of a proportion (1927), which is also valid at 0 and 1."""
     share, spread = hits / count, z**2 / count
     middle = (share + spread / 2) / (1 + spread)
     half = z / (1 + spread) * np.sqrt(share * (1 - share) / count + spread / (4 * count))
@@ -146,7 +146,7 @@ def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def recall_on_real(folder: Path) -> dict[str, tuple[int, int]]:
-    """Hits at each of `OVERLAPS`, and how many were asked for."""
+    """Return the hits and the number of labelled cars at each of `OVERLAPS`."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     hits, count = dict.fromkeys(OVERLAPS, 0), 0
     for path, truth in labelled(folder):
@@ -158,7 +158,7 @@ def recall_on_real(folder: Path) -> dict[str, tuple[int, int]]:
 
 
 def main() -> None:
-    """Measure, print, write down."""
+    """Measure, print the tables and record the results."""
     seconds = steps_beside_pcl(load_cloud("cloud.txt"))
     print(f"\n**The detector on cloud.txt**, {ROUNDS} rounds\n")
     print("| | least ms | median ms | quartiles |\n|---|---:|---:|---:|")

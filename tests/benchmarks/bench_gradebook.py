@@ -28,7 +28,7 @@ STAGE = stages()[0]
 
 
 def make_course(root, database):
-    """A course with nobody in it yet."""
+    """Return a course without students."""
     shutil.copytree(PROJECT / "notebooks" / STAGE, root / "notebooks" / STAGE)
     line = f"get_config().CourseDirectory.db_url = {database!r}\n" if database else ""
     (root / "nbgrader_config.py").write_text(CONFIGURATION.format(project=str(PROJECT)) + line)
@@ -36,15 +36,15 @@ def make_course(root, database):
 
 
 def hand_in(course, verdicts, students):
-    """(submission, verdict) of each of these students, for each lesson."""
+    """Write the solved notebooks of these students and return (submission, verdict) of each."""
     judged = []
     for student in students:
         for lesson, verdict in verdicts.items():
             path = course.submitted / student / STAGE / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(lesson.solved, path)
-            about = dataclasses.replace(verdict, student=student)
-            judged.append((Submission(student, lesson, path), about))
+            own_verdict = dataclasses.replace(verdict, student=student)
+            judged.append((Submission(student, lesson, path), own_verdict))
     return judged
 
 
@@ -55,7 +55,7 @@ def seconds(function, *arguments):
 
 
 def measure(name, course, verdicts, students, step):
-    """Enter `step` students at a time, and print what that takes."""
+    """Enter `step` students at a time and print the time it takes."""
     judged, told = [], lambda *news: None
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]
@@ -72,11 +72,11 @@ def measure(name, course, verdicts, students, step):
 
 
 def main():
-    """Measure and print."""
-    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    words.add_argument("--students", type=int, default=120, help="to end with")
-    words.add_argument("--step", type=int, default=40, help="to enter at a time")
-    options = words.parse_args()
+    """Measure both databases and print the times."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--students", type=int, default=120, help="to end with")
+    parser.add_argument("--step", type=int, default=40, help="to enter at a time")
+    options = parser.parse_args()
     sandbox = choose_sandbox()
     verdicts = {
         lesson: judge_one(read_submitted_files(lesson.solved), lesson.name, "", SEED, sandbox.name)

@@ -1,17 +1,17 @@
-"""Notebooks per minute: our judge against nbgrader's own autograde, on the same submissions.
+"""Compare the speed of the judge with nbgrader's own autograde on the same submissions.
 
-Both grade copies of each lesson's solved notebook, from the command line and in turns, in a copy
-of the course each; whoever gives less than full marks ends the race. nbgrader executes a notebook
-in a kernel, one after another; what one more takes is the difference between two students and one,
-so that its start is told apart. Ours is timed on a class, start, sandbox, report and gradebook
-included. ROUNDS says how often.
+Both grade copies of each lesson's solved notebook, from the command line and in turns, each in its
+own copy of the course. If either gives less than full marks, the race ends. nbgrader executes one
+notebook after another in a kernel. The time for one more notebook is the difference between a
+class of two and a class of one, which excludes the start. The judge is timed on a whole class,
+including the start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
 
-What a class of 200 takes in all lessons is reckoned from a run inside this process, where
-verdicts can be watched as they come.
+The time for a class of 200 in all lessons is computed from a run inside this process, which can
+observe each verdict as it arrives.
 
-Give it a machine that does nothing else. nbgrader keeps one hardware thread busy, and has the
-whole core while nobody is on the other one; ours fills all threads anyway. That may be why
-others at work cost nbgrader more than ours.
+Run it on an otherwise idle machine. nbgrader keeps one hardware thread busy and has the whole core
+while the core's other thread is idle, but the judge fills all threads anyway. Other work on the
+machine may therefore slow nbgrader more than the judge.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
 
@@ -45,9 +45,9 @@ from tests.benchmarks.racing import write_down
 
 STUDENTS = 20
 ROUNDS = int(os.environ.get("ROUNDS", 3))
-# Seconds that nbgrader took for a notebook of the course's first edition, when it was shorter.
+# Seconds that nbgrader took for one of the shorter notebooks of the course's first edition.
 FIRST_EDITION = 4.0
-# nbgrader as it comes: it executes notebooks, and counts the visible checks that pass.
+# A configuration of plain nbgrader, which executes notebooks and counts the visible checks passed.
 PLAIN = """\
 c = get_config()
 c.CourseDirectory.source_directory = "solutions"
@@ -59,9 +59,9 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds of a stage, and megabytes of this process, which reads and writes.
+    """Seconds for a stage, and peak megabytes of this process, which reads and writes files.
 
-    `further` is what each further student costs the judging, by the name of the lesson.
+    `further` has the seconds of judging for each further student, by the name of the lesson.
     """
 
     first: float
@@ -73,7 +73,7 @@ class Times:
 
 
 def make_course(root, students, lessons):
-    """A course with `students` copies of the solved notebooks."""
+    """Return a course with `students` copies of the solved notebooks."""
     course = Course(root)
     for folder in ("solutions", "notebooks"):
         shutil.copytree(
@@ -81,7 +81,7 @@ def make_course(root, students, lessons):
             root / folder,
             ignore=shutil.ignore_patterns("*.py", "*.md", "*.png", "*.gif"),
         )
-    # nbgrader runs notebooks where they lie and these look for the course above them.
+    # nbgrader runs notebooks in their own folder, from which they find the course above them.
     for name in ("utils", "data"):
         (root / name).symlink_to(PROJECT / name)
     for number in range(students):
@@ -93,7 +93,7 @@ def make_course(root, students, lessons):
 
 
 def _as_written_by(number, lesson):
-    """The solved notebook, with a comment in each answer: what is right is asked only once."""
+    """Return the solved notebook with a comment in each answer, as right answers are cached."""
     notebook = json.loads(lesson.solved.read_text("utf-8"))
     for cell in notebook["cells"]:
         if cell["metadata"].get("nbgrader", {}).get("solution") and cell["cell_type"] == "code":
@@ -102,18 +102,18 @@ def _as_written_by(number, lesson):
 
 
 def megabytes():
-    """The most memory that this process has had so far."""
+    """Return the peak memory of this process so far, in megabytes."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def time_ours(lessons, folder):
-    """`Times` of our judge, started cold."""
+    """Return the `Times` of the judge from a cold start."""
     course, seen, memory = make_course(folder / "ours", STUDENTS, lessons), {}, []
     sandbox = choose_sandbox()
 
-    def progress(done, total, what):
-        if isinstance(what, Submission):
-            seen.setdefault(what.lesson, []).append(time.perf_counter())
+    def progress(done, total, item):
+        if isinstance(item, Submission):
+            seen.setdefault(item.lesson, []).append(time.perf_counter())
         if done == total // 4:
             memory.append(megabytes())
 
@@ -136,7 +136,7 @@ def time_ours(lessons, folder):
 
 
 def steady(times):
-    """Seconds from verdict to verdict of a lesson, where nothing is made for the first time."""
+    """Return the seconds between verdicts in the middle half, without the costs of starting."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
 
@@ -146,7 +146,7 @@ def stages_of(lessons):
 
 
 def command_line(root, *words):
-    """Seconds of a command in a course, as somebody types it."""
+    """Return the seconds that a command takes in a course, run from a shell."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # nbgrader's alembic
     environment = {**os.environ, "PATH": path, "PYTHONPATH": str(root)}
     begin = time.perf_counter()
@@ -159,7 +159,7 @@ def command_line(root, *words):
 
 
 def assert_full_marks(root, stage, notebooks):
-    """Every automatic mark of this many notebooks is in the gradebook, and full."""
+    """Assert that the gradebook has full automatic marks for this many notebooks."""
     with Gradebook(f"sqlite:///{root / 'gradebook.db'}") as book:
         graded = [
             notebook
@@ -174,7 +174,7 @@ def assert_full_marks(root, stage, notebooks):
 
 
 def time_theirs(lessons, folder, students):
-    """Seconds of nbgrader as it comes, from a gradebook that knows the stage."""
+    """Return the seconds of plain nbgrader, with a gradebook that already has the stage."""
     stage, course = lessons[0].stage, make_course(folder, students, lessons)
     with open_gradebook(course) as book:
         register_stages(course, book, [stage])
@@ -185,7 +185,7 @@ def time_theirs(lessons, folder, students):
 
 
 def time_grade(lessons, folder):
-    """Seconds of `python -m grader grade` in a copy of the project."""
+    """Return the seconds of `python -m grader grade` in a copy of the project."""
     stage, _ = lessons[0].stage, make_course(folder, STUDENTS, lessons)
     shutil.copytree(PROJECT / "grader", folder / "grader")
     shutil.copytree(PROJECT / "solutions", folder / "solutions", dirs_exist_ok=True)
@@ -197,7 +197,7 @@ def time_grade(lessons, folder):
 
 
 def race(lessons):
-    """Seconds a notebook, (rounds, 2): nbgrader's, ours; and nbgrader's start, (rounds,)."""
+    """Return seconds per notebook of nbgrader and ours, (rounds, 2), and nbgrader's start time."""
     found, starts = [], []
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as place:
@@ -211,10 +211,10 @@ def race(lessons):
 
 
 def main(wanted):
-    """Measure, print, write down."""
+    """Measure, print and record the results."""
     if os.getloadavg()[0] > 0.5:
         print("Others are at work on this machine, which may flatter ours.")
-    record, reckoned, count = {}, 0.0, 0
+    record, estimate, count = {}, 0.0, 0
     for stage in wanted or stages():
         lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
         seconds, starts = race(lessons)
@@ -240,7 +240,7 @@ def main(wanted):
             flush=True,
         )
         each = sum(ours.further.values()) + ours.entering / STUDENTS
-        reckoned += ours.judging + ours.entering + (CLASS - STUDENTS) * each
+        estimate += ours.judging + ours.entering + (CLASS - STUDENTS) * each
         count += len(lessons)
         record[stage] = {
             "seconds a notebook": {
@@ -252,7 +252,7 @@ def main(wanted):
             "seconds a further student": each,
             "seconds a further notebook": ours.further,
         }
-    print(f"{CLASS} students x {count} lessons, at this rate: {reckoned / 60:.0f} min")
+    print(f"{CLASS} students x {count} lessons, at this rate: {estimate / 60:.0f} min")
     write_down("judge", record)
 
 

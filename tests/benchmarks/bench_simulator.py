@@ -1,7 +1,7 @@
-"""How long the scanner takes: `python -m tests.benchmarks.bench_simulator`.
+"""Time the simulated scanner: `python -m tests.benchmarks.bench_simulator`.
 
-Medians over several runs on one core. The target of the project is a 64-beam frame of a street
-of 60 obstacles in under 0.5 s.
+Times are medians over several runs on one core. The project's target is a 64-beam frame of a
+street with 60 obstacles in less than 0.5 s.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TARGET = 0.5
 
 
 def seconds(call: Callable[[], object], runs: int = 7) -> float:
-    """Median time of a call, after one to warm up."""
+    """Return the median time of a call in seconds, after one call to warm up."""
     call()
     times = []
     for _ in range(runs):
@@ -34,7 +34,7 @@ def seconds(call: Callable[[], object], runs: int = 7) -> float:
 
 
 def street_of(obstacles: int) -> Callable[[], Frame]:
-    """A random street that shows at least so many obstacles, and few more."""
+    """Return a function that makes the least crowded random street with so many obstacles."""
     for percent in range(101):
         if len(random_street(0, percent / 100).boxes) >= obstacles:
             return partial(random_street, 0, percent / 100)
@@ -42,7 +42,7 @@ def street_of(obstacles: int) -> Callable[[], Frame]:
 
 
 def without_culling(call: Callable[[], Frame]) -> float:
-    """Time of one frame when every ray is tried on every solid."""
+    """Return the seconds for one frame if every ray is tested against every solid."""
     blocks = scanner._blocks
     scanner._blocks = lambda solid, sensor: [(slice(None), slice(None))]
     try:

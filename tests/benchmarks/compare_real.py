@@ -23,13 +23,13 @@ HEIGHTS = (-30, -2.0, -1.6, -1.2, -0.5, 0.0, 0.5, 1.0, 10)
 
 
 def read_highway(folder: Path) -> np.ndarray:
-    """The published highway frame in sensor coordinates: its own frame lies on the road."""
+    """Return the published highway frame in sensor coordinates; its own origin is on the road."""
     lines = (folder / "simpleHighway.pcd").read_text().split("DATA ascii\n")[1]
     return np.array(lines.split(), dtype=float).reshape(-1, 3) - highway_sensor().origin
 
 
 def highway_counts(points: np.ndarray) -> list[int]:
-    """Returns of the ground and of each of the three cars, told apart by ray.
+    """Count the returns of the ground and of each of the three cars.
 
     A return belongs to a car if it is at least 0.4 m nearer than the ground on its ray.
     """
@@ -44,7 +44,7 @@ def highway_counts(points: np.ndarray) -> list[int]:
 
 
 def neighbours(cloud: np.ndarray) -> list[float]:
-    """Quartiles of the number of other points within 0.5 m, over a 30th of the points."""
+    """Return quartiles of the number of neighbours within 0.5 m, over a 30th of the points."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(cloud[:, :3])
@@ -53,7 +53,7 @@ def neighbours(cloud: np.ndarray) -> list[float]:
 
 
 def read_pcd(path: Path) -> np.ndarray:
-    """A binary PCD file of four float32 fields."""
+    """Read a binary PCD file with four float32 fields."""
     content = path.read_bytes()
     header, _ = content.split(b"DATA binary\n", 1)
     count = int(header.split(b"POINTS ")[1].split()[0])
@@ -61,31 +61,31 @@ def read_pcd(path: Path) -> np.ndarray:
 
 
 def labelled_cars(folder: Path) -> list[tuple[float, int]]:
-    """Distance of every car of the labelled frame that is not badly cut off, and its points."""
+    """Return the distance and points of every labelled car that is not badly truncated."""
     with (folder / "kitti_000008_boxes.csv").open() as table:
         rows = [row for row in csv.DictReader(table) if float(row["trunc"]) < 0.3]
     return [(float(np.hypot(float(r["cx"]), float(r["cy"]))), int(r["npts"])) for r in rows]
 
 
 def returns_at_ten_metres(cars: list[tuple[float, int]]) -> str:
-    """Quartiles of the returns of a car, scaled to 10 m by the square of its distance."""
+    """Return the quartiles of returns per car, scaled to 10 m by the square of the distance."""
     scaled = [count * (reach / 10) ** 2 for reach, count in cars if 5 < reach < 25]
     return " / ".join(f"{value:.0f}" for value in np.percentile(scaled, (25, 50, 75)))
 
 
 def simulated_cars(frame: Frame) -> list[tuple[float, int]]:
-    """Distance of every simulated car, and its returns."""
+    """Return the distance and returns of every simulated car."""
     cars = (box for box in frame.boxes if box.kind == "car")
     return [(float(np.hypot(*box.centre[:2])), box.returns) for box in cars]
 
 
 def share(values: np.ndarray, edges: tuple[float, ...]) -> list[float]:
-    """Percentage of the values in each bin."""
+    """Return the percentage of the values in each bin."""
     return (100 * np.histogram(values, edges)[0] / len(values)).tolist()
 
 
 def print_table(clouds: dict[str, np.ndarray]) -> None:
-    """One column per cloud, in Markdown."""
+    """Print a table in Markdown with one column per cloud."""
     print("| |", " | ".join(clouds), "|")
     print("|---|" + "---:|" * len(clouds))
     columns = {name: list(_figures(cloud)) for name, cloud in clouds.items()}
@@ -94,7 +94,7 @@ def print_table(clouds: dict[str, np.ndarray]) -> None:
 
 
 def _figures(cloud: np.ndarray):
-    """Label and text of every figure of the table."""
+    """Yield the label and text of every number in a cloud's column."""
     reach = np.hypot(cloud[:, 0], cloud[:, 1])
     yield "returns", f"{len(cloud):,}".replace(",", " ")
     for low, high, value in zip(RANGES, RANGES[1:], share(reach, RANGES), strict=False):
@@ -128,7 +128,7 @@ COLOURS = {
 
 
 def draw_street(frame: Frame, folder: Path) -> None:
-    """`cloud.txt` from above, coloured by its true class, with the true boxes."""
+    """Draw `cloud.txt` from above, coloured by true class, with the true boxes."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -152,7 +152,7 @@ def draw_street(frame: Frame, folder: Path) -> None:
 
 
 def draw(simulated: Frame, folder: Path, cars: list[tuple[float, int]], clouds: dict) -> None:
-    """Returns by distance and height, and per car: figures only, no real point is shown."""
+    """Draw counts of returns by distance, by height and per car, without any real point."""
     import matplotlib
 
     matplotlib.use("Agg")

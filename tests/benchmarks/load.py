@@ -1,9 +1,8 @@
-"""Right notebooks on a machine that others keep busy: nobody may lose a point by it.
+"""Check that right notebooks lose no points on a busy machine.
 
-A class of right answers is judged, as many at once as there are processors, with nothing beside it
-and then beside one, two and four processes for each processor that never rest. Rehearsals are done
-first. It ends with status 1 where a right notebook has lost a point. Give it a machine that does
-nothing else:
+A class of right answers is judged with one job per processor. At first the machine is otherwise
+idle. Then there are one, two and four busy processes for each processor. Rehearsals are done first.
+The exit status is 1 if a right notebook has lost a point. Run it on an otherwise idle machine:
 
     PYTHONPATH=. python tests/benchmarks/load.py [NOTEBOOKS]     # 100 by default; an hour or two
 """
@@ -27,13 +26,13 @@ from grader.course.lessons import all_lessons
 from grader.course.paths import Course
 from grader.sandbox import choose_sandbox
 
-LOADS = (0, 1, 2, 4)  # processes that never rest, for each processor
+LOADS = (0, 1, 2, 4)  # busy processes per processor
 NOTEBOOKS = 100
 SEED = 1
 
 
 def hand_in(course, count):
-    """So many notebooks, lesson by lesson, with one right answer after another."""
+    """Write `count` submissions, cycling through the lessons and their right answers."""
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
         for exercise in lesson.machine_graded:
@@ -46,8 +45,8 @@ def hand_in(course, count):
 
 @contextlib.contextmanager
 def busy(count):
-    """So many processes that never rest, as eager for a processor as this one."""
-    # Each in a session of its own: some kernels share a processor out by session.
+    """Run `count` busy processes of the same priority as this one."""
+    # Each has its own session, because some kernels divide processor time between sessions.
     command = [sys.executable, "-c", "while True: pass"]
     others = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
     try:
@@ -59,31 +58,33 @@ def busy(count):
 
 
 def judge_beside(load, course, sandbox):
-    """What came of a class beside some load: (verdicts, who was judged again, seconds)."""
+    """Judge the class under a load and return (verdicts, submissions judged again, seconds)."""
     for verdicts in course.verdicts.glob("student*"):
         shutil.rmtree(verdicts)
-    told = []
+    judged_submissions = []
 
-    def progress(done, total, what):
-        told.extend([what] * isinstance(what, Submission))
+    def progress(done, total, news):
+        judged_submissions.extend([news] * isinstance(news, Submission))
 
     with busy(load * processors()):
         begin = time.perf_counter()
         judged = judge_class(
             course, (), SEED, sandbox, EXECUTORS["processes"], processors(), progress
         )
-        again = [submission for submission, times in Counter(told).items() if times > 1]
+        again = [
+            submission for submission, times in Counter(judged_submissions).items() if times > 1
+        ]
         return judged, again, time.perf_counter() - begin
 
 
 def main(count=NOTEBOOKS):
-    """Measure and print."""
+    """Measure in a temporary course and return the exit status."""
     with tempfile.TemporaryDirectory() as folder:
         return try_loads(Course(Path(folder).resolve()), count)
 
 
 def try_loads(course, count):
-    """The exit status; prints a line for each load, and what was lost."""
+    """Judge under each load, print a line for each and the lost points; return the exit status."""
     sandbox, lost, twice = choose_sandbox(), [], []
     hand_in(course, count)
     with EXECUTORS["processes"](processors()) as executor:
@@ -91,7 +92,11 @@ def try_loads(course, count):
     print("load | right | points lost | judged again | slowest (s) | all (s)", flush=True)
     for load in LOADS:
         judged, again, seconds = judge_beside(load, course, sandbox)
-        short = [(who, verdict) for who, verdict in judged if verdict.score < verdict.max_score]
+        short = [
+            (submission, verdict)
+            for submission, verdict in judged
+            if verdict.score < verdict.max_score
+        ]
         points = sum(verdict.max_score - verdict.score for _, verdict in short)
         slowest = max(verdict.seconds for _, verdict in judged)
         print(
@@ -99,14 +104,19 @@ def try_loads(course, count):
             f"{slowest:11.1f} | {seconds:7.1f}",
             flush=True,
         )
-        lost += [(load, who, verdict) for who, verdict in short]
-        twice += [f"load {load}, {who.student}, {who.lesson.name}: judged again" for who in again]
+        lost += [(load, submission, verdict) for submission, verdict in short]
+        twice += [
+            f"load {load}, {submission.student}, {submission.lesson.name}: judged again"
+            for submission in again
+        ]
     print(*twice, sep="\n", end="\n" * bool(twice))
-    for load, who, verdict in lost:
+    for load, submission, verdict in lost:
         for test in (
             test for exercise in verdict.exercises for test in exercise.tests if not test.passed
         ):
-            print(f"load {load}, {who.student}, {verdict.lesson}, {test.name}: {test.message}")
+            print(
+                f"load {load}, {submission.student}, {verdict.lesson}, {test.name}: {test.message}"
+            )
     return int(bool(lost))
 
 

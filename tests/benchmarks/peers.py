@@ -1,13 +1,13 @@
-"""The ways to cluster a scan, and to find its boxes: ours, and those of other libraries.
+"""Implementations of clustering and box detection: the lessons and other libraries.
 
-Peers, and Numba for lesson 13, stand in an environment of their own:
+The other libraries, and Numba for lesson 13, are in their own environment:
 
     python -m venv .bench/peers
     .bench/peers/bin/pip install -r tests/benchmarks/requirements.txt -r requirements-compiled.txt
     PEERS=$(echo .bench/peers/lib/python3*/site-packages) make bench
 
-PCL is C++: Debian's `libpcl-dev`, `g++` and `pkg-config` make `pcl_peer` out of `pcl_peer.cpp`;
-or PCL_PEER names one that somebody has made.
+PCL is a C++ library. Debian's `libpcl-dev`, `g++` and `pkg-config` build `pcl_peer` from
+`pcl_peer.cpp`, unless PCL_PEER is the path of a program that is already built.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if os.environ.get("PEERS"):
 
 
 def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
-    """The way that is a function of the cloud."""
+    """Turn a function of the cloud into a `Way`."""
 
     @functools.wraps(function)
     def way(cloud: np.ndarray) -> Callable[[], np.ndarray]:
@@ -52,27 +52,27 @@ def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
 
 @_called
 def taught(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 10, the plan that it teaches."""
+    """Cluster as lesson 10 teaches."""
     lesson = load_reference("10_accelerated_clustering")
     return lesson.euclidean_clustering_accelerated(cloud, RADIUS)
 
 
 @_called
 def full_speed(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 10, the fast version."""
+    """Cluster with the fast version of lesson 10."""
     lesson = load_reference("10_accelerated_clustering", "clustering_at_full_speed")
     return lesson.clustering_at_full_speed(cloud, RADIUS)
 
 
 @_called
 def by_numba(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 13."""
+    """Cluster with the compiled version of lesson 13."""
     return _compiled("cluster_compiled")(cloud, RADIUS)
 
 
 @_called
 def all_pairs(cloud: np.ndarray) -> np.ndarray:
-    """SciPy: a list of all pairs, and the pieces of their graph."""
+    """Cluster with SciPy, by the connected components of the graph of all close pairs."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -84,7 +84,7 @@ def all_pairs(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def scikit_learn(cloud: np.ndarray) -> np.ndarray:
-    """DBSCAN of scikit-learn."""
+    """Cluster with scikit-learn's DBSCAN."""
     from sklearn.cluster import DBSCAN
 
     return DBSCAN(eps=RADIUS, min_samples=1).fit_predict(cloud)
@@ -92,7 +92,7 @@ def scikit_learn(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def dbscan(cloud: np.ndarray) -> np.ndarray:
-    """The parallel DBSCAN of Wang, Gu and Shun (2020)."""
+    """Cluster with the parallel DBSCAN of Wang, Gu and Shun (2020)."""
     from dbscan import DBSCAN
 
     return DBSCAN(cloud, eps=RADIUS, min_samples=1)[0]
@@ -100,7 +100,7 @@ def dbscan(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def open3d(cloud: np.ndarray) -> np.ndarray:
-    """DBSCAN of Open3D."""
+    """Cluster with Open3D's DBSCAN."""
     import open3d
 
     shell = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud))
@@ -108,24 +108,24 @@ def open3d(cloud: np.ndarray) -> np.ndarray:
 
 
 def pcl(cloud: np.ndarray) -> PclPeer:
-    """EuclideanClusterExtraction of PCL."""
+    """Cluster with PCL's EuclideanClusterExtraction."""
     return PclPeer("cluster", cloud)
 
 
 @_called
 def detect(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 12."""
+    """Detect boxes with lesson 12."""
     return load_reference("12_streaming_obstacles").detect_obstacles(cloud)
 
 
 @_called
 def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 13, whose boxes are smallest rectangles."""
+    """Detect boxes with lesson 13, as the smallest rectangles around clusters."""
     return _compiled("detect_compiled")(cloud)
 
 
 def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
-    """The same steps made of PCL's parts, and smallest rectangles."""
+    """Detect boxes with the same steps in PCL, as the smallest rectangles around clusters."""
     return PclPeer("detect", cloud)
 
 
@@ -143,7 +143,7 @@ DETECTORS: dict[str, Way] = {"ours, Numba": detect_by_numba, "ours": detect, "PC
 
 
 class PclPeer:
-    """A program that works each time it is told to.
+    """A running `pcl_peer` program, which does its work once for each call.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ class PclPeer:
     Raises
     ------
     tests.benchmarks.racing.Missing
-        There is neither the program nor what it is made of.
+        There is no program, and it cannot be built.
     """
 
     def __init__(self, work: str, cloud: np.ndarray) -> None:
@@ -170,7 +170,7 @@ class PclPeer:
         self.process = self._program.pid
 
     def __call__(self) -> np.ndarray:
-        """Labels of the points, or as many zeros as there are boxes."""
+        """Return the labels of the points, or as many zeros as there are boxes."""
         try:
             self._program.stdin.write("\n")
             self._program.stdin.flush()
@@ -190,7 +190,7 @@ class PclPeer:
 
 @functools.cache
 def pcl_program() -> str:
-    """The path of `pcl_peer`, which is made where that is possible."""
+    """Return the path of `pcl_peer`, and build it if necessary."""
     if os.environ.get("PCL_PEER"):
         return os.environ["PCL_PEER"]
     if not shutil.which("pkg-config") or not shutil.which("g++"):

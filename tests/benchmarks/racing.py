@@ -1,4 +1,4 @@
-"""Races: several ways to one answer, timed in turn, so that a busy machine slows all alike."""
+"""Races between implementations, timed in turn so that a busy machine slows all of them."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from grader.course.paths import PROJECT
 
 FOLDER = PROJECT / ".bench"
 ROUNDS = int(os.environ.get("ROUNDS", 9))
-# A slow way has one round at least, and no more than this many seconds.
+# Seconds after which a slow implementation skips its remaining rounds.
 PATIENCE = float(os.environ.get("PATIENCE", 20))
 
-# From a cloud to what does the work once and returns the answer.
+# A function from a cloud to a callable that does the work once and returns the answer.
 Way = Callable[[np.ndarray], Callable[[], np.ndarray]]
 
 
 class Missing(Exception):
-    """A way cannot be tried here; `str()` says what is not installed."""
+    """An implementation cannot run here; `str()` says what is not installed."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one way on one cloud.
+    """Times, answer and memory of one implementation on one cloud.
 
     Attributes
     ----------
     seconds : ndarray, shape (rounds,)
-        Of each round; NaN for rounds that were left out.
+        Time of each round; NaN for rounds that were left out.
     answer : ndarray
     memory : float
-        Bytes that a process of its own held at most, beyond what it held before; NaN where the
-        system does not tell.
+        Peak bytes of a separate process, minus its bytes before the call; NaN if the system does
+        not report them.
     """
 
     seconds: np.ndarray
@@ -47,34 +47,34 @@ class Result:
 
     @property
     def median(self) -> float:
-        """Seconds in the middle of all rounds."""
+        """Median seconds of all rounds."""
         return float(np.nanmedian(self.seconds))
 
     @property
     def least(self) -> float:
-        """Seconds of the quickest round: what it takes while nobody else is at work."""
+        """Seconds of the shortest round, which other processes disturbed least."""
         return float(np.nanmin(self.seconds))
 
     def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
-        """Median, lowest and highest quotient of the seconds of one round."""
+        """Return the median, lowest and highest ratio to the other's seconds in the same round."""
         quotients = self.seconds / other.seconds
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 
 
 def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[str, Result]:
-    """Let all ways that are installed work on a cloud, in turn.
+    """Run all installed implementations on a cloud, in turn.
 
     Parameters
     ----------
     ways : dict of str to callable
     cloud : ndarray, shape (n, 3)
     memory : bool
-        Whether to ask for memory, too, which takes a process for each.
+        Whether to measure memory as well, which takes a process for each implementation.
 
     Returns
     -------
     dict of str to Result
-        Without those that are missing, of which a line is printed.
+        Results of the installed implementations; a line is printed for each missing one.
     """
     ready, answers = {}, {}
     for name, way in ways.items():
@@ -101,7 +101,7 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
 
 
 def peak_of(way: Way, cloud: np.ndarray) -> float:
-    """Bytes at the peak of a second call in a process of its own, beyond those before it."""
+    """Return the additional bytes at the peak of a second call in a separate process."""
     if not Path("/proc/self/clear_refs").exists():
         return float("nan")
     with multiprocessing.get_context("spawn").Pool(1) as pool:
@@ -113,7 +113,7 @@ def _peak(way: Way, cloud: np.ndarray) -> float:
     work = way(cloud)
     process = getattr(work, "process", "self")
     before = _resident(process, "VmRSS")
-    Path(f"/proc/{process}/clear_refs").write_text("5")  # the peak begins anew
+    Path(f"/proc/{process}/clear_refs").write_text("5")  # resets VmHWM, the peak
     work()
     return _resident(process, "VmHWM") - before
 
@@ -124,18 +124,18 @@ def _resident(process: int | str, entry: str) -> float:
 
 
 def same_partition(labels: np.ndarray, others: np.ndarray) -> bool:
-    """Whether two labellings group the points alike."""
+    """Return whether two labellings group the points in the same way."""
     pairs = np.unique(np.stack([labels, others]), axis=1).shape[1]
     return pairs == len(np.unique(labels)) == len(np.unique(others))
 
 
 def exponent(sizes: Iterable[float], seconds: Iterable[float]) -> float:
-    """Slope of the line through sizes and seconds on logarithmic axes."""
+    """Return the slope of the line through sizes and seconds on logarithmic axes."""
     return float(np.polyfit(np.log(list(sizes)), np.log(list(seconds)), 1)[0])
 
 
 def write_down(subject: str, found: dict) -> Path:
-    """Put what was measured into `.bench/measured.json`, beside what others found there."""
+    """Add measurements under a subject to `.bench/measured.json` and return its path."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "measured.json"
     record = json.loads(path.read_text()) if path.exists() else {}

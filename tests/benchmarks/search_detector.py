@@ -1,18 +1,18 @@
-"""Are the parameters of lesson 12's detector good ones? A random search, and streets held back.
+"""Search at random for better parameters of lesson 12's detector, and test them on new streets.
 
-Draws SETTINGS settings and asks each on simulated streets, one frame of each. What counts is the
-mean of two numbers: F1 of the boxes on the carriageway, itself a mean over three overlaps; and the
-recall of people, on foot or on a bicycle, in all of the region. Without the second, a search finds
-a minimum size that no pedestrian survives.
+The script draws SETTINGS settings and scores each on one frame of each simulated street. The score
+is the mean of two numbers: F1 of the boxes on the carriageway, averaged over three overlaps, and
+the recall of pedestrians and cyclists in the whole region. Without the recall, the search would
+choose a minimum cluster size that excludes all pedestrians.
 
-The best five then meet streets on which nobody chose anything, beside today's parameters and
-these with voxels of half the side. There the difference to today's counts, street by street, with
-its standard error by the jackknife: of many settings the one that looks best was lucky, too, and
-owes nothing to luck where it did not win. A centroid lies inside of what it stands for, by up to
-half a voxel on each side: of a person that is much, of a car it is little.
+The best five settings then run on streets that were held back from the search. Today's parameters
+and today's with voxels of half the side run there as well. The result is the difference from
+today's score, street by street, with a standard error by the jackknife. The best of many settings
+was partly lucky in the search, but this luck does not carry over to held-back streets. A voxel's
+centroid is up to half a voxel inside the surface, which matters for a person but hardly for a car.
 
-Lesson 12 keeps today's parameters all the same. Its detector also drives, behind a scanner with a
-third of the returns, and there a child of whom 30 points are asked has a box too late.
+Lesson 12 still keeps today's parameters. Its detector is also used for driving, with a scanner
+that has a third of the returns. There, a minimum of 30 points would detect a child too late.
 
     python tests/benchmarks/search_detector.py
 """
@@ -42,15 +42,15 @@ TIMED = 4  # frames, each three times
 
 @dataclass(frozen=True)
 class Setting:
-    """What may be chosen in the detector; as it is, today's.
+    """Parameters of the detector; the defaults are today's.
 
     Attributes
     ----------
     threshold, voxel, near_road, tolerance : float
-        Metres: of clustering, of a voxel's side, from the road up to which a return is road, and
-        of RANSAC.
+        In metres: distance threshold of clustering, side of a voxel, largest distance of a road
+        return from the plane, and inlier distance of RANSAC.
     least : int
-        Points of a cluster.
+        Smallest number of points in a cluster.
     """
 
     threshold: float = 0.5
@@ -61,8 +61,8 @@ class Setting:
 
 
 TODAY = Setting()
-FINER = Setting(least=30, voxel=0.1)  # three times as many points are left of a thing
-# Drawn evenly on a logarithmic scale between these.
+FINER = Setting(least=30, voxel=0.1)  # an object keeps three times as many points
+# Values are drawn uniformly on a logarithmic scale between these limits.
 RANGES = {
     "threshold": (0.25, 1.0),
     "least": (3, 40),
@@ -73,13 +73,13 @@ RANGES = {
 
 
 def drawn(rng: np.random.Generator) -> Setting:
-    """A setting by chance."""
+    """Draw a random setting."""
     values = {name: float(np.exp(rng.uniform(*np.log(ends)))) for name, ends in RANGES.items()}
     return Setting(**values | {"least": round(values["least"])})
 
 
 def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
-    """Lesson 12's, of which those numbers that are no parameters are changed in its steps."""
+    """Return lesson 12's detector with a setting; values that are not parameters are patched."""
 
     def changed(steps: dict) -> dict:
         search, fit, thin = steps["ransac_plane"], steps["fit_plane"], steps["voxel_grid"]
@@ -87,7 +87,7 @@ def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
             "ransac_plane": lambda low, rounds, _, seed: search(
                 low, rounds, setting.tolerance, seed
             ),
-            # It is asked what is more than 0.3 m away: a longer normal makes that less.
+            # The detector tests for more than 0.3 m, and a longer normal lowers that limit.
             "fit_plane": lambda road: np.multiply(fit(road), 0.3 / setting.near_road),
             "voxel_grid": lambda points, _: thin(points, setting.voxel),
         }
@@ -97,12 +97,12 @@ def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
 
 
 def corners_of(boxes: Sequence[Box]) -> np.ndarray:
-    """Of true boxes; (N, 8, 3)."""
+    """Return the corners of true boxes, (N, 8, 3)."""
     return np.array([box.corners for box in boxes]).reshape(-1, 8, 3)
 
 
 def counts(boxes: np.ndarray, frame: Frame) -> list[int]:
-    """Hits at each overlap, boxes found and true; people who have a box, and all people."""
+    """Count hits at each overlap, found plus true boxes, detected people, and all people."""
     near = boxes[within(boxes, CARRIAGEWAY)]
     truth = corners_of(counted(frame, CARRIAGEWAY))
     people = corners_of([box for box in counted(frame, SEEN_BY_IT) if box.kind in PEOPLE])
@@ -113,28 +113,28 @@ def counts(boxes: np.ndarray, frame: Frame) -> list[int]:
 
 
 def f1(sums: np.ndarray) -> float:
-    """The mean over the overlaps."""
+    """Return F1 averaged over the overlaps."""
     return float(np.mean(2 * sums[:3] / sums[3]))
 
 
 def recall(sums: np.ndarray) -> float:
-    """Of people."""
+    """Return the recall of people."""
     return float(sums[4] / sums[5])
 
 
 def quality(sums: np.ndarray) -> float:
-    """What is searched for."""
+    """Return the score that the search maximises."""
     return (f1(sums) + recall(sums)) / 2
 
 
 def asked(setting: Setting, frames: Sequence[Frame]) -> np.ndarray:
-    """Counts of each frame; (frames, 6)."""
+    """Run a setting on frames and return the counts of each, (frames, 6)."""
     detect = detector(setting)
     return np.array([counts(detect(frame.cloud), frame) for frame in frames])
 
 
 def milliseconds(setting: Setting, frames: Sequence[Frame]) -> float:
-    """Of the processor, for a frame: the median."""
+    """Return the median processor time per frame in milliseconds."""
     detect, found = detector(setting), []
     for frame in 3 * list(frames[:TIMED]):
         begin = time.process_time()
@@ -144,12 +144,12 @@ def milliseconds(setting: Setting, frames: Sequence[Frame]) -> float:
 
 
 def first_frames(seeds: range) -> list[Frame]:
-    """One of each street."""
+    """Return one frame of each street."""
     return [scenes.city_block(seed, frames=1)[0] for seed in seeds]
 
 
 def main() -> None:
-    """Search, then ask the best where nobody searched; print a table in Markdown."""
+    """Search, test the best settings on held-back streets and print a table in Markdown."""
     rng = np.random.default_rng(0)
     settings = [TODAY, FINER, *(drawn(rng) for _ in range(SETTINGS))]
     frames = first_frames(SEARCHED)
@@ -163,10 +163,10 @@ def main() -> None:
     print(f"| | {' | '.join(head)} |\n|---|{'---:|' * len(head)}")
     frames = first_frames(HELD_BACK)
     today = asked(TODAY, frames)
-    places = {f"number {place}": one for place, one in enumerate(ranks[:BEST], start=1)}
+    places = {f"number {place}": setting for place, setting in enumerate(ranks[:BEST], start=1)}
     for name, setting in {"today": TODAY, "finer": FINER, **places}.items():
         row = asked(setting, frames)
-        whole, boxes, people = (with_error(row, of) for of in (quality, f1, recall))
+        whole, boxes, people = (with_error(row, metric) for metric in (quality, f1, recall))
         gain = with_error(np.hstack([row, today]), lambda s: quality(s[:6]) - quality(s[6:]))
         cells = [
             *(f"{value:.2f}".rstrip("0").rstrip(".") for value in astuple(setting)),
