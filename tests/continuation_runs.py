@@ -1,4 +1,4 @@
-"""An evening with a lesson: every cell is run, whatever fails, and what came of it written down."""
+"""Run a whole lesson as a student would: every cell despite failures, with recorded results."""
 
 import contextlib
 import io
@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 
-LONGEST = 300  # seconds that an evening may take
+LONGEST = 300  # seconds that a run may take
 
 
 @dataclass
 class Cell:
-    """What came of a cell."""
+    """A code cell and the results of running it."""
 
     source: str
     grade_id: str = ""
@@ -30,17 +30,17 @@ class Cell:
 
     @property
     def checks(self):
-        """Whether it is one that checks."""
+        """Whether the cell calls `check`."""
         return self.source.startswith("check(")
 
     @property
     def banners(self):
-        """What was said about whose answer it is."""
+        """Messages about using the course's answer or the student's own again."""
         return [text for text in self.said if re.search("course's answer|yours again", text)]
 
 
 def right_answers(lesson):
-    """An answer to each exercise of a lesson that earns everything."""
+    """Return an answer with full points to each exercise of a lesson."""
     found = {}
     for exercise in lesson.machine_graded:
         rights = [answer for answer in answers_to(exercise.name) if answer.right]
@@ -51,7 +51,7 @@ def right_answers(lesson):
 
 
 def evenings(lesson, exercise, sources):
-    """Run a student's notebook with each of some answers to an exercise, and right ones elsewhere.
+    """Run a notebook once with each answer to an exercise, and right answers elsewhere.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def evenings(lesson, exercise, sources):
     Yields
     ------
     list of Cell
-        The cells from the answer's on. What is above runs once: each answer goes on in a copy of
-        that process.
+        The cells from the answer's cell on. The cells above it run only once, and each answer
+        continues in a copy of that process.
     """
     return map(pickle.loads, _apart(_each, lesson, exercise, list(sources)))
 
@@ -72,19 +72,19 @@ def _each(lesson, exercise, sources):
     shell = _shell(lesson.released.parent)
     for cell in _cells(lesson, exercise, "")[0]:
         _run(shell, cell)
-        assert cell.succeeded or cell.checks, cell  # steps that earn nothing are not written
+        assert cell.succeeded or cell.checks, cell  # optional exercises have no answer to check
     for source in sources:
         yield from _apart(_evening, shell, _cells(lesson, exercise, source)[1])
 
 
 def evening(sources, begin):
-    """Run some cells in a notebook of their own.
+    """Run some cells in a new notebook.
 
     Parameters
     ----------
     sources : list of str
     begin : callable
-        Is called before, with the shell.
+        Called with the shell before the cells run.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def _evening(shell, cells):
 
 
 def _apart(work, *arguments):
-    """What work in a copy of this process yields: bytes."""
+    """Run a generator of bytes in a fork of this process and yield the bytes here."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
@@ -132,7 +132,7 @@ def _apart(work, *arguments):
 
 
 def _cells(lesson, exercise, source):
-    """The code cells above an answer, and those from there on."""
+    """Return the code cells above an answer, and the code cells from the answer on."""
     answers = right_answers(lesson) | ({exercise: source} if source else {})
     cells = [
         Cell("".join(cell["source"]), cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
@@ -157,7 +157,7 @@ def _shell(folder):
     shell = InteractiveShell.instance()
     shell.history_manager.enabled = False
     shell.display_pub = CapturingDisplayPublisher()
-    # As in a notebook, where a cell's pictures are shown at its end.
+    # A notebook shows and closes a cell's figures when the cell ends.
     shell.events.register("post_execute", lambda: plt.close("all"))
     plt.show = lambda *about, **more: plt.close("all")
     return shell

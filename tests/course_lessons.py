@@ -1,6 +1,6 @@
-"""The lessons of the course, which these tests hold to more than a lesson of an author's own."""
+"""The lessons of the course, which have to pass more tests than an author's own lessons."""
 
 from grader.course.lessons import all_lessons
 
-# Only the course's lessons have the likeliest slips; an author tries others with `grader try`.
+# Only the course's lessons have `slips.py`; authors test their own lessons with `grader try`.
 COURSE = tuple(lesson for lesson in all_lessons() if (lesson.folder / "slips.py").is_file())

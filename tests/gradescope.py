@@ -1,9 +1,9 @@
-"""Plays Gradescope: uploads the autograder, and hands in, each time in a container of its own.
+"""Simulate Gradescope: upload the autograder and judge submissions, each in its own container.
 
-Started by `.ci/gradescope`, as root. There is no Docker in it: a container is this machine's root
-folder below a layer of its own, with processes, host name and shared memory of its own, with the
-capabilities that Docker leaves root, and without the system calls that Docker's filter denies.
-What Gradescope's own containers allow, nobody here has seen; so it is tried with more, and less.
+`.ci/gradescope` starts this module as root. It does not use Docker. A container is this machine's
+root folder below an overlay, with separate processes, host name and shared memory. It has the
+capabilities that Docker leaves to root, and a filter denies the system calls that Docker denies.
+The permissions of Gradescope's own containers are unknown, so more and fewer are tried.
 """
 
 import dataclasses
@@ -27,10 +27,10 @@ from tests.prerequisites import demand_walls
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405
-LONGEST = 1800  # seconds that setting up may take, and judging
-PORT = 18_731  # something of the machine's own listens there
+LONGEST = 1800  # seconds for setting up, and for judging
+PORT = 18_731  # port of a server on this machine that attacks try to reach
 
-# Of this machine's folders those that a container has, too; the others are empty there.
+# Folders of this machine that a container also has; the others are empty there.
 SYSTEM = ("bin", "dev", "etc", "lib", "lib32", "lib64", "libx32", "opt", "proc", "sbin", "sys")
 SYSTEM = (*SYSTEM, "usr", "var")
 DEVICES = {
@@ -48,16 +48,16 @@ DEVICES = {
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """What a container's root may do.
+    """Permissions in a container.
 
     Attributes
     ----------
     capabilities : tuple of str or None
-        None for all.
+        Capabilities of the container's root; None for all.
     filtered : bool
         Whether system calls are denied, as Docker does.
     user : int
-        Who runs the autograder; Gradescope's is root.
+        User who runs the autograder; Gradescope uses root.
     """
 
     capabilities: tuple | None = DOCKER
@@ -75,7 +75,7 @@ KINDS = {
 
 
 def run(kind, layers, script):
-    """Run a script in a container whose files are some layers, of which the last is written to."""
+    """Run a script in a container made of layers, the last of which is writable."""
     top = layers[-1]
     for name in ("files", "work", "all"):
         (top / name).mkdir(parents=True, exist_ok=True)
@@ -88,17 +88,21 @@ def run(kind, layers, script):
             os.setxattr(folder, "trusted.overlay.opaque", b"y")
         for name in ("tmp", "var/tmp"):
             (top / "files" / name).chmod(0o1777)
-    about = {"kind": dataclasses.asdict(kind), "layers": list(map(str, layers)), "script": script}
+    arguments = {
+        "kind": dataclasses.asdict(kind),
+        "layers": list(map(str, layers)),
+        "script": script,
+    }
     alone = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--uts", "--ipc"]
-    command = [*alone, sys.executable, "-m", "tests.gradescope", json.dumps(about)]
+    command = [*alone, sys.executable, "-m", "tests.gradescope", json.dumps(arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
 
 
 def become(kind, layers, script):
-    """In new namespaces: build the container, go into it, and run the script there."""
+    """Build a container in the current new namespaces, enter it and run the script there."""
     *below, top = map(Path, layers)
     root = top / "all"
-    lower = ":".join([*(str(one / "files") for one in reversed(below)), "/"])
+    lower = ":".join([*(str(layer / "files") for layer in reversed(below)), "/"])
     options = f"lowerdir={lower},upperdir={top}/files,workdir={top}/work"
     for command in (
         ["mount", "--make-rprivate", "/"],
@@ -124,9 +128,9 @@ def become(kind, layers, script):
     os.execvp(words[0], [*words, "/bin/sh", "-c", script])
 
 
-# ---- What is handed in ---------------------------------------------------------------------
+# ---- Submissions ---------------------------------------------------------------------------
 
-# Answers rightly if any attack succeeds: then it is seen in the points.
+# Answers correctly if any attack succeeds, so that the points show it.
 HOSTILE = """
 import ctypes, glob, os, socket, subprocess, sys, time
 
@@ -225,18 +229,18 @@ SECRET_OF_GRADESCOPE=1 ../python/bin/python -B -m grader judge --json --sandbox 
 
 
 def submissions():
-    """Files by name, of each kind of student."""
+    """Return the submitted files by name, for each kind of student."""
     lesson = find_lesson(SIX)
     right, wrong = (
         next(answer.source for answer in answers_to("filter_ground") if answer.right == is_right)
         for is_right in (True, False)
     )
-    voxels = next(one.source for one in answers_to("voxel_grid") if one.right)
-    solved = [one for one in all_lessons() if one.stage == STAGE]
+    voxels = next(answer.source for answer in answers_to("voxel_grid") if answer.right)
+    solved = [lesson for lesson in all_lessons() if lesson.stage == STAGE]
     half = {"filter_ground": wrong, "voxel_grid": voxels}
     full = {"filter_ground": right, "voxel_grid": voxels}
     return {
-        "right": {f"{one.name}.ipynb": one.solved.read_text("utf-8") for one in solved},
+        "right": {f"{lesson.name}.ipynb": lesson.solved.read_text("utf-8") for lesson in solved},
         "another right one": {f"{SIX}.ipynb": fill_in(lesson, full)},
         "wrong": {f"{SIX}.ipynb": fill_in(lesson, half)},
         "empty": {"notes.txt": "I was ill.", "Untitled.ipynb": "{}", f"{SIX}.py": "x = 1"},
@@ -245,7 +249,7 @@ def submissions():
     }
 
 
-# What is left of processes is counted once the autograder has ended.
+# Counts the remaining processes after the autograder has ended.
 RUN = """
 cd /autograder
 SECRET_OF_GRADESCOPE=1 ./run_autograder
@@ -260,7 +264,7 @@ exit $code
 
 
 def upload(place, archive):
-    """Unpack the zip as Gradescope does, and set up the image; returns its layer."""
+    """Unpack the zip as Gradescope does, set up the image and return its layer."""
     image = place / "image"
     autograder = image / "files" / "autograder"
     for name in ("source", "submission", "results"):
@@ -282,7 +286,7 @@ def upload(place, archive):
 
 
 def hand_in(place, image, files, kind, links=(), script=RUN):
-    """Judge a submission in a container of its own: what is left, and what was printed."""
+    """Judge a submission in its own container; return results, finished process and left files."""
     layer = place / "run"
     shutil.rmtree(layer, ignore_errors=True)
     autograder = layer / "files" / "autograder"
@@ -292,23 +296,23 @@ def hand_in(place, image, files, kind, links=(), script=RUN):
         (autograder / "submission" / name).write_text(content, "utf-8")
     for name, target in links:
         (autograder / "submission" / name).symlink_to(target)
-    about = {"users": [{"email": "a@x.edu", "id": 1, "name": "A"}], "previous_submissions": []}
-    (autograder / "submission_metadata.json").write_text(json.dumps(about))
+    metadata = {"users": [{"email": "a@x.edu", "id": 1, "name": "A"}], "previous_submissions": []}
+    (autograder / "submission_metadata.json").write_text(json.dumps(metadata))
     done = run(KINDS[kind], [image, layer], script)
     results = autograder / "results" / "results.json"
     text = results.read_text() if results.exists() else ""
     found = json.loads(text) if text else None
-    # What it could write to while it ran goes with the container.
-    everything = [path for path in (layer / "files").rglob("*") if path.lstat().st_uid >= 2**15]
-    theirs = [path for path in everything if not {"tmp", "shm"} & set(path.parts)]
-    return found, done, theirs
+    # Temporary folders disappear with the container, so files there do not count.
+    student_files = [path for path in (layer / "files").rglob("*") if path.lstat().st_uid >= 2**15]
+    left = [path for path in student_files if not {"tmp", "shm"} & set(path.parts)]
+    return found, done, left
 
 
-def check(what, holds, about=""):
-    """Print a line; remember what does not hold."""
-    print(f"{'ok    ' if holds else 'FAILED'} {what}", flush=True)
+def check(description, holds, about=""):
+    """Print a line for a check, and record the check if it failed."""
+    print(f"{'ok    ' if holds else 'FAILED'} {description}", flush=True)
     if not holds:
-        FAILED.append(what)
+        FAILED.append(description)
         print(about)
 
 
@@ -321,24 +325,26 @@ def main(place):
     listening = socket.create_server(("127.0.0.1", PORT))
     image = upload(place, archive)
     check("an image is set up", True)
-    handed_in = submissions()
+    submitted = submissions()
     calm = fill_in(find_lesson(SIX), {"filter_ground": CALM})
     for kind, walls in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
-        for whose, files in handed_in.items():
-            results, done, theirs = hand_in(place, image, files, kind)
-            told = done.stdout + done.stderr
-            name = f"in a container {kind}, {whose}:"
-            check(f"{name} is judged behind {walls}", f"Walls: {walls}" in done.stdout, told)
-            score = expected(calm if whose == "hostile" else files.get(f"{SIX}.ipynb"), place, here)
-            score += 70.0 * (whose == "right")
+        for student, files in submitted.items():
+            results, done, left = hand_in(place, image, files, kind)
+            output = done.stdout + done.stderr
+            name = f"in a container {kind}, {student}:"
+            check(f"{name} is judged behind {walls}", f"Walls: {walls}" in done.stdout, output)
+            score = expected(
+                calm if student == "hostile" else files.get(f"{SIX}.ipynb"), place, here
+            )
+            score += 70.0 * (student == "right")
             found = results and results["score"]
-            if whose == "hostile" and results:  # but for an edit it is right, which earns a share
+            if student == "hostile" and results:  # without the share for being one edit from right
                 found = sum(test["score"] for test in results["tests"] if test.get("max_score"))
-            check(f"{name} earns {score:g}", found == score, told + str(results))
-            check(f"{name} leaves no process", "left: 0" in done.stdout, told)
-            check(f"{name} leaves no file", not theirs, theirs)
-    # Else the attacks show nothing.
-    _, done, _ = hand_in(place, image, handed_in["hostile"], "as Docker's", script=UNWALLED)
+            check(f"{name} earns {score:g}", found == score, output + str(results))
+            check(f"{name} leaves no process", "left: 0" in done.stdout, output)
+            check(f"{name} leaves no file", not left, left)
+    # If the attacks gain nothing without a sandbox either, they prove nothing.
+    _, done, _ = hand_in(place, image, submitted["hostile"], "as Docker's", script=UNWALLED)
     gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
     check("without walls, hostile gains", gained > expected(calm, place, here), done)
     stolen = f"/autograder/source/course/solutions/{STAGE}/{SIX}.ipynb"
@@ -347,7 +353,7 @@ def main(place):
     )
     check("a link to the solution earns nothing", results and results["score"] == 0.0, done)
     for kind in list(KINDS)[2:]:
-        results, done, _ = hand_in(place, image, handed_in["right"], kind)
+        results, done, _ = hand_in(place, image, submitted["right"], kind)
         refused = done.stdout.startswith("Nothing was judged")
         check(f"in a container {kind}, nothing is judged", results is None and refused, done)
         print(textwrap.indent(done.stdout.strip(), "       "))
@@ -356,7 +362,7 @@ def main(place):
 
 
 def expected(text, place, walls):
-    """What a notebook of lesson 06 earns on this machine; 0 where there is none."""
+    """Return the score of a notebook of lesson 06 on this machine, or 0 without a notebook."""
     path = place / f"{SIX}.ipynb"
     path.write_text(text or "", "utf-8")
     return judge(path, SEED, walls).score if text else 0.0

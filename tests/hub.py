@@ -1,6 +1,6 @@
-"""A stage on a JupyterHub, from handing out to feedback, in a browser. `.ci/hub` starts it.
+"""Run a stage on a JupyterHub in a browser, from release to feedback; `.ci/hub` starts it.
 
-The hub, the exchange and the instructor's commands are those of grader/README.md, block by block.
+The commands for the hub, the exchange and the instructor are the blocks of grader/README.md.
 """
 
 import contextlib
@@ -31,8 +31,8 @@ STAGE, LESSON = "stage3_obstacles", "07_filter_by_distance"
 EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
 POINTS = 30  # of the lesson
 STUDENTS = ("ada", "ben")
-PATIENCE = 240  # seconds for any one thing to appear
-# So that a browser has every cell, not only those on the screen, and is asked nothing.
+PATIENCE = 240  # seconds to wait for each element or state
+# JupyterLab draws every cell, not only those on the screen, and opens no questions.
 SETTINGS = {
     "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
     "@jupyterlab/apputils-extension:notification": {"fetchNews": "false"},
@@ -45,7 +45,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """The shell commands of the README's section, by their first words."""
+    """Return the blocks of shell commands in the README's section, by their first words."""
     text = (PROJECT / "grader" / "README.md").read_text("utf-8")
     section = re.search(r"^## On a JupyterHub\n(.*?)^## ", text, re.M | re.S)[1]
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", section, re.M | re.S)
@@ -53,7 +53,7 @@ def blocks():
 
 
 def run_as(name, script, check=True, **variables):
-    """Run shell commands in a home, with what is installed for the hub."""
+    """Run shell commands as a user in their home, with the hub's programs on PATH."""
     command = [
         *("runuser", "-u", name, "--", "env", "-i", f"HOME={home(name)}", f"USER={name}"),
         *("LANG=C.UTF-8", "PATH=/srv/hub/bin:/usr/local/bin:/usr/bin:/bin"),
@@ -70,12 +70,12 @@ def run_as(name, script, check=True, **variables):
 
 
 def home(name):
-    """Where somebody's files are."""
+    """Return the home directory of a user."""
     return "/root" if name == "root" else f"/home/{name}"
 
 
 def make_accounts():
-    """Accounts of this machine, with passwords, that PAM knows."""
+    """Create accounts on this machine and return their passwords, by user name."""
     passwords = {name: secrets.token_urlsafe(12) for name in (*STUDENTS, "instructor")}
     for name in passwords:
         command = ["useradd", "--create-home", "--key", "HOME_MODE=0700", "--shell", "/bin/bash"]
@@ -87,7 +87,7 @@ def make_accounts():
 
 @contextlib.contextmanager
 def hub():
-    """The address of a hub at work, and where it writes what it does."""
+    """Run a hub and yield its address; print the end of its log if anything fails."""
     ports = [free_port() for _ in range(3)]
     log = Path("/srv/jupyterhub/log")
     command = [
@@ -111,7 +111,7 @@ def hub():
 
 
 def wait_for(address):
-    """Until something answers there."""
+    """Wait until a server answers at an address."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
@@ -124,7 +124,7 @@ def wait_for(address):
 
 
 def free_port():
-    """A port that nobody listens on."""
+    """Return a free port."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         return free.getsockname()[1]
@@ -134,7 +134,7 @@ def free_port():
 
 
 class Seat:
-    """Somebody in front of a browser, who has logged in."""
+    """A user with a browser who is logged in to the hub."""
 
     def __init__(self, address, name, password, pictures):
         self.address, self.name, self.password = address, name, password
@@ -158,7 +158,7 @@ class Seat:
         return self
 
     def log_in(self):
-        """As anybody does: a name, a password, and a server of one's own."""
+        """Log in with a name and a password, and wait for the user's own server."""
         self.open("/hub/login", until="#username_input")
         self.picture("login")
         self.find("#username_input").send_keys(self.name)
@@ -179,24 +179,24 @@ class Seat:
         self.wait(lambda: self.browser.find_elements(By.CSS_SELECTOR, until), until)
 
     def find(self, selector):
-        """One element."""
+        """Return the first element that matches a CSS selector."""
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
     def wait(self, condition, what):
-        """Until something is so; what it says then."""
+        """Wait until a condition is true, and return its value."""
 
         def so(browser):
-            with contextlib.suppress(WebDriverException):  # what was there was drawn anew
+            with contextlib.suppress(WebDriverException):  # the page may have redrawn the element
                 return condition()
 
         return WebDriverWait(self.browser, PATIENCE).until(so, f"{self.name} waits for {what}")
 
     def text(self, selector):
-        """What stands in an element, seen or not."""
+        """Return the text of an element, even if it is not visible."""
         return self.find(selector).get_property("textContent")
 
     def click(self, selector, words):
-        """Click on what says these words."""
+        """Click on the element with this text."""
 
         def clicked():
             for element in self.browser.find_elements(By.CSS_SELECTOR, selector):
@@ -208,37 +208,37 @@ class Seat:
         self.wait(clicked, f"{words!r} to click on")
 
     def picture(self, name):
-        """Keep what is on the screen."""
+        """Save a screenshot."""
         self.browser.save_screenshot(str(self.pictures / f"{self.name}_{name}.png"))
 
-    # What JupyterLab and nbgrader show.
+    # Actions in JupyterLab and nbgrader.
 
     def choose(self, menu, entry):
-        """Choose from a menu."""
+        """Choose an entry from a menu."""
         self.click(".lm-MenuBar-itemLabel", menu)
         self.click(".lm-Menu-itemLabel", entry)
 
     def assignments(self):
-        """Open nbgrader's list."""
+        """Open nbgrader's list of assignments."""
         self.choose("Nbgrader", "Assignment List")
         self.listed("released", "")
 
     def listed(self, kind, words):
-        """Wait until a part of the list says something."""
+        """Wait until a part of the list shows a text."""
         selector = f"#{kind}_assignments_list"
         self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
 
     def press(self, kind, words):
-        """A button in a part of the list."""
+        """Click a button in a part of the list."""
         self.click(f"#{kind}_assignments_list button", words)
 
     def notebook(self, path):
-        """Open a notebook, and wait for its kernel."""
+        """Open a notebook and wait until its kernel is idle."""
         self.open(f"/user/{self.name}/lab/tree/{path}", until=".jp-Notebook .jp-CodeCell")
         self.idle()
 
     def idle(self):
-        """Wait until the kernel has nothing to do."""
+        """Wait until the kernel is idle and no cell is queued."""
         prompts = "return [...document.querySelectorAll('.jp-InputPrompt')].map(p => p.innerText)"
         state = ".jp-Notebook-ExecutionIndicator"
         self.wait(
@@ -250,7 +250,7 @@ class Seat:
         )
 
     def cell(self, words):
-        """The code cell with these words, on the screen."""
+        """Scroll to the code cell that contains a text, and return the cell."""
 
         def shown():
             for cell in self.browser.find_elements(By.CSS_SELECTOR, ".jp-CodeCell"):
@@ -263,7 +263,7 @@ class Seat:
         return self.wait(shown, f"a cell with {words!r}")
 
     def write(self, words, source):
-        """Put something else into a cell, as by pasting."""
+        """Replace the source of a cell, as if by pasting."""
         cell = self.cell(words)
         self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, words)
         keys = webdriver.ActionChains(self.browser)
@@ -271,18 +271,18 @@ class Seat:
         self.browser.execute_cdp_cmd("Input.insertText", {"text": source})
 
     def saved(self, path, words):
-        """Save, and wait until the file says all of it."""
+        """Save, and wait until the file contains all the words."""
         self.choose("File", "Save Notebook")
         file = Path(f"/home/{self.name}") / path
         saved = f"{words} in {path}"
         self.wait(lambda: all(word in file.read_text("utf-8") for word in words), saved)
 
 
-# ---- the play -----------------------------------------------------------------------------------
+# ---- the scenario -------------------------------------------------------------------------------
 
 
 def answers():
-    """What the lesson's own solution has in the cells that students fill."""
+    """Return the sources of the lesson's own solution for the cells that students fill."""
     solved = nbformat.read(PROJECT / "solutions" / STAGE / f"{LESSON}.ipynb", as_version=4)
     graded = [cell for cell in solved.cells if "nbgrader" in cell.metadata]
     cells = {cell.metadata.nbgrader.grade_id: cell.source for cell in graded}
@@ -291,7 +291,7 @@ def answers():
 
 
 def work(seat, written):
-    """Fetch, run the first cell, write answers, run everything, hand in."""
+    """Fetch the stage, run the first cell, write the answers, run all cells and submit."""
     path = f"{STAGE}/{LESSON}.ipynb"
     seat.assignments()
     seat.listed("released", STAGE)
@@ -301,8 +301,8 @@ def work(seat, written):
     seat.notebook(path)
     seat.cell("Run this cell first").click()
     seat.choose("Run", "Run Selected Cell")
-    said = "Everything this notebook needs is here."
-    seat.wait(lambda: said in seat.text(".jp-Notebook .jp-OutputArea"), said)
+    message = "Everything this notebook needs is here."
+    seat.wait(lambda: message in seat.text(".jp-Notebook .jp-OutputArea"), message)
     seat.idle()
     seat.picture("first_cell")
     for name, source in written.items():
@@ -316,7 +316,7 @@ def work(seat, written):
         seat.cell(f"check({EXERCISES[0]})")
         seat.picture("checked")
     written_last = [source.splitlines()[-1].strip() for source in written.values()]
-    seat.saved(path, (said, *written_last))
+    seat.saved(path, (message, *written_last))
     seat.assignments()
     seat.press("fetched", "Submit")
     seat.listed("submitted", STAGE)
@@ -324,7 +324,7 @@ def work(seat, written):
 
 
 def look_at_feedback(seat):
-    """Fetch it from the list, and open the lesson's page."""
+    """Fetch the feedback from the list, open the lesson's page and return its text."""
     seat.assignments()
     seat.listed("submitted", STAGE)
     seat.press("submitted", "Fetch Feedback")
@@ -339,7 +339,7 @@ def look_at_feedback(seat):
 
 
 def look_around():
-    """What a student must not reach, and who is meant to does."""
+    """Assert that secret files are readable for the instructor but not for a student."""
     secret = [
         f"cat {COURSE}/.course_seed",
         f"cat {COURSE}/gradebook.db",
@@ -358,7 +358,7 @@ def look_around():
 
 
 def scores():
-    """What nbgrader's gradebook holds: (student, lesson) to points."""
+    """Return the points in nbgrader's gradebook, by (student, lesson)."""
     query = """
         SELECT submitted_assignment.student_id, notebook.name, SUM(grade.auto_score)
         FROM grade JOIN submitted_notebook ON grade.notebook_id = submitted_notebook.id
@@ -371,7 +371,7 @@ def scores():
 
 
 def play(pictures):
-    """From an empty machine to the feedback."""
+    """Play the whole scenario, from an empty machine to the feedback."""
     steps = blocks()
     passwords = make_accounts()
     run_as("root", steps["As root"])

@@ -1,4 +1,4 @@
-"""A lesson as it is for whoever follows its hints: its functions, its names, what it shows."""
+"""A lesson as seen by a student who follows its hints: functions, variables and printed text."""
 
 import contextlib
 import io
@@ -18,40 +18,40 @@ FOLLOWED = "the hints followed to the letter"
 
 
 def source_of(exercise, variant=FOLLOWED):
-    """The answer to an exercise that the course keeps under a name."""
+    """Return the source of the kept answer with a certain name."""
     return next(answer.source for answer in answers_to(exercise) if answer.name == variant)
 
 
 def taught(exercise, variant=FOLLOWED):
-    """The function that the hints lead to, or another variant of it."""
+    """Return the function to which the hints lead, or another kept answer."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
 def names_of(name, *wanted, **variants):
-    """Run the statements of a lesson that `wanted` needs.
+    """Run the statements of a lesson that some names need, and return all names they define.
 
     Parameters
     ----------
     name : str
-        Such as "06_filter_ground".
+        Name of the lesson, such as "06_filter_ground".
     *wanted : str
-        Variables and functions.
+        Needed variables and functions.
     **variants : str
-        Where an exercise shall be another variant than the hints followed.
+        Names of kept answers, for exercises that should not follow the hints.
 
     Returns
     -------
     dict
-        All that these statements define.
+        All names that the statements define.
     """
     lesson, namespace = find_lesson(name), {"__name__": name, "np": np}
     statements, problems = slicing.parse_notebook([lesson.source.read_text("utf-8")])
     assert not problems
-    mine = {exercise.name for exercise in lesson.machine_graded}
+    own_exercises = {exercise.name for exercise in lesson.machine_graded}
     for statement in slicing.slice_for(wanted, statements):
-        if exercises := statement.binds & mine:
+        if exercises := statement.binds & own_exercises:
             for exercise in exercises:
                 exec(source_of(exercise, variants.get(exercise, FOLLOWED)), namespace)
         else:
@@ -61,25 +61,25 @@ def names_of(name, *wanted, **variants):
 
 @dataclass(frozen=True)
 class Told:
-    """What a lesson left behind: its names, and all that it printed and compared."""
+    """The variables of a finished lesson, and its printed text."""
 
     names: dict
     text: str
 
     def numbers_after(self, start):
-        """The numbers in the line that begins with `start`, without those of the start."""
+        """Return the numbers after `start` in the first line that begins with `start`."""
         line = next(line for line in self.text.splitlines() if line.strip().startswith(start))
         rest = line.strip().removeprefix(start).replace(",", "")
         return [float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", rest)]
 
 
 def tell(name):
-    """Run a whole lesson in this process, with the answers that its hints describe.
+    """Run a whole lesson in this process, with answers that follow the hints.
 
     Parameters
     ----------
     name : str
-        Such as "01_point_clouds".
+        Name of the lesson, such as "01_point_clouds".
 
     Returns
     -------
@@ -89,12 +89,12 @@ def tell(name):
     lesson, names, text = find_lesson(name), {"__name__": name}, io.StringIO()
     with contextlib.redirect_stdout(text):
         for cell in jupytext.read(lesson.source).cells:
-            about = cell.metadata.get("nbgrader", {})
-            if cell.cell_type != "code" or about.get("grade"):
+            grading = cell.metadata.get("nbgrader", {})
+            if cell.cell_type != "code" or grading.get("grade"):
                 continue
             if {"setup", "badge", "footer"} & set(cell.metadata.get("tags", ())):
                 continue
-            source = source_of(about["grade_id"]) if about.get("solution") else cell.source
+            source = source_of(grading["grade_id"]) if grading.get("solution") else cell.source
             exec(compile(source, name, "exec"), names)
             plt.close("all")
     return Told(names, text.getvalue())

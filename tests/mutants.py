@@ -1,14 +1,14 @@
-"""Change what decides a grade, one small thing at a time: the nearest tests have to notice.
+"""Mutation tests: make one small change to grading code, and expect the nearest tests to fail.
 
     make mutants                              # everything; goes on where it was stopped
     .venv/bin/python tests/mutants.py points  # the modules with this in their path
 
-The changes ("mutants") are cosmic-ray's. Each is made in memory, in a fork of a process that has
-collected the tests: a changed function gets other code, and of the tests those are run that enter
-it, first those that are short and have noticed most. Where more than functions change, all is
-imported again, and all tests are run, unless one fails. What came of each is kept in
-``.pytest_cache``: who survived is tried again, as tests may have come; delete that file to try all.
-Survivors that change nothing anybody could notice are listed in ``mutants.txt``, with the reason.
+The changes ("mutants") are made by cosmic-ray. Each is applied in memory, in a fork of a process
+that has collected the tests. A changed function gets new code, and only tests that enter it run,
+starting with short tests that have noticed many mutants. If more than functions change, all modules
+are imported again, and all tests run until one fails. The outcomes are kept in ``.pytest_cache``.
+A survivor is tried again in the next run, as there may be new tests; delete the file to try all.
+Survivors whose change cannot be noticed are listed in ``mutants.txt``, with the reason.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ COSMIC_RAY = Path(sys.prefix, "cosmic-ray", "bin", "python")
 RESULTS = PROJECT / ".pytest_cache" / "d" / "mutants.jsonl"
 EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 
-# The nearest tests of each module, nearest first. What is slow is left out, and what needs a
-# sandbox stands last: a second for each of two thousand mutants is half an hour.
+# The nearest tests of each module, nearest first. Slow tests are left out, and tests that need a
+# sandbox come last, because a second for each of two thousand mutants is half an hour.
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
     "grader/judging/hidden_tests.py": ("test_runner.py",),
@@ -84,8 +84,8 @@ TESTS = {
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_grading_by_roster.py"),
 }
 
-# Prints changed versions of the module on standard input, each as a line of JSON: all that there
-# are, but of the eleven other binary operators in a place three, drawn by lot.
+# Prints all changed versions of the module on standard input, each as a line of JSON. A binary
+# operator is replaced with only three of the eleven others, drawn at random.
 CHANGES = """
 import collections, json, random, sys
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -108,24 +108,24 @@ for ways in places.values():
 
 
 DEAD = ("killed", "stopped")
-PATIENCE = 4  # times as long under the clock, where somebody was stopped
-# Not 0: a mutant may well end its process as if all were well.
+PATIENCE = 4  # factor for the time limit of the second try, after a first one was stopped
+# Not 0, because a mutant may end its process with status 0.
 SURVIVED = 57
-WHO = "noticed"  # the file in which a test says that it has noticed a change
+NOTICED_BY = "noticed"  # file with the name of the test that noticed the change
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A module with one small thing changed.
+    """A module with one small change.
 
     Attributes
     ----------
     module : str
-        Path of the file.
+        Path of the module's file.
     before, after : str
         The lines that differ.
     source : str
-        Of the changed module.
+        Source of the changed module.
     """
 
     module: str
@@ -135,7 +135,7 @@ class Mutant:
 
     @property
     def digest(self) -> str:
-        """By which it is known in `RESULTS`."""
+        """The key of the mutant in `RESULTS`."""
         return hashlib.sha256(f"{self.module} {self.source}".encode()).hexdigest()
 
     def __str__(self) -> str:
@@ -143,7 +143,7 @@ class Mutant:
 
 
 class _Bare(ast.NodeTransformer):
-    """Takes annotations away: all our modules only write them down."""
+    """Remove annotations, which no module of the project evaluates."""
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:  # noqa: N802
         node.annotation = ast.Constant(None)
@@ -159,12 +159,12 @@ class _Bare(ast.NodeTransformer):
 
 
 def meaning(source: str) -> str:
-    """A program without what is never run."""
+    """Return the syntax tree of a program as text, without annotations and comments."""
     return ast.dump(_Bare().visit(ast.parse(source)))
 
 
 def mutants_of(module: str) -> Iterator[Mutant]:
-    """The changed versions of a module that are programs, and mean something else than it does."""
+    """Yield the mutants of a module that compile and differ from it in more than annotations."""
     source = (PROJECT / module).read_text("utf-8")
     done = subprocess.run(
         [COSMIC_RAY, "-c", CHANGES], input=source, stdout=subprocess.PIPE, text=True, check=True
@@ -180,7 +180,7 @@ def mutants_of(module: str) -> Iterator[Mutant]:
 
 
 def _difference(source: str, changed: str) -> tuple[str, str]:
-    """The lines of each that the other has not."""
+    """Return the lines of each source that are not in the other, as single lines."""
     lines = [text.splitlines() for text in (source, changed)]
     before, after = [], []
     for kind, a, b, c, d in difflib.SequenceMatcher(None, *lines, False).get_opcodes():
@@ -191,7 +191,7 @@ def _difference(source: str, changed: str) -> tuple[str, str]:
 
 
 class _Changed(importlib.machinery.SourceFileLoader):
-    """Loads a mutant in the place of its module."""
+    """A loader that loads a mutant instead of its module."""
 
     def __init__(self, mutant: Mutant) -> None:
         self.mutant = mutant
@@ -200,13 +200,13 @@ class _Changed(importlib.machinery.SourceFileLoader):
     def find_spec(
         self, name: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """As `sys.meta_path` asks for it."""
+        """Return the mutant's spec if its name is requested, as a finder on `sys.meta_path`."""
         if name != self.name:
             return None
         return importlib.util.spec_from_file_location(name, self.path, loader=self)
 
     def get_code(self, name: str) -> object:
-        """Compiled anew, as what is on disk is another program."""
+        """Compile the mutant, as cached bytecode belongs to the file on disk."""
         return compile(self.mutant.source, self.path, "exec", dont_inherit=True)
 
 
@@ -215,7 +215,7 @@ def _module_name(path: str) -> str:
 
 
 def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
-    """(name, code) of each function of a module or class, and the rest under an empty name."""
+    """Yield (name, code) of each function in a module or class, and the rest with an empty name."""
     rest = []
     for part in code.co_consts:
         if not isinstance(part, CodeType) or "<" in part.co_name:
@@ -228,7 +228,7 @@ def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
 
 
 def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
-    """The functions that a mutant changes, by name; None if it changes more than functions."""
+    """Return the functions that a mutant changes, by name; None if more than functions change."""
     sources = (PROJECT / mutant.module).read_text("utf-8"), mutant.source
     path = str(PROJECT / mutant.module)
     before, after = (list(_parts(compile(text, path, "exec", 0, True))) for text in sources)
@@ -244,7 +244,7 @@ def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
 
 
 def become(module: str, now: list[FunctionType], functions: dict[str, CodeType]) -> None:
-    """Let functions of a module do what they do in a mutant, and forget what they know."""
+    """Give the functions of a module their code in a mutant, and clear the module's caches."""
     for function in now:
         function.__code__ = functions.get(function.__qualname__, function.__code__)
     for known in vars(sys.modules[_module_name(module)]).values():
@@ -253,14 +253,14 @@ def become(module: str, now: list[FunctionType], functions: dict[str, CodeType])
 
 
 def functions_of(module: str) -> list[FunctionType]:
-    """All functions of a module that there are, the decorated ones, too."""
+    """Return all existing functions of a module, including the decorated ones."""
     functions = (object_ for object_ in gc.get_objects() if isinstance(object_, FunctionType))
     path = str(PROJECT / module)
     return [function for function in functions if function.__code__.co_filename == path]
 
 
 def forget_ours() -> None:
-    """Let whatever may import what is changed be imported anew."""
+    """Remove the project's modules from memory, so that they are imported again."""
     for name in list(sys.modules):
         if name.partition(".")[0] in ("grader", "tests"):
             del sys.modules[name]
@@ -268,14 +268,14 @@ def forget_ours() -> None:
 
 @dataclass(frozen=True)
 class Run:
-    """How a test went with the modules as they are.
+    """The run of a test with unchanged modules.
 
     Attributes
     ----------
     seconds, wall : float
-        Of the processor, and by the clock.
+        Time of the processor and of the clock.
     entered : frozenset of (str, str)
-        File and name of each of the grader's functions that it ran, in its own process.
+        File and name of each of the grader's functions that ran in the test's own process.
     """
 
     seconds: float
@@ -284,42 +284,42 @@ class Run:
 
 
 class Trying:
-    """A plugin of pytest that collects the tests of a module once, and tries mutants on them.
+    """A plugin of pytest that collects the tests of a module once and runs them on mutants.
 
     Parameters
     ----------
     module : str
     mutants : list of Mutant
     folder : str
-        Where tests may write.
+        Path where tests may write.
     report : callable
-        Is told each mutant and what became of it.
+        Called with each mutant and its outcome.
     """
 
-    runs: ClassVar[dict[str, Run]] = {}  # by test; one test is near to several modules
+    runs: ClassVar[dict[str, Run]] = {}  # by test; shared, as a test can be near several modules
 
     def __init__(
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
     ) -> None:
         self.module, self.mutants, self.folder, self.report = module, mutants, folder, report
         self.functions: list[FunctionType] = []
-        self.noticed: Counter[str] = Counter()  # how many changes, by test
+        self.noticed: Counter[str] = Counter()  # number of noticed mutants, by test
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Run nothing here: all happens in forks."""
-        gc.unfreeze()  # what was frozen for another module would not be found
+        """Run all tests in forks, and none in this process."""
+        gc.unfreeze()  # otherwise functions that were frozen for another module are not found
         self.functions = functions_of(self.module)
         gc.freeze()  # looking through all objects in a fork would copy them
         if new := [item for item in session.items if item.nodeid not in self.runs]:
             self.runs.update(self._in_a_fork(new))
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
             with contextlib.suppress(FileNotFoundError):
-                self.noticed[Path(self.folder, mutant.digest, WHO).read_text("utf-8")] += 1
+                self.noticed[Path(self.folder, mutant.digest, NOTICED_BY).read_text("utf-8")] += 1
             self.report(mutant, outcome)
         return True
 
     def _in_a_fork(self, items: list[pytest.Item]) -> dict[str, Run]:
-        """How each test goes with the modules as they are; they have to hold."""
+        """Run the tests on the unchanged modules, where all of them must pass."""
         path = Path(self.folder, "runs")
         process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
@@ -342,7 +342,7 @@ class Trying:
             entered.clear()
             begun, clock = time.process_time(), time.monotonic()
             sys.settrace(enter)
-            # Without a next one, what a fixture of the next one enters is counted there.
+            # Without a next item, shared fixtures end here and are counted again in the next test.
             item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
             sys.settrace(None)
             took = time.process_time() - begun, time.monotonic() - clock
@@ -354,10 +354,10 @@ class Trying:
         return 0
 
     def _begin(self, session: pytest.Session, mutant: Mutant, patience: int) -> tuple[int, float]:
-        """Try a mutant in a process of its own; its id, and how many seconds it may take.
+        """Start a process that tries a mutant; return its process ID and its limit in seconds.
 
-        Only tests that enter what is changed can notice. Some functions run in other processes
-        only: then nobody is known to enter them, and all tests are asked.
+        Only tests that enter changed functions can notice the mutant. If functions run only in
+        other processes, no test is known to enter them, and all tests run.
         """
         functions, items = changed_functions(mutant), self._likeliest_first(session.items)
         changed = {(str(PROJECT / self.module), name) for name in functions or ()}
@@ -371,7 +371,7 @@ class Trying:
         return begin(work, patience * seconds, folder), patience * wall
 
     def _likeliest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
-        """File by file, as between files all is cleared away that the tests of one share."""
+        """Sort the tests by their chance to notice, file by file to keep shared fixtures."""
         takes = {
             item: self.runs[item.nodeid].seconds / (1 + self.noticed[item.nodeid]) for item in items
         }
@@ -383,45 +383,45 @@ class Trying:
         return first_failure(items)
 
     def _ask_anew(self, mutant: Mutant) -> int:
-        """Import all that is ours again, and run the tests."""
+        """Import the project's modules again and run the tests."""
         forget_ours()
         sys.meta_path.insert(0, _Changed(mutant))
         run_tests(self.module, _Anew(self._likeliest_first))
-        return 1  # they could not be collected
+        return 1  # the plugin ends the process, so the tests could not be collected
 
 
 class _Anew:
-    """A plugin of pytest that runs tests in another order, and ends the process with them."""
+    """A plugin of pytest that runs tests in a given order and then ends the process."""
 
     def __init__(self, order: Callable[[list[pytest.Item]], list[pytest.Item]]) -> None:
         self.order = order
 
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        """Clear nothing away, which takes longer than most tests."""
+        """End the process without pytest's clean-up, which is slower than most tests."""
         os._exit(first_failure(self.order(session.items)) or SURVIVED)
 
 
 def first_failure(items: list[pytest.Item]) -> int:
-    """Run tests until one fails, which leaves its name where it may write; how many did."""
+    """Run tests until one fails and write its name to a file; return the number of failures."""
     for item, after in zip(items, [*items[1:], None], strict=True):
         item.ihook.pytest_runtest_protocol(item=item, nextitem=after)
         if failed := item.session.testsfailed:
-            Path(os.environ["PYTEST_DEBUG_TEMPROOT"], WHO).write_text(item.nodeid, "utf-8")
+            Path(os.environ["PYTEST_DEBUG_TEMPROOT"], NOTICED_BY).write_text(item.nodeid, "utf-8")
             return failed
     return 0
 
 
 def run_tests(module: str, plugin: object) -> int:
-    """Have pytest collect the nearest tests of a module; its exit code."""
+    """Let pytest collect the nearest tests of a module, and return its exit code."""
     options = ("-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider")
     options += ("-p", "no:terminal", "-m", "not slow and not proof and not colab")
     return pytest.main([*(f"tests/{name}" for name in TESTS[module]), *options], [plugin])
 
 
 def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
-    """Do something in a process of its own, for so many seconds of a processor; its id.
+    """Start a process for some work, with a limit of processor seconds; return its process ID.
 
-    It ends with `SURVIVED` where 0 is what comes of it.
+    The process ends with `SURVIVED` if the work returns 0.
     """
     if process := os.fork():
         return process
@@ -442,9 +442,9 @@ def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
 def try_all(
     mutants: list[Mutant], begin_one: Callable[[Mutant, int], tuple[int, float]]
 ) -> Iterator[tuple[Mutant, str]]:
-    """Try mutants side by side; each with what became of it, as soon as that is known.
+    """Try mutants in parallel; yield each with its outcome as soon as that is known.
 
-    Who was stopped is tried once more, under a longer clock: other work may have taken its time.
+    A stopped mutant is tried again with a longer limit, as other work may have taken its time.
     """
     waiting, running = [(mutant, 1) for mutant in mutants[::-1]], {}
     while waiting or running:
@@ -455,11 +455,11 @@ def try_all(
         process, status = os.waitpid(-1, os.WNOHANG)
         if not process:
             time.sleep(0.02)
-            for late in [one for one, (*_, end) in running.items() if time.monotonic() > end]:
+            for late in [pid for pid, (*_, end) in running.items() if time.monotonic() > end]:
                 os.kill(late, signal.SIGKILL)
             continue
         with contextlib.suppress(ProcessLookupError):
-            os.killpg(process, signal.SIGKILL)  # whoever it started
+            os.killpg(process, signal.SIGKILL)  # also ends the processes that it started
         mutant, patience, _ = running.pop(process)
         code = os.waitstatus_to_exitcode(status)
         if code < 0 and patience < PATIENCE:
@@ -470,13 +470,13 @@ def try_all(
 
 @functools.cache
 def known_results() -> dict[str, str]:
-    """What became of mutants in earlier runs."""
+    """Return the outcomes of earlier runs, by the digest of the mutant."""
     lines = RESULTS.read_text("utf-8").splitlines() if RESULTS.is_file() else ()
     return {found["digest"]: found["outcome"] for found in map(json.loads, lines)}
 
 
 def equivalent() -> set[str]:
-    """The mutants in `EQUIVALENT`, each as `str` gives it."""
+    """Return the mutants listed in `EQUIVALENT`, each in the form of `str(mutant)`."""
     found, module, before = set(), "", ""
     for line in EQUIVALENT.read_text("utf-8").splitlines():
         if line.startswith("-"):
@@ -489,14 +489,16 @@ def equivalent() -> set[str]:
 
 
 def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
-    """Try the mutants of a module of which it is not known that they die; how each ended.
+    """Try the mutants of a module that were not noticed before; return all outcomes.
 
-    In random order: what a run has tried that was stopped is a fair sample.
+    The order is random, so the mutants of an interrupted run are a fair sample.
     """
     mutants, known = list(mutants_of(module)), known_results()
     random.Random(1).shuffle(mutants)
-    ended = {one: known[one.digest] for one in mutants if known.get(one.digest, "") in DEAD}
-    waiting = [one for one in mutants if one not in ended]
+    ended = {
+        mutant: known[mutant.digest] for mutant in mutants if known.get(mutant.digest, "") in DEAD
+    }
+    waiting = [mutant for mutant in mutants if mutant not in ended]
     if waiting:
         RESULTS.parent.mkdir(parents=True, exist_ok=True)
         with open(RESULTS, "a", encoding="utf-8") as file, tempfile.TemporaryDirectory() as folder:
@@ -516,13 +518,13 @@ def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
 
 
 def main(wanted: list[str]) -> int:
-    """Try the mutants of some modules; say who survives without being known as equivalent.
+    """Try the mutants of some modules and print the survivors that are not known as equivalent.
 
-    Who was stopped is named, too: that tests stand still is a way to notice, or a busy machine.
+    Stopped mutants are printed as well, because either the mutant or a busy machine hung the tests.
     """
     os.chdir(PROJECT)
     sys.path.insert(0, str(PROJECT))
-    # A fork of a process in which OpenMP had threads stands still.
+    # A fork of a process with threads of OpenMP hangs.
     os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     hypothesis.settings.register_profile(
         "mutants", phases=[hypothesis.Phase.generate], database=None, derandomize=True
@@ -533,10 +535,12 @@ def main(wanted: list[str]) -> int:
         if not wanted or any(part in module for part in wanted):
             outcomes = try_module(module, forgiven)
             ended = Counter(outcomes.values())
-            how = ", ".join(f"{ended[name]} {name}" for name in (*DEAD, "equivalent", "survived"))
-            print(f"{module}: {ended.total()} mutants, {how}", flush=True)
+            summary = ", ".join(
+                f"{ended[name]} {name}" for name in (*DEAD, "equivalent", "survived")
+            )
+            print(f"{module}: {ended.total()} mutants, {summary}", flush=True)
             survived += ended["survived"]
-            stopped += [one for one, outcome in outcomes.items() if outcome == "stopped"]
+            stopped += [mutant for mutant, outcome in outcomes.items() if outcome == "stopped"]
     if stopped:
         print("\nTheir tests stood still, and were stopped by a clock, twice:", *stopped, sep="\n")
     return min(survived, 1)

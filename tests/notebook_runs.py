@@ -1,4 +1,4 @@
-"""Run notebooks and read what came of it."""
+"""Run notebooks and read their outputs."""
 
 import contextlib
 from pathlib import Path
@@ -9,26 +9,26 @@ LONGEST_CELL = 120  # seconds; a whole notebook should take 30
 
 
 def run(notebook, folder, **settings):
-    """Execute a notebook as if it lay in `folder`, up to its first error.
+    """Execute a notebook as if it were in `folder`, up to its first error.
 
     Parameters
     ----------
     notebook : nbformat.NotebookNode
-        Gets the outputs.
+        Notebook to run; the outputs are added to it.
     folder : pathlib.Path
     **settings : dict
-        For nbclient, such as `kernel_name`.
+        Settings of nbclient, such as `kernel_name`.
 
     Returns
     -------
     nbformat.NotebookNode
-        The same.
+        The same notebook.
     """
     client = nbclient.NotebookClient(
         notebook, timeout=LONGEST_CELL, resources={"metadata": {"path": str(folder)}}, **settings
     )
-    # While nbclient answers widgets it may sleep through the kernel's reply to a cell
-    # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
+    # While nbclient answers widgets, it may miss the kernel's reply to a cell
+    # (github.com/jupyter/nbclient/issues/312). Without handlers, widget output stays in its cell.
     client.comm_open_handlers.clear()
     with contextlib.suppress(nbclient.exceptions.CellExecutionError):
         client.execute()
@@ -36,7 +36,7 @@ def run(notebook, folder, **settings):
 
 
 def outputs_of(notebook):
-    """(cell number, output) of everything that the cells gave."""
+    """Return all outputs, as (cell number, output)."""
     return [
         (number, output)
         for number, cell in enumerate(notebook.cells)
@@ -45,7 +45,7 @@ def outputs_of(notebook):
 
 
 def errors_of(notebook):
-    """(cell number, "name of the exception: its message") of the cell that failed, if any."""
+    """Return the errors, as (cell number, "name of the exception: its message")."""
     return [
         (number, f"{output.ename}: {output.evalue}")
         for number, output in outputs_of(notebook)
@@ -54,7 +54,7 @@ def errors_of(notebook):
 
 
 def errors_beside_checks(notebook):
-    """As `errors_of`, without those of the cells that check: they may fail, and nothing stops."""
+    """Return the errors of cells other than checks, which may fail without stopping the run."""
     return [
         (number, error)
         for number, error in errors_of(notebook)
@@ -63,13 +63,13 @@ def errors_beside_checks(notebook):
 
 
 def written(notebook, stream):
-    """All that was written to "stdout" or "stderr"."""
+    """Return all text written to "stdout" or "stderr"."""
     return "".join(
         output.text for _, output in outputs_of(notebook) if output.get("name") == stream
     )
 
 
 def children():
-    """Numbers of the processes that this one has started, dead ones that nobody waited for too."""
+    """Return the IDs of this process's children, including zombies."""
     tasks = Path("/proc/self/task").glob("*/children")
     return {int(number) for task in tasks for number in task.read_text().split()}

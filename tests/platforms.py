@@ -1,8 +1,8 @@
-"""Canvas and Moodle, as far as marks go out of them and into them as a file.
+"""Models of Canvas and Moodle that export marks to a file and import them from a file.
 
-What their programs do with a file (`gradebook_exporter.rb`, `gradebook_importer.rb`,
-`assignfeedback_offline`, `csv_import_reader`), told once more in Python and with nothing of the
-exporters: an import does all the harm here that it would do there.
+The models repeat the rules of `gradebook_exporter.rb`, `gradebook_importer.rb`,
+`assignfeedback_offline` and `csv_import_reader` in Python. They share no code with the exporters,
+so a harmful file does the same harm here as on the real platform.
 """
 
 import csv
@@ -26,15 +26,15 @@ class CanvasStudent:
 class Canvas:
     """A course in Canvas.
 
-    `scores` has a number, "EX" or nothing by (student id, assignment id); `assigned` who gets an
-    assignment, where that is not everybody.
+    `scores` maps (student ID, assignment ID) to a number or "EX". `assigned` maps an assignment ID
+    to its students, unless all students have the assignment.
     """
 
     students: list
     assignments: dict  # id: [title, points]
     scores: dict = field(default_factory=dict)
     assigned: dict = field(default_factory=dict)
-    notes: dict = field(default_factory=dict)  # a custom column
+    notes: dict = field(default_factory=dict)  # a custom column, by student ID
     separator: str = ","
     decimal_mark: str = "."
     marked: bool = False
@@ -91,7 +91,7 @@ class Canvas:
         return student in self.assigned.get(assignment, {student})
 
     def import_(self, content):
-        """What happens when somebody uploads a file and presses Save."""
+        """Change the gradebook as Canvas does after a file is uploaded and saved."""
         text = content.decode()
         lines = text.splitlines()[:3]
         widths = {}
@@ -120,14 +120,14 @@ class Canvas:
                 self.import_row(head, row, places)
 
     def import_row(self, head, row, places):
-        about = dict(zip(head, row, strict=True))
-        found = [one for one in self.students if about["ID"] == str(one.id)]
+        cells = dict(zip(head, row, strict=True))
+        found = [student for student in self.students if cells["ID"] == str(student.id)]
         found = found or [
-            student for student in self.students if about["SIS Login ID"] == student.login
+            student for student in self.students if cells["SIS Login ID"] == student.login
         ]
         assert found, f"a new student {row[0]!r}"
         if "Notes" in head:
-            self.notes[found[0].id] = about["Notes"]
+            self.notes[found[0].id] = cells["Notes"]
         for id, place in places.items():
             if not self.has(found[0].id, id):
                 continue
@@ -194,13 +194,13 @@ GERMAN = {
 
 @dataclass
 class Moodle:
-    """One assignment in Moodle; grades and comments by the number of the participant."""
+    """An assignment in Moodle, with grades and comments by participant number."""
 
     students: list
     most: float
     grades: dict = field(default_factory=dict)
     comments: dict = field(default_factory=dict)
-    graded_at: dict = field(default_factory=dict)  # minutes
+    graded_at: dict = field(default_factory=dict)  # minutes, by participant number
     locked: set = field(default_factory=set)
     words: dict = field(default_factory=lambda: ENGLISH)
     decimal_mark: str = "."
@@ -242,7 +242,7 @@ class Moodle:
         return file.getvalue().encode("utf-8-sig")
 
     def import_(self, content, ignore_modified=False):
-        """What happens when somebody uploads a worksheet and confirms."""
+        """Change the grades as Moodle does after a worksheet is uploaded and confirmed."""
         head, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig")))
         places = {
             kind: head.index(self.words[kind]) for kind in self.columns() if kind != "workflow"
@@ -272,4 +272,4 @@ class Moodle:
         text = text.strip().replace(" ", "").replace(self.decimal_mark, ".")
         if not text:
             return None
-        return float(re.match(r"-?\d*\.?\d*", text)[0] or 0)  # as PHP reads "8,5": 8
+        return float(re.match(r"-?\d*\.?\d*", text)[0] or 0)  # PHP reads "8,5" as 8

@@ -1,4 +1,4 @@
-"""A PostgreSQL server for as long as one needs it."""
+"""A temporary PostgreSQL server."""
 
 import contextlib
 import os
@@ -10,16 +10,17 @@ from pathlib import Path
 
 
 class NotInstalled(Exception):
-    """There is no server to start; `str()` says how to get one."""
+    """PostgreSQL is not installed; `str()` says how to install it."""
 
 
 @contextlib.contextmanager
 def server():
-    """Address of an empty database on a server of its own.
+    """Run a new server and yield the address of its empty database.
 
     Raises
     ------
     NotInstalled
+        There are no programs of PostgreSQL on this machine.
     """
     programs = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
     if not programs:
@@ -28,7 +29,7 @@ def server():
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     folder = Path(tempfile.mkdtemp())
-    # The server refuses to be root.
+    # The server refuses to run as root.
     as_user = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
     if as_user:
         shutil.chown(folder, "postgres")

@@ -1,4 +1,4 @@
-"""What a test needs of the machine and of the user: without it, skip; where CI demands it, fail."""
+"""Requirements of tests: a test is skipped without them, or fails if CI demands them."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 from grader.sandbox import Sandbox, SandboxUnavailable, bwrap, choose_sandbox
 
-# Reasons to skip: what is missing, and how to get it. `make test` prints them at its end.
+# Reasons to skip, each with the missing program and how to get it. `make test` prints them last.
 RECORDINGS = "recorded scans: REAL_CLOUDS=FOLDER make test"
 CHROMIUM = "Chromium: sudo apt-get install chromium"
 MATHJAX = "Chromium and MathJax: sudo apt-get install chromium libjs-mathjax"
@@ -17,28 +17,28 @@ NUMBA = "Numba: .venv/bin/pip install -r requirements-compiled.txt"
 FFMPEG = "ffmpeg: .venv/bin/pip install -r requirements-3d.txt"
 ROOT = "root: sudo make test"
 
-# Seconds in which something happens on any machine, however busy. Waiting ends when it does.
+# Seconds after which an event must have happened, even on a very busy machine.
 PATIENCE = 300
 
 
 def not_here(reason: object) -> NoReturn:
-    """Skip the test; fail it where the environment says ``REQUIRE_SANDBOX=1``."""
+    """Skip the test, or fail it if the environment has ``REQUIRE_SANDBOX=1``."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
         pytest.fail(f"REQUIRE_SANDBOX=1, but: {reason}", pytrace=False)
     pytest.skip(str(reason))
 
 
 def demand_walls(name: str = "bubblewrap") -> Sandbox:
-    """The sandbox for strangers' code."""
+    """Return the sandbox for untrusted code, or skip the test."""
     try:
         return choose_sandbox(name)
     except SandboxUnavailable as reason:
-        # The rest tells whoever grades.
+        # The rest of the message is advice for graders.
         not_here(f"a sandbox: {str(reason).partition(' Student code')[0]}")
 
 
 def without_bubblewrap(folder: Path) -> dict[str, str]:
-    """Variables with which a process finds no bubblewrap: no program, and a wheel without files."""
+    """Return environment variables that hide bubblewrap, both the program and the wheel."""
     wheel = folder / f"{bwrap.WHEEL.replace('-', '_')}-0.dist-info"
     wheel.mkdir()
     (wheel / "METADATA").write_text(f"Name: {bwrap.WHEEL}\nVersion: 0\n")

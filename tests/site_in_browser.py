@@ -1,10 +1,10 @@
-"""Looks at a written site in a browser, offline, as `.ci/site` has it done; no test of pytest's.
+"""Check a built site in a browser, offline; `.ci/site` runs this script, not pytest.
 
     python -m tests.site_in_browser SITE AXE.js PICTURES
 
-Every page in four views: nothing is asked of another host, nothing moves sideways, nothing is
-broken, nothing weighs too much before somebody scrolls, and axe-core finds nothing. Then what a
-reader does: search, guess, move a slider, go dark, without a server, too.
+Every page is opened in four views. No page may load from another host, scroll sideways, have broken
+pictures, be too heavy before scrolling, or have faults that axe-core finds. Then the script acts as
+a reader: it searches, guesses, moves a slider and chooses the dark theme, also without a server.
 """
 
 import functools
@@ -25,7 +25,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 VIEWS = ((390, "light"), (768, "light"), (1200, "dark"), (1600, "light"))
 HEIGHT = 900
-HEAVIEST = 3_000_000  # bytes, before somebody scrolls
+HEAVIEST = 3_000_000  # bytes, before scrolling
 PATIENCE = 600  # seconds, on a machine with other work
 SWITCHES = (
     *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-quic"),
@@ -54,7 +54,7 @@ class _Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 def browser():
-    """Chromium, for which there is no other host but this machine."""
+    """Start Chromium, which can reach no host except this machine."""
     options = webdriver.ChromeOptions()
     for switch in SWITCHES:
         options.add_argument(switch)
@@ -70,15 +70,15 @@ def browser():
 
 
 def view(driver, width, theme):
-    """From now on, pages are so wide, for somebody who likes it light or dark."""
+    """Set the width of the page and the preferred theme, light or dark."""
     size = {"width": width, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    likes = [{"name": "prefers-color-scheme", "value": theme}]
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": likes})
+    features = [{"name": "prefers-color-scheme", "value": theme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
 def asked(driver):
-    """(addresses, bytes) of all that was asked for since the last call."""
+    """Return the addresses and total bytes of all requests since the last call."""
     addresses, weight = [], 0
     for entry in driver.get_log("performance"):
         message = json.loads(entry["message"])["message"]
@@ -90,7 +90,7 @@ def asked(driver):
 
 
 def elsewhere(addresses):
-    """Those of another host."""
+    """Return the addresses of other hosts."""
     return [
         address
         for address in addresses
@@ -100,7 +100,7 @@ def elsewhere(addresses):
 
 
 def faults_of_page(driver, address, axe):
-    """What is wrong with a page in the view of now."""
+    """Yield the faults of a page in the current view."""
     driver.execute_cdp_cmd("Network.enable", {})
     driver.execute_cdp_cmd("Network.setCacheDisabled", {"cacheDisabled": True})
     asked(driver)
@@ -128,7 +128,7 @@ def faults_of_page(driver, address, axe):
 
 
 def found_by(driver, root, words):
-    """(title, line) of what a search shows."""
+    """Return (address, text) of each result that a search shows."""
     driver.get(f"{root}search.html?q={'+'.join(words.split())}")
     WebDriverWait(driver, PATIENCE).until(
         lambda page: page.find_elements(By.CSS_SELECTOR, "#search-results ul.sections li")
@@ -141,7 +141,7 @@ def found_by(driver, root, words):
 
 
 def faults_of_reading(driver, root):
-    """What a reader cannot do."""
+    """Yield the actions of a reader that do not work."""
     view(driver, 1200, "light")
     hits = found_by(driver, root, "why not a smaller threshold")
     if not any("05_euclidean_clustering.html#" in link for link, _ in hits):
@@ -179,7 +179,7 @@ def faults_of_reading(driver, root):
 
 
 def main(site, axe, pictures):
-    """Print what is wrong as soon as it is seen, and return it all."""
+    """Print each fault as soon as it is found, and return all of them."""
     pictures.mkdir(parents=True, exist_ok=True)
     handler = functools.partial(_Quiet, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)

@@ -1,8 +1,8 @@
-"""The ten likeliest slips in each exercise, and what a teacher would let each earn.
+"""Types for the ten likeliest slips in each exercise, with the points a teacher would allow.
 
-A module a lesson, each with a table ``SLIPS`` by exercise. A slip is a change of the lesson's own
-solution; `tests/test_slips.py` makes it, asks all checks, and compares what they leave with what
-the slip's harm allows.
+Each lesson has a module with a table ``SLIPS`` by exercise. A slip is one change of the lesson's
+own solution. `tests/test_slips.py` makes the change, runs all checks, and compares the remaining
+points with the limits of the slip's harm.
 """
 
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Harm:
-    """What a slip makes of the result, and the shares of an exercise that its checks may leave."""
+    """The effect of a slip on the result, and the share of points that may remain."""
 
     word: str
     least: float
     most: float
 
 
-# Whoever uses the result gets nonsense: the outliers for the inliers, no d, axes exchanged.
+# The result is nonsense for its users: outliers for inliers, no d, or exchanged axes.
 USELESS = Harm("useless", 0.0, 0.5)
-# Right for some inputs, wrong for others that every user meets.
+# The result is right for some inputs but wrong for others that every user meets.
 PARTLY = Harm("partly", 0.1, 0.85)
-# A caller would mend it, or hardly ever meet it.
+# A caller would fix the result easily, or hardly ever meet the fault.
 SMALL = Harm("small", 0.6, 0.97)
 
 
@@ -32,10 +32,11 @@ class Slip:
     Attributes
     ----------
     title : str
-        What went wrong, in a few words.
+        Description of the slip in a few words.
     old, new : str
-        Text of the solution's function, which stands there once, and what stands there instead.
+        Text that occurs once in the solution's function, and its replacement.
     harm : Harm
+        Effect of the slip.
     """
 
     title: str

@@ -30,12 +30,12 @@ from grader.sandbox import Limits, choose_sandbox  # noqa: E402
 
 SEED = 20_170_405
 LIMITS = Limits(call_seconds=3)
-SECONDS = 4  # of one check, in a notebook
+SECONDS = 4  # time limit of one check in a notebook
 ROUNDING = 0.02
 
 
 def answers(wanted: list[str]) -> list[tuple[str, str, int]]:
-    """(lesson, exercise, number) of every kept answer."""
+    """Return every kept answer, as (lesson, exercise, number)."""
     return [
         (lesson.name, exercise.name, number)
         for lesson in all_lessons()
@@ -46,85 +46,87 @@ def answers(wanted: list[str]) -> list[tuple[str, str, int]]:
 
 
 def tell(lesson_name: str, exercise: str, number: int) -> dict:
-    """What judge and `check` say about one answer, the other exercises being right."""
+    """Return the output of judge and `check` for one answer; the other exercises are right."""
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     chosen = {
         other.name: next(answer.source for answer in answers_to(other.name) if answer.right)
         for other in lesson.machine_graded
     } | {exercise: answers_to(exercise)[number].source}
     notebook = fill_in(lesson, chosen)
-    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
-    verdict = judge_files(handed_in, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
+    submission = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
+    verdict = judge_files(submission, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
     del verdict["seconds"]
     return {"verdict": verdict, "check": told_in_notebook(lesson, exercise, notebook)}
 
 
 def told_in_notebook(lesson: object, exercise: str, notebook: str) -> str:
-    """What `check` prints about an exercise."""
+    """Return the text that `check` prints about an exercise."""
     from tests.students import answers_in
     from utils.checks import check, core
 
     core.SECONDS = SECONDS
     cells = json.loads(notebook)["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(io.StringIO()):
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()):
         try:
             functions = answers_in(lesson, code)
             through = exercise if exercise in functions else "KdTree"
             check(functions.get(exercise, functions.get(through)), exercise)
         except BaseException as error:
             print(f"{type(error).__name__}: {error}")
-    return said.getvalue()
+    return output.getvalue()
 
 
 def write(path: Path, wanted: list[str]) -> None:
-    """Write what is said about all kept answers."""
+    """Write the output for all kept answers to a file."""
     found, jobs = {}, answers(wanted)
     with Pool(os.cpu_count() or 1) as pool:
         futures = {job: pool.submit(tell, *job) for job in jobs}
         for done, (job, future) in enumerate(futures.items(), start=1):
             try:
-                told = future.result()
+                output = future.result()
             except Exception as error:
-                told = {"error": f"{type(error).__name__}: {error}"}
+                output = {"error": f"{type(error).__name__}: {error}"}
             lesson, exercise, number = job
-            found[f"{exercise}: {answers_to(exercise)[number].name}"] = told
+            found[f"{exercise}: {answers_to(exercise)[number].name}"] = output
             print(f"\r{done}/{len(jobs)} {lesson} {exercise}".ljust(70), end="", flush=True)
     print()
     path.write_text(json.dumps(found, indent=1, ensure_ascii=False), "utf-8")
 
 
-def same(one: object, other: object) -> bool:
-    """Whether two things said are the same, but for a rounding of points."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, float) or isinstance(other, float):
-        return abs(one - other) <= ROUNDING
-    return one == other
+def same(before: object, after: object) -> bool:
+    """Return whether two outputs are the same, apart from rounding of points."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        return before.keys() == after.keys() and all(
+            same(before[key], after[key]) for key in before
+        )
+    if isinstance(before, list) and isinstance(after, list):
+        return len(before) == len(after) and all(map(same, before, after))
+    if isinstance(before, float) or isinstance(after, float):
+        return abs(before - after) <= ROUNDING
+    return before == after
 
 
-def differences(one: object, other: object, where: str = "") -> list[str]:
-    """Where two things said differ."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        keys = [*one, *(key for key in other if key not in one)]
+def differences(before: object, after: object, where: str = "") -> list[str]:
+    """Return the places where two outputs differ, as lines to print."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        keys = [*before, *(key for key in after if key not in before)]
         return [
             line
             for key in keys
-            for line in differences(one.get(key), other.get(key), f"{where}/{key}")
+            for line in differences(before.get(key), after.get(key), f"{where}/{key}")
         ]
-    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
-        pairs = zip(one, other, strict=True)
+    if isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        pairs = zip(before, after, strict=True)
         return [
             line for row, (a, b) in enumerate(pairs) for line in differences(a, b, f"{where}/{row}")
         ]
-    return [] if same(one, other) else [f"{where}:\n  - {one}\n  + {other}"]
+    return [] if same(before, after) else [f"{where}:\n  - {before}\n  + {after}"]
 
 
 def compare(paths: list[Path]) -> int:
-    """Print where the last file differs from the first; how many answers do."""
+    """Print how the last file differs from the first, and return the number of such answers."""
     *before, after = (json.loads(path.read_text("utf-8")) for path in paths)
     odd = 0
     for name in sorted({*before[0], *after}):
@@ -139,7 +141,7 @@ def compare(paths: list[Path]) -> int:
 
 
 def main() -> int:
-    """Read the command line."""
+    """Read the command line, run the command and return the exit status."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=["write", "compare"])
     parser.add_argument(

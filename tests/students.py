@@ -1,4 +1,4 @@
-"""Students that answer here, and not in a sandbox, which takes too long for so many questions."""
+"""Student stand-ins that run in this process, as a sandbox is too slow for many calls."""
 
 import copy
 from types import SimpleNamespace
@@ -8,7 +8,7 @@ from utils.notebooks import slicing
 
 
 def walled(function):
-    """The function as the judge calls it: what it does to its arguments reaches nobody."""
+    """Wrap a function as for the judge, so that it gets copies of its arguments."""
 
     def ask(*arguments, **keywords):
         given, named = copy.deepcopy((arguments, keywords))
@@ -18,7 +18,7 @@ def walled(function):
 
 
 def student_with(lesson, answers):
-    """Stands for a `Student` whose notebook holds some answers."""
+    """Return a stand-in for a `StudentProxy` whose notebook contains some answers."""
     names = {name: walled(function) for name, function in answers.items()}
     if "KdTree" in lesson.names:
         space = dict(answers)
@@ -29,7 +29,7 @@ def student_with(lesson, answers):
 
 
 def answers_in(lesson, cells):
-    """The functions that a notebook of a lesson defines, by name."""
+    """Return the functions of a lesson that a notebook defines, by name."""
     statements, _ = slicing.parse_notebook(cells)
     space = {"__name__": "__main__", "display": lambda *values: None}
     for statement in slicing.slice_for(lesson.names, statements):

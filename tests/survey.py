@@ -1,9 +1,9 @@
-"""Every answer that is one edit away from a right one, and what becomes of it.
+"""Survey all answers that are one edit away from a right answer, and the points they lose.
 
-``python -m tests.survey [EXERCISE ...]`` prints a table: how many such answers there are, how many
-of them answer as the solution does, which others lose nothing, and what a sample of the wrong ones
-loses when it is judged behind the walls, slips included. Without a name that is of the solutions;
-of an exercise that is named, of every right answer.
+``python -m tests.survey [EXERCISE ...]`` prints a table. It has the number of such answers, the
+number that are equivalent to the solution, and the others that lose nothing. A sample of the wrong
+answers is judged in the sandbox, including the search for slips. Without arguments, only the
+solutions are edited; for the named exercises, all right answers are.
 """
 
 import ast
@@ -47,26 +47,26 @@ from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 from utils.remote_objects import Remote
 
-SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that tell two answers apart
+SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that distinguish two answers
 CALLS = 1000
-SECONDS = 0.5  # of the processor for a question, beside four times what right answers take
-AGES = 600  # seconds that a right answer has
-SAMPLE = 6  # wrong answers of each exercise that are judged behind the walls
+SECONDS = 0.5  # processor time for a question, added to four times that of a right answer
+AGES = 600  # seconds for a right answer
+SAMPLE = 6  # number of wrong answers of each exercise to judge in the sandbox
 MOST = 0.6  # of an exercise's points, for one edit
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
-ANSWER = "<answer>"  # the file that tracebacks name
+ANSWER = "<answer>"  # file name of an answer in tracebacks
 NO_FUNCTION, NEVER_ENDS = "no function", "never ends"
 MEMORY = 4 * 2**30
 FORK = multiprocessing.get_context("fork")
 
 
-# ---- answers, and what one edit makes of them ---------------------------------------------------
+# ---- answers and their mutants ------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A right answer: a notebook, and the statements in it that belong to the exercise alone."""
+    """A right answer: a notebook and the statements that only this exercise needs."""
 
     lesson: Lesson
     exercise: str
@@ -75,7 +75,7 @@ class Answer:
     theirs: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
-        """These statements, one of them with an edit."""
+        """Compile the statements, with an edit of one of them if there is one."""
         texts = [
             edit.statement if edit and holds(statement, edit) else ast.unparse(statement.node)
             for statement in self.theirs
@@ -83,7 +83,7 @@ class Answer:
         return compile("\n".join(texts), ANSWER, "exec")
 
     def function(self, code):
-        """What some code defines in a notebook that has everything else."""
+        """Return the function that some code defines in a notebook with everything else."""
         space = dict(getattr(load_reference(self.lesson.name), self.exercise).__globals__)
         exec(code, space)
         return space[self.exercise]
@@ -97,7 +97,7 @@ def holds(statement, edit):
 
 @dataclass(frozen=True)
 class Mutant:
-    """What one edit makes of a right answer."""
+    """A right answer after one edit."""
 
     answer: Answer
     edit: object
@@ -105,21 +105,21 @@ class Mutant:
 
     @property
     def before(self):
-        """The lines that the edit changes."""
+        """The changed lines before the edit."""
         lines = self.answer.cells[self.edit.cell - 1].split("\n")
         return "\n".join(lines[self.edit.first - 1 : self.edit.last]).strip()
 
     @property
     def after(self):
-        """What they become."""
+        """The changed lines after the edit."""
         return self.edit.text.strip()
 
 
 def answers_in_notebooks(exercise):
-    """The solution, and the right answers of the variants, in notebooks that are right else."""
+    """Yield the solution and the right kept answers, in notebooks that are otherwise right."""
     lesson = lesson_of(exercise)
     yield answer_in(lesson, exercise, SOLUTION, lesson.solved.read_bytes())
-    right = {one.name: solution_of(one.name) for one in lesson.machine_graded}
+    right = {graded.name: solution_of(graded.name) for graded in lesson.machine_graded}
     for variant in right_functions(exercise):
         text = fill_in(lesson, right | {exercise: variant.source})
         own = [ast.unparse(statement.node) for statement in statements_of(variant)]
@@ -127,7 +127,7 @@ def answers_in_notebooks(exercise):
 
 
 def right_functions(exercise):
-    """Right answers that are functions: who writes a class is asked in the sandbox alone."""
+    """Yield the right kept answers that are functions, as classes only run in the sandbox."""
     for variant in answers_to(exercise):
         if variant.right and any(
             exercise in statement.binds for statement in statements_of(variant)
@@ -140,23 +140,27 @@ def statements_of(variant):
 
 
 def answer_in(lesson, exercise, name, content, own=()):
-    """The answer that a notebook holds, with what it says itself of other exercises.
+    """Return the answer in a notebook, including the answer's own versions of other exercises.
 
-    A function for planes may need those through three points as arrays, which it defines so.
+    For example, a function for planes may define its own `plane_through` that returns an array.
     """
     cells = SubmittedFiles(f"{lesson.name}.ipynb", content).notebook().code
     statements, _ = slicing.parse_notebook(cells)
     others = frozenset(lesson.names) - {exercise}
     needed = slicing.slice_for((exercise,), statements)
-    theirs = tuple(one for one in needed if not one.binds & others or ast.unparse(one.node) in own)
+    theirs = tuple(
+        statement
+        for statement in needed
+        if not statement.binds & others or ast.unparse(statement.node) in own
+    )
     return Answer(lesson, exercise, name, tuple(cells), theirs)
 
 
 def mutants_of(answer):
-    """All that one edit makes of an answer, but for what Python reads as the same."""
+    """Yield the mutants of an answer, without those that compile to the same code."""
     kinds = (ast.FunctionDef, ast.ClassDef)
     seen = {key_of(answer.code())}
-    definitions = [one for one in answer.theirs if isinstance(one.node, kinds)]
+    definitions = [statement for statement in answer.theirs if isinstance(statement.node, kinds)]
     for edit in edits_of(list(answer.cells), definitions):
         with contextlib.suppress(SyntaxError, ValueError):
             code = answer.code(edit)
@@ -166,7 +170,7 @@ def mutants_of(answer):
 
 
 def key_of(code):
-    """Equal for texts that Python reads as the same."""
+    """Return a key that is equal for sources that compile to the same code."""
     inner = [
         key_of(value) if isinstance(value, types.CodeType) else repr(value)
         for value in code.co_consts
@@ -174,22 +178,22 @@ def key_of(code):
     return code.co_code, code.co_names, code.co_varnames, code.co_exceptiontable, *inner
 
 
-# ---- asked here, and not in the sandbox, which takes too long for so many -----------------------
+# ---- checks in this process, as the sandbox is too slow for so many answers ---------------------
 
 
 class TakesTooLong(BaseException):
-    """No right answer takes so long."""
+    """A function takes longer than any right answer."""
 
 
 @contextlib.contextmanager
 def within(seconds):
-    """Raise `TakesTooLong` after some seconds of the processor."""
+    """Raise `TakesTooLong` after some seconds of processor time."""
 
     def stop(*about):
         raise TakesTooLong
 
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)  # again, for code that catches everything
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)  # repeats for code that catches everything
     try:
         yield
     finally:
@@ -198,7 +202,7 @@ def within(seconds):
 
 
 class Beyond(Remote):
-    """A function as the judge meets it: it gets copies, and is looked at where it is."""
+    """A stand-in for a remote function, which gets copies of its arguments but runs here."""
 
     def __init__(self, function):
         self.function, self.__name__ = function, getattr(function, "__name__", "")
@@ -218,9 +222,9 @@ class Beyond(Remote):
 
 
 def is_ours(failure):
-    """Whether something failed that no answer may make fail: no check said so, and no answer did.
+    """Return whether a failure comes from the grader, and from neither a check nor an answer.
 
-    The judge calls that a fault of its own, and so nobody loses a point by it.
+    The judge reports it as its own fault, so it costs no points.
     """
     if isinstance(failure, (AssertionError, TakesTooLong)):
         return False
@@ -229,7 +233,7 @@ def is_ours(failure):
 
 
 class Recorder:
-    """A right function, and what it was called with."""
+    """A wrapper of a right function that records the arguments of its calls."""
 
     def __init__(self, function):
         self.function, self.calls = function, []
@@ -241,13 +245,13 @@ class Recorder:
 
 @contextlib.contextmanager
 def quiet():
-    """Let nobody print, as answers do by the thousand."""
+    """Discard standard output, as thousands of answers print."""
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         yield
 
 
 class Asker:
-    """Asks functions in the place of an exercise; those that lose something lose it early."""
+    """Runs checks on functions for an exercise, with the checks most likely to fail first."""
 
     def __init__(self, exercise):
         self.exercise, self.lesson = exercise, lesson_of(exercise)
@@ -260,24 +264,24 @@ class Asker:
         self.cost, self.lost = Counter(), Counter()
 
     def run(self, function, seed):
-        """How the checks of the exercise end."""
+        """Run the checks of the exercise on a function and return the outcomes."""
         student = student_with(self.lesson, {**self.right, self.exercise: function})
-        mine = self.exercise
-        return run_checks(self.lesson, student, seed, lambda check: check.exercise == mine)
+        exercise = self.exercise
+        return run_checks(self.lesson, student, seed, lambda check: check.exercise == exercise)
 
     def questions(self):
-        """Those that students see, and those that they do not see."""
+        """Return the calls of the visible checks, then those of the hidden tests."""
         return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
     def questions_to(self, function):
-        """The same, asked of a function."""
+        """Return the questions for a function in place of the exercise."""
         answers = {**self.right, self.exercise: function}
         vars(self.student).update(vars(student_with(self.lesson, answers)))
         setattr(self.student, self.exercise, Beyond(function))
         return self.questions()
 
     def believe(self, function):
-        """Ask a right function, which loses nothing; others have four times its time."""
+        """Record the time of a right function; other functions get four times as much."""
         for number, question in enumerate(self.questions_to(function)):
             begin = time.process_time()
             with one_run():
@@ -285,9 +289,9 @@ class Asker:
             self.cost[number] = max(self.cost[number], time.process_time() - begin)
 
     def loses_at(self, function):
-        """The number of a question at which a function loses; None where it loses nothing."""
+        """Return the number of a question that a function fails, or None if it passes all."""
         questions = self.questions_to(function)
-        # What is cheap, or tells many apart, comes first.
+        # Questions that are quick, or have rejected many functions, come first.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
             try:
                 with one_run(), within(SECONDS + 4 * self.cost[number]):
@@ -299,7 +303,7 @@ class Asker:
         return None
 
     def calls(self):
-        """What the checks call the function with on other streets, and in other draws."""
+        """Return a sample of the checks' calls of the function, with other seeds."""
         recorder = Recorder(self.right[self.exercise])
         for seed in OTHER_SEEDS:
             self.run(recorder, seed)
@@ -308,7 +312,7 @@ class Asker:
 
 
 def outcome_of(function, call, seconds):
-    """What a call returns, or the type of what it raises; and what it makes of its arguments."""
+    """Return the answer of a call, or the type of its exception, and the arguments afterwards."""
     arguments, keywords = copy.deepcopy(call)
     try:
         with within(seconds):
@@ -319,10 +323,10 @@ def outcome_of(function, call, seconds):
 
 
 class Oracle:
-    """Knows whether a function that loses nothing answers as a right answer does.
+    """Decides whether a function that passes all checks is equivalent to a right answer.
 
-    As the solution, or as the answer that it was made of: both are right, and may differ where the
-    docstring lets them.
+    The right answers are the solution and the original answer. Both are right, and may differ
+    where the docstring of the exercise permits it.
     """
 
     def __init__(self, asker, answer):
@@ -339,28 +343,28 @@ class Oracle:
         self.cost = sum(self.seconds)
 
     def tells(self, function):
-        """A call to which the function answers otherwise, and is wrong; None where there is none.
+        """Return a call for which the function is wrong, or None if there is none.
 
-        There is no one right detector: one that earns everything on other streets is right.
+        More than one detector is right, so a detector that passes on other streets counts as right.
         """
         if self.exercise == "detect_obstacles":
             for seed in OTHER_SEEDS:
-                failed = [one for one in self.asker.run(function, seed) if one.failure]
+                failed = [outcome for outcome in self.asker.run(function, seed) if outcome.failure]
                 if failed:
                     return failed[0].check.name
             return None
         answers = zip(self.calls, self.seconds, self.expected, self.answered, strict=True)
         for call, seconds, *right in answers:
             outcome = outcome_of(function, call, 10 * SECONDS + 4 * seconds)
-            if not any(self.agree(call, outcome, one) for one in right):
+            if not any(self.agree(call, outcome, right_outcome) for right_outcome in right):
                 return call
         return None
 
     def agree(self, call, outcome, right):
-        """Whether what was returned is as good, and what was given is left the same."""
-        (answer, left), (expected, as_it_should_be) = outcome, right
+        """Return whether the answer and the arguments afterwards agree with a right outcome."""
+        (answer, left), (expected, expected_left) = outcome, right
         return alike(self.exercise, call, answer, expected) and all(
-            map(anything, left, as_it_should_be)
+            map(anything, left, expected_left)
         )
 
 
@@ -369,7 +373,7 @@ class Oracle:
 
 @dataclass
 class Surveyed:
-    """What came of the mutants of some answers to an exercise."""
+    """The outcomes of the mutants of some answers to an exercise."""
 
     exercise: str
     mutants: int = 0
@@ -379,7 +383,7 @@ class Surveyed:
 
 
 def survey(exercise, answers, share=1):
-    """Ask all mutants of some answers; or a fixed draw of them, one in so many."""
+    """Check all mutants of some answers, or a fixed sample of one in `share` of them."""
     asker = Asker(exercise)
     found = Surveyed(exercise)
     with np.errstate(all="ignore"), quiet():
@@ -406,32 +410,32 @@ def survey(exercise, answers, share=1):
 
 
 def lost_by(asker, mutant):
-    """The question at which a mutant loses; None where it loses nothing."""
+    """Return the number of the question that a mutant fails, or None if it passes all."""
     try:
         with within(SECONDS):
             function = mutant.answer.function(mutant.code)
-    except BaseException:  # what stands outside of a function may fail here
+    except BaseException:  # a statement that the edit moved out of the function may fail
         return NO_FUNCTION
     return asker.loses_at(function)
 
 
 def told_by(oracle, mutant):
-    """A call to which a mutant answers otherwise, in short; None where there is none."""
+    """Return a short form of a call for which a mutant is wrong, or None if there is none."""
     call = oracle.tells(mutant.answer.function(mutant.code))
     return None if call is None else reprlib.repr(call)
 
 
 def apart(work, usual):
-    """What comes of some work in a process of its own; `NEVER_ENDS` where it does not end.
+    """Do some work in a separate process and return its result, or `NEVER_ENDS`.
 
-    A mutant may change what a process shares, ask for more memory than there is, or send LAPACK
-    into a loop that no signal of Python's reaches.
+    A mutant may change shared state, ask for more memory than there is, or send LAPACK into a loop
+    that signal handlers of Python cannot interrupt.
 
     Parameters
     ----------
     work : callable
     usual : float
-        Seconds of the processor that it takes with a right answer.
+        Seconds of processor time with a right answer.
     """
     reading, writing = FORK.Pipe(duplex=False)
     process = FORK.Process(target=_work, args=(work, writing, math.ceil(30 + 6 * usual)))
@@ -458,13 +462,13 @@ def _work(work, writing, seconds):
     writing.send(answer)
 
 
-# ---- judged behind the walls --------------------------------------------------------------------
+# ---- judging in the sandbox ---------------------------------------------------------------------
 
 
 def losses_of(exercise, sandbox, most=SAMPLE):
-    """What mutants of the solution lose, as shares of the exercise: a fixed draw of them.
+    """Return the losses of a fixed sample of the solution's mutants, as fractions of the exercise.
 
-    Those that lose nothing are left out, and so are those that are no functions.
+    Mutants that lose nothing are left out.
     """
     answer = next(answers_in_notebooks(exercise))
     mutants = list(mutants_of(answer))
@@ -480,12 +484,14 @@ def losses_of(exercise, sandbox, most=SAMPLE):
 
 
 def share_lost(mutant, sandbox):
-    """What a mutant loses of its exercise, judged as in a class, where all else is right."""
+    """Judge a mutant in an otherwise right notebook; return the lost fraction of the exercise."""
     answer, edit = mutant.answer, mutant.edit
     program = program_for(answer.lesson, answer.cells, {})
     program = program.edited(edit.cell, edit.first, edit.last, edit.text)
     setting = Setting(answer.lesson, SEED, sandbox)
-    exercise = next(one for one in answer.lesson.machine_graded if one.name == answer.exercise)
+    exercise = next(
+        graded for graded in answer.lesson.machine_graded if graded.name == answer.exercise
+    )
     asked = ask(setting, program, lambda check: check.exercise == exercise.name, explain=True)
     assert not asked.fault
     slip = slips_in(setting, program, asked, {}).get(exercise.name)
@@ -493,7 +499,7 @@ def share_lost(mutant, sandbox):
 
 
 def main():
-    """Print the table: of all exercises their solutions, of those that are named all answers."""
+    """Print the table for all solutions, or for all right answers to the named exercises."""
     sandbox = choose_sandbox()
     everything = []
     heads = ("edits", "alike", "escaped", "judged", "median", "> 60 %")

@@ -1,4 +1,4 @@
-"""Files are there wholly or not at all, also on a disk that is full."""
+"""Files are written completely or not at all, even if the disk is full."""
 
 import random
 import resource
@@ -19,7 +19,7 @@ LESSON = find_lesson("08_bounding_boxes")
 
 @pytest.fixture
 def full_disk():
-    """No file may grow beyond a thousand bytes."""
+    """Return a function after whose call no file can grow beyond a thousand bytes."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def fill():
@@ -30,7 +30,7 @@ def full_disk():
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch, error):
+def test_a_failed_write_leaves_no_temporary_file(tmp_path, monkeypatch, error):
     path = tmp_path / "marks.csv"
     path.write_text("before")
 
@@ -46,10 +46,10 @@ def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
-def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch, mask, mode):
+def test_written_files_have_the_permissions_of_the_umask(tmp_path, monkeypatch, mask, mode):
     monkeypatch.setattr(atomic_files, "_UMASK", mask)
     path = tmp_path / "a" / "b" / "c.json"
-    write_atomically("a \ud800 word", path)  # what is no text does no harm
+    write_atomically("a \ud800 word", path)  # a lone surrogate, which is not valid Unicode text
     write_atomically("a word", path)
     assert path.stat().st_mode & 0o777 == mode and path.read_text() == "a word"
 
@@ -67,8 +67,8 @@ def write_solutions(folder):
         write_solutions,
     ],
 )
-def test_what_is_handed_out_is_whole_or_what_it_was(tmp_path, monkeypatch, full_disk, write):
-    content = random.Random(1).randbytes(5000)  # which no zip makes small
+def test_released_files_are_complete_or_unchanged(tmp_path, monkeypatch, full_disk, write):
+    content = random.Random(1).randbytes(5000)  # random, so that a zip cannot compress it
     monkeypatch.setattr(release, "student_files", lambda stage: {"a": content})
     monkeypatch.setattr(standalone, "standalone", lambda notebook: content)
     monkeypatch.setattr(standalone, "refuse_to_give_away", lambda *about: None)
@@ -83,7 +83,7 @@ def test_what_is_handed_out_is_whole_or_what_it_was(tmp_path, monkeypatch, full_
     assert list((tmp_path / "new").iterdir()) == []
 
 
-def test_what_nbgrader_releases_is_whole_or_what_it_was(tmp_path, monkeypatch, full_disk):
+def test_a_notebook_released_by_nbgrader_is_complete_or_unchanged(tmp_path, monkeypatch, full_disk):
     (tmp_path / "from").mkdir()
     shutil.copy(LESSON.released, tmp_path / "from")
 
@@ -98,7 +98,7 @@ def test_what_nbgrader_releases_is_whole_or_what_it_was(tmp_path, monkeypatch, f
     assert path.read_bytes() == LESSON.released.read_bytes()
 
 
-def test_an_export_is_whole_or_what_it_was(tmp_path, full_disk):
+def test_an_export_is_complete_or_unchanged(tmp_path, full_disk):
     usual = tmp_path / "scores.csv"
     write_export(b"before", None, usual, None)
     full_disk()

@@ -1,4 +1,4 @@
-"""A lesson of one's own: its skeleton, and a trial of what is kept with it."""
+"""Authoring a lesson: the skeleton, and `grader try` with its kept answers."""
 
 import dataclasses
 import os
@@ -15,14 +15,14 @@ from grader.course.kept_answers import KeptAnswer
 from grader.course.paths import PROJECT
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 
-# ---- what an answer says about itself ------------------------------------------------------------
+# ---- claims of kept answers ----------------------------------------------------------------------
 
 RIGHT = KeptAnswer("f", "a loop", True, "", (), "", False, "")
 WRONG = KeptAnswer("f", "a slip", False, "", ("sorts", "test_a"), "rows too many", True, "")
 
 
 def verdict_on(*failed, cause="", score=0.0):
-    """A verdict in which these of four checks have failed, with two rows too many."""
+    """Return a verdict in which these of four checks failed, with the message of two extra rows."""
     tests = tuple(
         CheckResult(
             name, name, name not in failed, 0, 1, "2 rows too many" * (name in failed), True
@@ -33,7 +33,7 @@ def verdict_on(*failed, cause="", score=0.0):
     return Verdict("01", "ada", JUDGED, score, 4.0, results, (), 0.0, "")
 
 
-def test_claims_that_hold():
+def test_true_claims_are_not_reported():
     assert broken_claims(RIGHT, verdict_on(score=4.0)) == []
     assert broken_claims(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
@@ -58,7 +58,7 @@ def test_claims_that_hold():
         (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
     ],
 )
-def test_a_claim_that_does_not_hold_is_a_sentence(answer, verdict, says):
+def test_a_broken_claim_is_reported_in_a_sentence(answer, verdict, says):
     (sentence,) = broken_claims(answer, verdict)
     assert says in sentence
 
@@ -77,7 +77,7 @@ def test_a_claim_that_does_not_hold_is_a_sentence(answer, verdict, says):
         (["14_other", "--stage", "mine"], "A stage begins with the word stage: --stage stage5_own"),
     ],
 )
-def test_what_cannot_be_written_is_a_sentence(arguments, says, capsys):
+def test_an_invalid_new_lesson_gets_a_message(arguments, says, capsys):
     assert cli.main(["new", *arguments]) == 2
     assert says in capsys.readouterr().err
 
@@ -91,14 +91,14 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch):
     assert not (tmp_path / "solutions").exists()
 
 
-def test_a_lesson_that_is_not_there_cannot_be_tried(capsys):
+def test_trying_a_missing_lesson_gets_a_message(capsys):
     assert cli.main(["try", "77"]) == 2
     assert "python -m grader new 77_NAME" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """A copy of the project, to write lessons in."""
+    """Return a copy of the project in which lessons can be written."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("grader", "utils", "solutions", "notebooks", "data"):
         ignored = shutil.ignore_patterns("__pycache__")
@@ -118,7 +118,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_skeleton_is_complete_and_what_is_taken_away_is_missed(copy, sandbox):
+def test_a_skeleton_is_complete_and_removed_parts_are_reported(copy, sandbox):
     written = run(copy, "new", "14_free_distance")
     assert written.returncode == 0 and "python -m grader try 14" in written.stdout
     tried = run(copy, "try", "14", "--sandbox", sandbox.name)

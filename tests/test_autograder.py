@@ -1,4 +1,4 @@
-"""The autograder that judges in Gradescope: what it packs, closes, judges and says."""
+"""The autograder for Gradescope: its zip, isolation, judging and results."""
 
 import io
 import json
@@ -24,7 +24,7 @@ from tests.prerequisites import ROOT
 SEED = 2**64 + 20_170_405
 SIX = find_lesson("06_filter_ground")
 STAGE = SIX.stage
-# By gradescope-autograders.readthedocs.io/en/latest/specs/.
+# Values and keys of gradescope-autograders.readthedocs.io/en/latest/specs/.
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
 TEST = {
     *("score", "max_score", "status", "name", "name_format", "number", "output", "output_format"),
@@ -55,10 +55,10 @@ def results_for(*lessons, left=()):
     return results.build_results(JudgedSubmission(lessons, tuple(left)))
 
 
-# ---- What is said --------------------------------------------------------------------------
+# ---- Results -------------------------------------------------------------------------------
 
 
-def test_what_is_said_is_in_gradescopes_format_and_adds_up():
+def test_results_have_gradescopes_format_and_add_up():
     found = results_for(
         JudgedLesson(SIX, verdict((exercise(),), problems=("A cell moved.",)), ("A cell moved.",)),
         JudgedLesson(find_lesson("07_filter_by_distance")),
@@ -70,12 +70,12 @@ def test_what_is_said_is_in_gradescopes_format_and_adds_up():
     for test in found["tests"]:
         assert set(test) <= TEST and test["visibility"] in VISIBILITIES
     assert found["output_format"] == found["test_output_format"] == "text"
-    # Of what a person may deduct nothing is known: what a machine grades is all there is.
+    # Points that a person grades are not in the results.
     scored = [test["max_score"] for test in found["tests"] if "max_score" in test]
     assert sum(scored) == 20.0 + 30.0
 
 
-def test_hidden_checks_are_told_when_nobody_hands_in_any_more():
+def test_hidden_checks_are_shown_after_the_due_date():
     slip = Slip(3, 2, "a > b", "a >= b", 5.34)
     lesson = JudgedLesson(
         SIX,
@@ -83,8 +83,8 @@ def test_hidden_checks_are_told_when_nobody_hands_in_any_more():
         ("A cell moved.",),
     )
     tests = results_for(lesson)["tests"]
-    told = {(test["name"], test["output"]): test["visibility"] for test in tests}
-    assert told == {
+    visibilities = {(test["name"], test["output"]): test["visibility"] for test in tests}
+    assert visibilities == {
         ("About 06_filter_ground", "A cell moved."): "visible",
         ("About 06_filter_ground", "By a helper."): "after_published",
         ("filter_ground: A road is ground", "Yours: 1 <b>"): "visible",
@@ -95,7 +95,7 @@ def test_hidden_checks_are_told_when_nobody_hands_in_any_more():
     assert "a >= b" not in json.dumps(tests)
 
 
-def test_a_lesson_that_cannot_be_judged_says_why_at_once():
+def test_a_lesson_that_cannot_be_judged_gives_the_reason_first():
     nothing = (ExerciseResult("filter_ground", 0.0, 20.0, ()),)
     why = "06_filter_ground.ipynb breaks off."
     tests = results_for(JudgedLesson(SIX, verdict(nothing, problems=(why,)), (why,)))["tests"]
@@ -104,19 +104,19 @@ def test_a_lesson_that_cannot_be_judged_says_why_at_once():
     assert {test["visibility"] for test in tests} == {"visible"}
 
 
-def test_points_that_do_not_add_up_are_our_fault():
+def test_points_that_do_not_add_up_raise_an_error():
     wrong = verdict((exercise(),))
     wrong = Verdict(**{**vars(wrong), "score": 7.0})
     with pytest.raises(ArithmeticError):
         results_for(JudgedLesson(SIX, wrong))
 
 
-# ---- What is judged ------------------------------------------------------------------------
+# ---- Judging -------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def root(tmp_path):
-    """Gradescope's folder; the course is this one."""
+    """Return a folder like Gradescope's /autograder, for one stage of this course."""
     root = tmp_path / "autograder"
     for name in ("submission", "results", "source/course"):
         (root / name).mkdir(parents=True)
@@ -127,7 +127,7 @@ def root(tmp_path):
 
 @pytest.fixture
 def unjudged(monkeypatch):
-    """Nothing is asked: what would be is noted."""
+    """Replace judging with a fixed verdict, and return the list of recorded calls."""
     asked = []
 
     def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
@@ -142,14 +142,14 @@ def judged(root):
     return judging.judge_submission(root / "submission", root / "source", SANDBOXES["process"])
 
 
-def test_what_is_handed_in_is_found_wherever_it_lies(root, unjudged):
+def test_a_notebook_is_found_in_any_folder_of_the_submission(root, unjudged):
     below = root / "submission" / "my work" / "06_filter_ground (1).ipynb"
     below.parent.mkdir()
     below.write_bytes(SIX.released.read_bytes())
     found = judged(root)
     assert unjudged == [(below.name, SIX.name, "", SEED, "")]
     assert [lesson.lesson.name[:2] for lesson in found.lessons if lesson.verdict] == ["06"]
-    assert [one.lesson.name[:2] for one in found.lessons] == ["06", "07", "08", "09"]
+    assert [lesson.lesson.name[:2] for lesson in found.lessons] == ["06", "07", "08", "09"]
     assert "was taken for 06_filter_ground.ipynb" in str(found.lessons[0].notes)
 
 
@@ -169,8 +169,8 @@ def test_each_file_that_is_not_judged_is_named(root, unjudged):
 
 
 @pytest.mark.parametrize("of", ["the file", "its folder"])
-def test_a_link_to_the_solution_is_no_answer(root, unjudged, of):
-    """What root reads for a student is what the student handed in, and not what is pointed at."""
+def test_a_link_to_the_solution_is_not_an_answer(root, unjudged, of):
+    """Root reads only the submission itself and does not follow its links."""
     if of == "the file":
         (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
     else:
@@ -185,7 +185,7 @@ def test_an_assignment_may_be_one_lesson(root, unjudged):
     assert [lesson.lesson for lesson in judged(root).lessons] == [SIX]
 
 
-def test_who_had_no_processor_is_asked_again(root, monkeypatch):
+def test_a_starved_notebook_is_judged_again(root, monkeypatch):
     (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
     tries = []
 
@@ -198,23 +198,23 @@ def test_who_had_no_processor_is_asked_again(root, monkeypatch):
     assert tries == [False, True]
 
 
-# ---- Whose fault it is ---------------------------------------------------------------------
+# ---- Faults --------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def open_walls(monkeypatch):
-    """Neither root nor walls are needed for what follows."""
+    """Replace root and the sandbox, which the tests below do not need."""
     monkeypatch.setattr(program, "restrict_access", lambda root: None)
     monkeypatch.setattr(program, "strongest_sandbox", lambda: SANDBOXES["process"])
 
 
-def test_a_fault_of_ours_is_nobodys_nought(root, open_walls, monkeypatch, capsys):
+def test_a_fault_of_the_grader_leaves_no_results(root, open_walls, monkeypatch, capsys):
     (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
     path = root / "results" / "results.json"
-    for what in (verdict(status=FAILED, faults=("an oracle broke",)), OSError("no memory left")):
-        path.write_text('{"score": 100}')  # perhaps somebody else put it there
+    for fault in (verdict(status=FAILED, faults=("an oracle broke",)), OSError("no memory left")):
+        path.write_text('{"score": 100}')  # an earlier file, which may be forged
 
-        def judge_one(*about, result=what, **more):
+        def judge_one(*about, result=fault, **more):
             if isinstance(result, Exception):
                 raise result
             return result
@@ -227,7 +227,7 @@ def test_a_fault_of_ours_is_nobodys_nought(root, open_walls, monkeypatch, capsys
         assert ("an oracle broke" in said) != ("no memory left" in said)
 
 
-def test_without_walls_nothing_runs(root, monkeypatch, capsys):
+def test_without_a_sandbox_nothing_runs(root, monkeypatch, capsys):
     def unavailable(self):
         raise SandboxUnavailable("It is a drill.", "Add: --sandbox process")
 
@@ -241,7 +241,7 @@ def test_without_walls_nothing_runs(root, monkeypatch, capsys):
     assert not (root / "results" / "results.json").exists()
 
 
-def test_no_walls_are_taken_that_protect_nothing():
+def test_the_sandbox_without_protection_is_never_chosen():
     assert (
         set(isolation.PREFERRED_SANDBOXES) < set(SANDBOXES)
         and "process" not in isolation.PREFERRED_SANDBOXES
@@ -265,7 +265,7 @@ def test_tests_and_seed_are_closed_to_others(root):
 
 
 @needs_root
-def test_what_does_not_stay_closed_is_refused(root, tmp_path):
+def test_a_folder_that_cannot_be_restricted_is_refused(root, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     (root / "submission").rmdir()
@@ -274,7 +274,7 @@ def test_what_does_not_stay_closed_is_refused(root, tmp_path):
         isolation.restrict_access(root)
 
 
-def test_whoever_is_not_root_is_refused(root, monkeypatch):
+def test_an_ordinary_user_is_refused(root, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     with pytest.raises(isolation.IsolationFailed, match="must be run by root"):
         isolation.restrict_access(root)
@@ -284,8 +284,8 @@ def test_whoever_is_not_root_is_refused(root, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("right", [True, False])
 def test_judges_as_at_home(root, sandbox, right, capsys):
-    answer = next(one for one in answers_to("filter_ground") if one.right == right)
-    voxels = next(one for one in answers_to("voxel_grid") if one.right)
+    answer = next(answer for answer in answers_to("filter_ground") if answer.right == right)
+    voxels = next(answer for answer in answers_to("voxel_grid") if answer.right)
     path = root / "submission" / f"{SIX.name}.ipynb"
     path.write_text(
         fill_in(SIX, {"filter_ground": answer.source, "voxel_grid": voxels.source}), "utf-8"
@@ -301,7 +301,7 @@ def test_judges_as_at_home(root, sandbox, right, capsys):
     assert "Walls: " in capsys.readouterr().out
 
 
-# ---- What is uploaded ----------------------------------------------------------------------
+# ---- The zip -------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -314,7 +314,7 @@ def test_the_same_course_is_the_same_zip(packed):
     assert packed == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
 
 
-def test_holds_what_judging_reads_and_nothing_of_a_class(packed):
+def test_the_zip_has_files_for_judging_but_none_of_a_class(packed):
     archive = zipfile.ZipFile(io.BytesIO(packed))
     names = set(archive.namelist())
     assert {
@@ -331,7 +331,7 @@ def test_holds_what_judging_reads_and_nothing_of_a_class(packed):
     assert not [n for n in names if n.split("/")[1:2] and n.split("/")[1].startswith(class_files)]
 
 
-def test_the_container_gets_what_judging_imports_and_no_jupyter(packed):
+def test_requirements_have_packages_for_judging_but_no_jupyter(packed):
     archive = zipfile.ZipFile(io.BytesIO(packed))
     listed = archive.read("requirements.txt").decode()
     assert listed.startswith("-c constraints.txt\n")
@@ -342,13 +342,13 @@ def test_the_container_gets_what_judging_imports_and_no_jupyter(packed):
 
 @pytest.fixture
 def rehearsed(monkeypatch):
-    """The course's own solutions are right, which other tests show."""
+    """Skip the rehearsals, as other tests show that the course's own solutions are right."""
     from grader.classroom import rehearsals
 
     monkeypatch.setattr(rehearsals.Rehearsals, "finish", lambda self, executor: None)
 
 
-def test_the_command_writes_what_only_its_owner_reads(tmp_path, rehearsed, capsys):
+def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehearsed, capsys):
     path = tmp_path / "auto.zip"
     assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.GOOD
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
@@ -356,13 +356,13 @@ def test_the_command_writes_what_only_its_owner_reads(tmp_path, rehearsed, capsy
     assert "Autograder Points: 85" in said and "write_up (10 points)" in said
 
 
-def test_the_command_knows_what_there_is(capsys, tmp_path):
+def test_an_unknown_assignment_gets_a_list_of_the_known_ones(capsys, tmp_path):
     path = tmp_path / "auto.zip"
     assert cli.main(["autograder", "stage9", "--to", str(path)]) == commands.WRONG_CALL
     assert "stage3_obstacles" in capsys.readouterr().err and not path.exists()
 
 
-def test_no_autograder_is_made_of_tests_that_are_at_fault(tmp_path, monkeypatch, capsys):
+def test_no_autograder_is_written_if_a_rehearsal_fails(tmp_path, monkeypatch, capsys):
     from grader.classroom import rehearsals
 
     def finish(self, executor):

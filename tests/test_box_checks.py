@@ -1,4 +1,4 @@
-"""What the checks of boxes say about corners, and what they draw."""
+"""Messages and pictures of the checks of boxes."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,7 +17,7 @@ CORNERS = {
 
 
 def noted(exercise, function):
-    """Names of the notes that a function gets."""
+    """Return the names of the notes that a function gets."""
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
 
@@ -59,7 +59,7 @@ def limits_of(failure):
 
 
 @pytest.mark.parametrize("shift", [0.0, 12.0])
-def test_picture_holds_the_box_and_its_cluster(shift):
+def test_the_picture_contains_the_box_and_its_cluster(shift):
     cloud = np.random.default_rng(0).uniform(-1, 1, (50, 3)) * [4, 2, 1] + [9, 5, 0]
     labels = np.ones(50, dtype=int)
     box = corners_between([8.9 + shift, 4.9, -1], [9.1 + shift, 5.1, 1])[None]
@@ -77,17 +77,17 @@ def test_picture_holds_the_box_and_its_cluster(shift):
             assert (limits[:, 1] > part[:, :2].max(axis=0)).all()
 
 
-def test_messages_count_in_words_that_fit():
-    one = np.ones(3, dtype=int)
+def test_messages_use_singular_and_plural():
+    one_cluster = np.ones(3, dtype=int)
     box = corners_between([0, 0, 0], [1, 1, 1])
     with pytest.raises(CheckFailed, match="^2 boxes for 1 cluster.$"):
-        assert_box_corners(np.stack([box, box]), box[None], np.zeros((3, 3)), one)
+        assert_box_corners(np.stack([box, box]), box[None], np.zeros((3, 3)), one_cluster)
     with pytest.raises(CheckFailed, match="^1 box for 2 clusters.$"):
         assert_box_corners(box[None], np.stack([box, box]), np.zeros((3, 3)), np.array([1, 1, 2]))
 
 
-def test_the_picture_shows_the_axis_that_the_words_are_about():
-    """One maximum for x, y and z: y is told first, which no view from the side shows."""
+def test_the_picture_shows_the_axis_in_the_message():
+    """If x, y and z have one maximum, the message names y, which a side view does not show."""
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))

@@ -1,4 +1,4 @@
-"""What lies in a box, against distances worked out by hand."""
+"""Points inside boxes, compared with distances computed by hand."""
 
 import numpy as np
 from numpy.testing import assert_allclose
@@ -30,7 +30,7 @@ def test_distance_outside_of_a_line_and_of_a_point():
     assert_allclose(distance_outside(np.array([[1.0, 1.0], [1.5, 3.0]]), np.ones((4, 2))), [0, 2])
 
 
-def test_a_box_and_its_corners_hold_the_same_points():
+def test_a_box_and_its_corners_contain_the_same_points():
     rng = np.random.default_rng(0)
     for yaw in rng.uniform(-4, 4, 50):
         box = Box(tuple(rng.uniform(-9, 9, 3)), tuple(rng.uniform(0.2, 5, 3)), yaw, "car", 1)

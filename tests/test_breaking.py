@@ -1,4 +1,4 @@
-"""Broken versions are wrong as they say, and the smallest cloud is the smallest."""
+"""Broken versions make the mistake that they describe, and their smallest clouds are minimal."""
 
 from collections import deque
 
@@ -12,7 +12,7 @@ from tests.lesson_texts import source_of
 from utils import breaking
 from utils.breaking.puzzles import PUZZLES
 
-# What students write, by the letter of the version that shall answer as that does.
+# Names of kept answers with the same mistake, by the letter of the broken version.
 THE_SAME = {
     "euclidean_clustering": {
         "A": "forgets the height",
@@ -46,7 +46,7 @@ TELLING = {
 
 
 def accelerated(cloud, threshold=0.5):
-    """By SciPy, without any of the lesson's short cuts."""
+    """Cluster with SciPy, without any shortcut of the lesson."""
     return connected_components(cdist(cloud, cloud) < threshold)[1] + 1
 
 
@@ -63,7 +63,7 @@ def function_of(exercise, name="the hints followed to the letter"):
 
 
 def some_cloud(rng, exercise, count):
-    """Points that often lie close together, or above each other, or on a grid."""
+    """Return random points that are often close together, above each other or on a grid."""
     size = PUZZLES[exercise].shown.shape[1]
     cloud = rng.integers(0, 9, (count, size)) * rng.choice([0.2, 0.31, 0.45])
     if exercise == "get_bounding_boxes":
@@ -78,11 +78,11 @@ def differs(exercise, letter, function, cloud):
     return right.shape != wrong.shape or not np.allclose(right, wrong)
 
 
-EACH = [(exercise, letter) for exercise, one in PUZZLES.items() for letter in one.versions]
+EACH = [(exercise, letter) for exercise, puzzle in PUZZLES.items() for letter in puzzle.versions]
 
 
 @pytest.mark.parametrize(("exercise", "letter"), EACH)
-def test_the_smallest_cloud_tells_and_no_smaller_one_does(exercise, letter):
+def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, letter):
     function, cloud = function_of(exercise), np.array(TELLING[exercise][letter], dtype=float)
     smallest = PUZZLES[exercise].versions[letter].smallest
     assert len(cloud) == smallest and differs(exercise, letter, function, cloud)
@@ -98,22 +98,23 @@ def test_the_picture_shows_that_it_is_wrong(exercise, letter):
 
 
 @pytest.mark.parametrize(
-    ("exercise", "letter"), [(one, letter) for one in THE_SAME for letter in THE_SAME[one]]
+    ("exercise", "letter"),
+    [(exercise, letter) for exercise in THE_SAME for letter in THE_SAME[exercise]],
 )
-def test_a_version_answers_as_who_makes_that_mistake(exercise, letter):
+def test_a_version_answers_like_a_kept_answer_with_that_mistake(exercise, letter):
     puzzle, right = PUZZLES[exercise], function_of(exercise)
     wrong = function_of(exercise, THE_SAME[exercise][letter])
-    rng, told = np.random.default_rng(2), 0
+    rng, different = np.random.default_rng(2), 0
     for _ in range(10 if exercise == "ransac_line" else 60):
         cloud = some_cloud(rng, exercise, 8)
         made = puzzle.seen_as(puzzle.versions[letter].answer(right, cloud))
         written = puzzle.seen_as(puzzle.ask(wrong, cloud))
         assert made.shape == written.shape and np.allclose(made, written)
-        told += differs(exercise, letter, right, cloud)
-    assert told
+        different += differs(exercise, letter, right, cloud)
+    assert different
 
 
-def test_it_says_who_is_told_and_what_more_there_is_to_find(capsys):
+def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
     cluster = function_of("euclidean_clustering")
     chain = [[0, 0, 0], [0.7, 0, 0], [1.4, 0, 0]]
     breaking.tell_apart(cluster, A=chain, B=[*chain, [9, 9, 9]], C=[[0, 0, 0], [0.85, 0, 0]])
@@ -140,12 +141,12 @@ def test_it_says_who_is_told_and_what_more_there_is_to_find(capsys):
         ([[1, 2, float("nan")]], "Finite numbers"),
     ],
 )
-def test_what_is_no_cloud_gets_a_sentence(given, said, capsys):
+def test_an_invalid_cloud_gets_a_message(given, said, capsys):
     breaking.tell_apart(function_of("euclidean_clustering"), A=given)
     assert said in capsys.readouterr().out
 
 
-def test_who_breaks_himself_a_stub_and_a_stranger(capsys):
+def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):
     def euclidean_clustering(cloud, threshold=0.5):
         raise KeyError("mine")
 
@@ -163,7 +164,7 @@ def test_who_breaks_himself_a_stub_and_a_stranger(capsys):
         breaking.tell_apart(function_of("euclidean_clustering"), Z=[[0, 0, 0]])
 
 
-def test_a_loop_that_never_ends_is_ended(capsys, monkeypatch):
+def test_an_endless_loop_is_stopped(capsys, monkeypatch):
     monkeypatch.setattr(breaking, "SECONDS", 0.3)
 
     def euclidean_clustering(cloud, threshold=0.5):

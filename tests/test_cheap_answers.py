@@ -1,7 +1,7 @@
-"""Cheap answers: functions that do not look at their task earn a tenth of it at most.
+"""Cheap answers, which do not work on their task, earn at most a tenth of its points.
 
-They are asked here and not in the sandbox, which takes too long for so many. As there, each gets
-copies: what it does to its arguments reaches nobody.
+The functions run in this process, as the sandbox is too slow for so many of them. As in the
+sandbox, each function gets copies of its arguments.
 """
 
 import math
@@ -19,9 +19,9 @@ from tests.students import student_with
 from utils.checks.lesson_12.match_boxes import cubes
 
 SEED = 7
-MOST = 0.1  # of an exercise's points, for an answer that does not look at its task
+MOST = 0.1  # fraction of an exercise's points that a cheap answer may earn
 
-# ---- answers to anything -----------------------------------------------------------------------
+# ---- cheap answers to any exercise -------------------------------------------------------------
 
 
 def length(value):
@@ -64,11 +64,11 @@ ANYTHING = {
     "the first column": lambda first, *others: np.abs(first[:, 0]),
 }
 
-# ---- answers to something ----------------------------------------------------------------------
+# ---- cheap answers to one exercise -------------------------------------------------------------
 
 
 def plane_of(points, rows):
-    """The plane through three rows, and its inliers."""
+    """Return the plane through three rows, and the distances of all points to it."""
     p, q, r = (points[row, :3].astype(float) for row in rows)
     normal = np.cross(q - p, r - p)
     plane = np.append(normal, -normal @ p) / np.linalg.norm(normal)
@@ -126,7 +126,7 @@ def nothing_found(points, max_iterations, distance_tolerance, rng):
 
 
 def cuboid(x, y, z, sides, degrees):
-    """A box (8, 3) that stands somewhere, turned."""
+    """Return the corners, (8, 3), of a turned box with its centre at (x, y, z)."""
     turn = np.radians(degrees)
     along = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     box = cubes([[0.0, 0.0, 0.0]])[0] * sides
@@ -143,7 +143,7 @@ def cars_at(x, y, *degrees, sides=(4.2, 1.8, 1.5)):
 
 
 def where_something_is(boxes):
-    """Fixed boxes, of which those without returns are left out."""
+    """Return a detector that answers with those of some fixed boxes that have returns."""
 
     def detect_obstacles(cloud):
         middles = boxes(cloud).mean(axis=1)[:, None]
@@ -178,9 +178,9 @@ def count_of(labels):
 
 
 def box_at_mean(cloud, labels):
-    """Boxes of the size of a car about the middle of each cluster."""
-    names = np.unique(labels[labels > 0])
-    middles = [cloud[labels == name, :3].mean(axis=0) for name in names]
+    """Return a box of the size of a car at the mean of each cluster."""
+    clusters = np.unique(labels[labels > 0])
+    middles = [cloud[labels == cluster, :3].mean(axis=0) for cluster in clusters]
     return np.array([cuboid(*middle, (4.2, 1.8, 1.4), 35) for middle in middles])
 
 
@@ -375,53 +375,55 @@ CHEAP = {
     },
 }
 
-# ---- answers that look at their task, and are right in part -------------------------------------
+# ---- answers that are partly right --------------------------------------------------------------
 
 
 def nearest(previous, current, max_distance):
-    """The nearest previous box, whoever else has it."""
+    """Match each box with the nearest previous one, even if several boxes share it."""
     if not len(previous):
         return np.full(len(current), -1)
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1), axis=2)
     return np.where(table.min(axis=1) <= max_distance, table.argmin(axis=1), -1)
 
 
-# Share of the points that each may keep, and why.
+# Fraction of the points that each answer may keep, with the reason.
 PARTLY = {
-    # Right wherever nobody contends for a box, which is all but one property, the weightiest.
+    # Right unless two boxes share a nearest one, which only the check with the most weight tests.
     "match_boxes": {"the nearest, rivals ignored": (nearest, 0.75)},
-    # A permutation that begins with the right median: two properties, each of them checked alone.
+    # A permutation that begins with the right median has two properties, each with its own check.
     "median_order": {
         "the median, then the rest": (
             lambda points: np.roll(np.argsort(points[:, 0]), -((len(points) - 1) // 2)),
             0.15,
         )
     },
-    # Each looks whether something stands in one of four places: an obstacle detector of a kind.
+    # Each tests for obstacles in four fixed places, which is a very simple detector.
     "detect_obstacles": {
         f"{name}, where something is": (where_something_is(boxes), 0.15)
         for name, boxes in PARKED.items()
     },
 }
 
-# ---- how they are asked ------------------------------------------------------------------------
+# ---- running the checks ------------------------------------------------------------------------
 
 
 def earned(lesson, answers, seed):
-    """Share of its points that each of some answers earns, one answer for each exercise."""
+    """Return, by exercise, the earned fraction of points and the weights of passed checks."""
     shares = {}
     outcomes = run_checks(lesson, student_with(lesson, answers), seed)
     for exercise in answers:
-        mine = [outcome for outcome in outcomes if outcome.check.exercise == exercise]
-        whole = sum(outcome.check.weight for outcome in mine)
-        passed = [outcome.check for outcome in mine if outcome.failure is None]
+        outcomes_of_exercise = [
+            outcome for outcome in outcomes if outcome.check.exercise == exercise
+        ]
+        whole = sum(outcome.check.weight for outcome in outcomes_of_exercise)
+        passed = [outcome.check for outcome in outcomes_of_exercise if outcome.failure is None]
         names = {check.name: check.weight / whole for check in passed}
         shares[exercise] = (sum(names.values()), names)
     return shares
 
 
 def one_for_each(lesson, tables):
-    """One answer for each exercise of a lesson, until all have had their turn."""
+    """Yield combinations with one answer per exercise of a lesson until all answers were used."""
     columns = [
         [(exercise.name, name, answer) for name, answer in tables(exercise.name).items()]
         for exercise in lesson.machine_graded
@@ -431,7 +433,7 @@ def one_for_each(lesson, tables):
 
 
 def overpaid(lesson, tables, seed=SEED):
-    """The answers that earn more than they may, with what they passed."""
+    """Return the answers that earn too much, with the earned fraction and the passed checks."""
     found = {}
     for chosen in one_for_each(lesson, tables):
         answers = {exercise.name: nothing for exercise in lesson.machine_graded}
@@ -466,16 +468,16 @@ def test_no_cheap_answer_earns_more_than_a_tenth(lesson):
 @pytest.mark.parametrize("exercise", PARTLY)
 def test_what_is_right_in_part_earns_its_part(exercise):
     lesson = next(
-        lesson for lesson in COURSE if exercise in [one.name for one in lesson.machine_graded]
+        lesson for lesson in COURSE if exercise in [graded.name for graded in lesson.machine_graded]
     )
     assert overpaid(lesson, lambda name: PARTLY[name] if name == exercise else {}) == {}
 
 
-# ---- answers that are right but for one thing ---------------------------------------------------
+# ---- answers with one slip ----------------------------------------------------------------------
 
 
 def lost(variant_of, name, lesson_name):
-    """Names of the tests that a variant fails, in a notebook of right answers."""
+    """Return the names of the tests that a kept answer fails, in an otherwise right notebook."""
     variant = next(answer for answer in answers_to(variant_of) if answer.name == name)
     reference = load_reference(lesson_name)
     space = {**vars(reference), "np": np}

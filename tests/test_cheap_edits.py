@@ -1,4 +1,4 @@
-"""No edit makes a right answer of one that does not look at its task."""
+"""No single edit turns a cheap answer, which ignores its task, into a right answer."""
 
 import ast
 import contextlib
@@ -22,12 +22,12 @@ from utils.checks.diagnosis import diagnose
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 
-SECONDS = 2  # for what an edit has made endless
-MEMORY = 4 * 2**30  # beside what there is, for what an edit has made large
+SECONDS = 2  # time limit, as an edit may cause an endless loop
+MEMORY = 4 * 2**30  # additional bytes, as an edit may create huge arrays
 
 
 def sources():
-    """Each function of the table's module, by where its code begins."""
+    """Return the functions of the table's module, by their first line and kind of node."""
     tree = ast.parse(inspect.getsource(test_cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
@@ -37,7 +37,7 @@ SOURCES = sources()
 
 
 def as_text(function):
-    """A function of the table as a definition of its own, and the names that it may use."""
+    """Return a function of the table as the source of a definition, and the names it may use."""
     kind = ast.Lambda if function.__name__ == "<lambda>" else ast.FunctionDef
     node = SOURCES[function.__code__.co_firstlineno, kind]
     closure = inspect.getclosurevars(function).nonlocals
@@ -48,21 +48,21 @@ def as_text(function):
 
 
 def edited(function):
-    """All functions that are one edit away from a function of the table."""
+    """Yield (source, function) for all functions one edit away from a function of the table."""
     text, names = as_text(function)
     names.pop("answer", None)
     statements, _ = slicing.parse_notebook([text])
     for edit in edits_of([text], statements):
         space = dict(names)
         with contextlib.suppress(Exception):
-            exec(edit.statement, space)  # what an edit moves out of a function may fail here
+            exec(edit.statement, space)  # a statement moved out of the function may fail
         changed = space.get(statements[0].node.name)
         if changed is not None:
             yield edit.statement, changed
 
 
 @contextlib.contextmanager
-def not_for_ever():
+def time_limit():
     def stop(*about):
         raise TimeoutError
 
@@ -77,18 +77,19 @@ def not_for_ever():
 
 def holds(question):
     try:
-        with not_for_ever():
+        with time_limit():
             question()
     except BaseException:
         return False
     return True
 
 
-def mended_by_one_edit(exercise, function):
-    """The edits of an answer with which it passes what it failed."""
+def repairing_edits(exercise, function):
+    """Return the edits with which a function passes all checks that it failed."""
     lesson = lesson_of(exercise)
     student = student_with(
-        lesson, {one.name: test_cheap_answers.nothing for one in lesson.machine_graded}
+        lesson,
+        {graded.name: test_cheap_answers.nothing for graded in lesson.machine_graded},
     )
     setattr(student, exercise, walled(function))
     outcomes = run_checks(
@@ -114,7 +115,7 @@ def is_the_task(exercise, function):
 
 @pytest.fixture
 def bounded():
-    """Let no edit fill the machine, which ends the process without a word."""
+    """Limit the memory, as the kernel kills a process that uses it up."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
@@ -127,7 +128,7 @@ def bounded():
 @pytest.mark.usefixtures("bounded")
 @pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
-    """But for what the judge knows to be the very mistake that an exercise is about."""
+    """Answers with the very mistake that an exercise is about are left out; the judge knows it."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
@@ -135,7 +136,7 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
             test_cheap_answers.ANYTHING | test_cheap_answers.CHEAP[exercise]
         ).items():
             if inspect.isfunction(function) and not is_the_task(exercise, function):
-                kept[name] = mended_by_one_edit(exercise, function)
+                kept[name] = repairing_edits(exercise, function)
                 tried += 1
     assert tried > 25
     assert {name: edits for name, edits in kept.items() if edits} == {}
@@ -144,7 +145,7 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_mistake_that_a_cheap_answer_makes_says_so():
-    """Else who knows its name for certain would keep three fifths."""
+    """Otherwise a cheap answer with a known mistake would keep three fifths of the points."""
     named = {}
     for exercise, table in test_cheap_answers.CHEAP.items():
         checks_of(exercise)  # declares the mistakes
@@ -154,16 +155,16 @@ def test_a_mistake_that_a_cheap_answer_makes_says_so():
             if mistake:
                 named[exercise, name, mistake.says] = mistake.is_cheap or mistake.is_the_task
     assert len(named) > 20
-    assert {about for about, says_so in named.items() if not says_so} == set()
+    assert {mistake_made for mistake_made, is_declared in named.items() if not is_declared} == set()
 
 
 def test_what_an_exercise_is_about_is_no_slip(sandbox):
-    """In horizontal distances the height has no place: to forget that is to do another task."""
+    """A horizontal distance ignores the height, so an answer that includes it misses the task."""
     lesson = lesson_of("horizontal_distance")
     answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"
-    handed_in = SubmittedFiles(
+    submission = SubmittedFiles(
         f"{lesson.name}.ipynb", fill_in(lesson, {"horizontal_distance": answer}).encode()
     )
-    result = judge_files(handed_in, 5, sandbox, lesson).exercises[0]
+    result = judge_files(submission, 5, sandbox, lesson).exercises[0]
     assert result.slip is None
     assert result.score <= result.max_score / 10

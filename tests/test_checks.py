@@ -1,4 +1,4 @@
-"""The checks of a notebook: what a student sees, and in which words."""
+"""The visible checks in a notebook: results, messages and tips."""
 
 import copy
 import importlib
@@ -103,7 +103,7 @@ def test_an_exception_in_a_finished_function_is_placed_where_that_was_called():
     assert inner.endswith("of the cell of finished")
 
 
-def test_check_of_a_stub_says_so(capsys):
+def test_check_of_a_stub_reports_that_it_is_not_started(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         raise NotImplementedError
 
@@ -113,7 +113,7 @@ def test_check_of_a_stub_says_so(capsys):
     assert shown.count("\n") == 1 and "not started" in shown
 
 
-def test_check_of_something_else_says_what_can_be_checked():
+def test_check_of_something_else_lists_the_exercises():
     with pytest.raises(LookupError, match="one of horizontal_distance, "):
         check(len)
     with pytest.raises(LookupError):
@@ -162,18 +162,18 @@ def test_rows_in_any_form_are_accepted(answer):
         (CLOUD[KEEP].T, "columns"),
     ],
 )
-def test_wrong_rows_are_named(answer, words):
+def test_wrong_rows_are_reported(answer, words):
     with pytest.raises(CheckFailed, match=words):
         assert_rows(answer, CLOUD, KEEP)
 
 
-def test_one_row_is_no_rows():
+def test_messages_say_one_row_in_the_singular():
     with pytest.raises(CheckFailed) as caught:
         assert_rows(CLOUD[:2], CLOUD, np.array([True, False, False]))
     assert (caught.value.yours, caught.value.expected) == ("2 rows", "1 row")
 
 
-def test_empty_rows():
+def test_empty_answers_need_the_right_columns():
     nothing = np.zeros(3, dtype=bool)
     assert_rows(np.empty((0, 4)), CLOUD, nothing)
     assert_rows([], CLOUD, nothing)
@@ -194,7 +194,7 @@ def test_empty_rows():
         (KEEP, (assert_places, assert_order, assert_all_columns)),
     ],
 )
-def test_places_order_and_columns_are_three_things(answer, lost):
+def test_places_order_and_columns_are_checked_separately(answer, lost):
     for look in (assert_places, assert_order, assert_all_columns):
         if look in lost:
             with pytest.raises(CheckFailed):
@@ -203,7 +203,7 @@ def test_places_order_and_columns_are_three_things(answer, lost):
             look(answer, CLOUD, KEEP)
 
 
-def test_nothing_left_is_a_table_all_the_same():
+def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
     for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
         assert_nothing_left(nothing, CLOUD, 3)
     for something, words in (
@@ -215,7 +215,7 @@ def test_nothing_left_is_a_table_all_the_same():
             assert_nothing_left(something, CLOUD, 4)
 
 
-def test_a_tie_that_is_left_free_is_a_note(capsys):
+def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         return cloud[cloud[:, 2] > ground_level]
 
@@ -246,7 +246,7 @@ def test_partitions():
     cloud = np.zeros((4, 3))
     for same in ([1, 1, 2, 3], [7, 7, 0, -2], np.array([1.0, 1, 2, 3]), (3, 3, 1, 2)):
         assert_partition(same, expected, cloud)
-    for other, words in (
+    for wrong, words in (
         ([1, 1, 2, 2], "Points of different"),
         ([1, 2, 3, 4], "belong together"),
         ([1, 2, 2, 3], "torn apart"),
@@ -255,7 +255,7 @@ def test_partitions():
         (None, "None"),
     ):
         with pytest.raises(CheckFailed, match=words):
-            assert_partition(other, expected, cloud)
+            assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
 
 
@@ -273,10 +273,10 @@ def test_untouched():
     assert_untouched(lambda values: None, np.array([1.0, np.nan]))
     with pytest.raises(CheckFailed, match="changed its input"):
         assert_untouched(lambda cloud: cloud.fill(1), CLOUD)
-    assert CLOUD[0, 0] == 1.0 and CLOUD[0, 1] == 2.0  # a copy was changed
+    assert CLOUD[0, 0] == 1.0 and CLOUD[0, 1] == 2.0  # only a copy was changed
 
 
-def test_labels_and_arrays_say_what_was_expected():
+def test_messages_name_the_expected_labels_and_arrays():
     with pytest.raises(CheckFailed, match="something else") as caught:
         as_array({1: 2})
     assert "dict" in caught.value.yours and "dict" not in caught.value.message
@@ -372,7 +372,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
     for line in ("x, y, z = points[i]", "for x, y, z in cloud:", "x, y, z = cloud[near].T"):
         assert "intensity" in tip_for("ValueError", str(caught.value), f"`{line}`")
-    # What a call gives is no row of a cloud, whatever is in its name: a plane has four numbers.
+    # The result of a call is not a row of a cloud, regardless of names; a plane has four numbers.
     for line in (
         "a, b, c = plane_through(p, q, r)",
         "a, b, c = fit_plane(points)",
@@ -383,7 +383,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "logarithm" in tip_for("ZeroDivisionError", "float division by zero", "`1 / log(w)`")
 
 
-def test_who_takes_a_tree_for_a_node_is_told():
+def test_a_tree_used_as_a_node_gets_a_tip():
     class KdTree:
         root = None
 
@@ -392,7 +392,7 @@ def test_who_takes_a_tree_for_a_node_is_told():
     assert "tree.root" in tip_for("AttributeError", str(caught.value))
 
 
-def test_a_picture_that_nobody_can_draw_leaves_the_table(monkeypatch):
+def test_a_picture_that_cannot_be_drawn_does_not_hide_the_table(monkeypatch):
     def draw():
         plt.figure()
         raise TypeError("unhashable type")
@@ -405,7 +405,7 @@ def test_a_picture_that_nobody_can_draw_leaves_the_table(monkeypatch):
     assert plt.get_fignums() == before
 
 
-def test_no_tip_is_better_than_a_wrong_one():
+def test_an_ambiguous_error_gets_no_tip():
     assert tip_for("ZeroDivisionError", "division by zero") == ""
 
 
@@ -424,24 +424,24 @@ def test_import_is_quick_and_light():
 # ---- titles ------------------------------------------------------------------------------------
 
 
-def test_no_two_checks_of_an_exercise_have_one_title(lesson):
-    """In a table of them nobody could tell one that passed from one that did not."""
+def test_checks_of_an_exercise_have_different_titles(lesson):
+    """With equal titles, a table would not show which of the two checks failed."""
     titles = []
 
-    def noted_and_not_asked(one_check):
+    def record_and_skip(one_check):
         titles.append((one_check.exercise, one_check.title.casefold().rstrip(".")))
         return False
 
-    run_checks(lesson, SimpleNamespace(), 3, noted_and_not_asked)
+    run_checks(lesson, SimpleNamespace(), 3, record_and_skip)
     assert len(titles) > 10 * len(lesson.machine_graded)
     assert [title for title in {*titles} if titles.count(title) > 1] == []
 
 
-# ---- nothing that a function does reaches a check ----------------------------------------------
+# ---- functions cannot change the checks ---------------------------------------------------------
 
 
 def modules_of_checks():
-    """Every module that a check or a hidden test may keep a constant in."""
+    """Yield every module of checks or hidden tests, which may contain constants."""
     for path in sorted((PROJECT / "utils" / "checks").rglob("*.py")):
         name = ".".join(path.relative_to(PROJECT).with_suffix("").parts)
         yield importlib.import_module(name.removesuffix(".__init__"))
@@ -471,7 +471,7 @@ def test_constants_are_read_only(request):
         f"{module.__name__}.{name}"
         for module in modules_of_checks()
         for name, value in vars(module).items()
-        if name != "__builtins__"  # everybody's: other tests of this process print into it
+        if name != "__builtins__"  # shared with other tests of this process
         for array in arrays_in(value)
         if array.flags.writeable or (array.base is not None and array.base.flags.writeable)
     }
@@ -479,7 +479,7 @@ def test_constants_are_read_only(request):
 
 
 def spoiling(function, read_only):
-    """The function, as it would be if it ruined all that it is given, after use."""
+    """Wrap a function so that it overwrites all its arguments after use."""
 
     def ruin(*arguments, **keywords):
         given = [*arguments, *keywords.values()]
@@ -506,7 +506,7 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
     names = [exercise.name for exercise in lesson.machine_graded]
     functions = {name: spoiling(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
-        vars(reference).update(functions)  # where its class finds them
+        vars(reference).update(functions)  # the lesson's class looks up its functions there
         functions["KdTree"] = reference.KdTree
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     faults = {
@@ -515,12 +515,12 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
         if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
-    # Whoever writes into a copy for a good reason must not meet an array that forbids it.
-    allowed = {"filter_clusters"}  # a hidden test says that it may be read-only
+    # Arguments have to be writable, as an answer may have a good reason to change its copy.
+    allowed = {"filter_clusters"}  # a hidden test passes a read-only array on purpose
     assert set(read_only) <= allowed
 
 
-# ---- claims ------------------------------------------------------------------------------------
+# ---- huge answers ------------------------------------------------------------------------------
 
 
 def nested(depth):
@@ -573,22 +573,22 @@ def test_a_huge_claim_is_refused_at_once(name):
     assert slow == {}
 
 
-def test_of_answers_far_too_large_a_few_are_looked_at():
-    """Reading each takes the judge seconds."""
+def test_only_a_few_huge_answers_are_checked():
+    """Each huge answer takes the judge several seconds to read."""
     huge, calls = [0] * 1_100_000, []
     student = SimpleNamespace(
         filter_clusters=lambda *arguments, **keywords: calls.append(1) or huge,
         exercise="",
         close=lambda: None,
     )
-    lesson = next(one for one in all_lessons() if one.number == "09")
+    lesson = next(lesson for lesson in all_lessons() if lesson.number == "09")
     outcomes = run_checks(lesson, student, 1)
     not_tried = [outcome for outcome in outcomes if "Not tried: 5 answers" in str(outcome.failure)]
     assert len(calls) == 5 and len(not_tried) == len(outcomes) - 5 > 5
 
 
 def is_scene(one_check):
-    """Whether a check draws a scene when it runs for the first time."""
+    """Return whether a check has to generate a scene when it runs for the first time."""
     return one_check.exercise == "detect_obstacles"
 
 
@@ -608,7 +608,7 @@ def huge_answers(exercise, answer):
     return KdTree
 
 
-def test_caps_are_named():
+def test_messages_name_the_limits_of_size():
     for claim, words in (
         (HUGE["dimensions"], "three dimensions"),
         (nested(50), "three dimensions"),
@@ -619,13 +619,13 @@ def test_caps_are_named():
             as_array(claim)
 
 
-# ---- hidden tests tell nothing that the student chose --------------------------------------------
+# ---- messages of hidden tests contain no text from the student -----------------------------------
 
 SECRET = "Zebra7351"
 
 
 class Zebra7351:
-    """An answer whose name, text and attributes all tell something."""
+    """An answer with a secret in its name, text and attributes."""
 
     type_name = SECRET
 
@@ -656,7 +656,7 @@ WEIRD = {
 @pytest.mark.parametrize("name", WEIRD)
 def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {one: lambda *arguments, **keywords: WEIRD[name] for one in names}
+    functions = {exercise: lambda *arguments, **keywords: WEIRD[name] for exercise in names}
     if "KdTree" in lesson.names:
         functions["KdTree"] = huge_answers("search", WEIRD[name])
         functions["KdTree"].plant = lambda self, *table: None
@@ -668,10 +668,10 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
             assert SECRET not in message_of(shareable(outcome, open_to_all=True)).text
 
 
-# ---- exercises of one class ----------------------------------------------------------------------
+# ---- exercises that share a class ----------------------------------------------------------------
 
 
-def test_exercises_of_one_class_answer_for_themselves_alone(monkeypatch, capsys):
+def test_exercises_of_one_class_are_checked_separately(monkeypatch, capsys):
     KdTree = load_reference("04_kd_tree").KdTree
 
     def search(tree, target, tolerance):
@@ -715,7 +715,7 @@ def test_a_number_that_was_changed_is_shown_as_a_number():
         ("03_ransac_plane", "point_plane_distance"),
     ],
 )
-def test_no_rows_of_any_length_are_nothing(source, exercise, shape):
+def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
     right = getattr(load_reference(source), exercise)
 
     def answer(*arguments, **keywords):

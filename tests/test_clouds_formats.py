@@ -1,6 +1,6 @@
-"""Choosing the format by suffix, the binary formats, and the messages of bad files.
+"""The choice of a format by suffix, the binary formats, and the messages about bad files.
 
-Files are put together here byte by byte, independently of the writers under test.
+The tests build files byte by byte, independently of the writers under test.
 """
 
 import io
@@ -26,7 +26,7 @@ POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (0.0, 0.0, 0.0, 1.
 
 
 def message_of(call, *arguments):
-    """The message of the CloudFileError that `call` has to raise."""
+    """Return the message of the CloudFileError that `call` has to raise."""
     with pytest.raises(CloudFileError) as caught:
         call(*arguments)
     return str(caught.value)
@@ -89,7 +89,7 @@ def test_the_error_survives_a_process_pool():
     assert isinstance(error, ValueError) and str(error) == "street.txt: cut off."
 
 
-def test_importing_stays_light():
+def test_importing_loads_no_heavy_packages():
     code = "import sys, utils.clouds, utils.datasets; print(*sys.modules)"
     modules = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
@@ -115,7 +115,7 @@ class TestKitti:
 class TestNpz:
     @staticmethod
     def archive(name="cloud", value=None, raw=None, method=zipfile.ZIP_DEFLATED):
-        """An archive with one array, or with arbitrary bytes in the array's place."""
+        """Return an archive with one array, or with arbitrary bytes instead of the array."""
         if raw is None:
             stream = io.BytesIO()
             np.lib.format.write_array(stream, np.asarray(value), allow_pickle=True)
@@ -153,9 +153,9 @@ class TestNpz:
         assert "shape (3,)" in message_of(decode_npz, self.archive(value=np.zeros(3)))
         assert "(2, 5)" in message_of(decode_npz, self.archive(value=np.zeros((2, 5))))
         assert "intact .npz" in message_of(decode_npz, b"1 2 3\n")
-        of_the_future = bytearray(self.archive(value=np.zeros((1, 3))))
-        of_the_future[of_the_future.index(b"PK\1\2") + 6] = 255  # the version it asks for
-        assert "intact .npz" in message_of(decode_npz, bytes(of_the_future))
+        too_new = bytearray(self.archive(value=np.zeros((1, 3))))
+        too_new[too_new.index(b"PK\1\2") + 6] = 255  # the version of ZIP needed to unpack
+        assert "intact .npz" in message_of(decode_npz, bytes(too_new))
         assert "damaged" in message_of(decode_npz, self.archive(raw=b"no array"))
 
     def test_a_pickle_is_never_loaded(self):
@@ -192,7 +192,7 @@ class TestNpz:
 
 
 def bounded(call, *arguments) -> int:
-    """Call, and return the most memory it held at a time, in bytes."""
+    """Call a function and return its peak memory in bytes."""
     tracemalloc.start()
     try:
         call(*arguments)

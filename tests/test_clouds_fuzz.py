@@ -1,7 +1,8 @@
-"""Whatever bytes a file holds, a reader returns a cloud or raises CloudFileError.
+"""A reader returns a cloud or raises CloudFileError, whatever bytes a file contains.
 
-Random bytes, and small files of every format that were cut, overwritten, repeated or filled with
-extreme numbers. No warning, no other exception, and no more memory than the file justifies.
+The inputs are random bytes, and small files of every format that were cut, overwritten, repeated
+or filled with extreme numbers. A reader gives no warning, raises no other exception, and uses only
+as much memory as the size of the file justifies.
 """
 
 import io
@@ -33,7 +34,7 @@ from utils.recordings import (
 )
 
 CLOUD = np.random.default_rng(0).normal(scale=9, size=(12, 4)).astype(np.float32)
-CLOUD[3:6] = 0  # something that LZF and deflate can pack
+CLOUD[3:6] = 0  # zeros, which LZF and deflate can compress
 EXTREME = [
     *(struct.pack(kind, value) for kind in ("<I", ">I") for value in (0, 1, 2**31, 2**32 - 1)),
     *(struct.pack("<Q", value) for value in (10**12, 2**62, 2**64 - 1)),
@@ -57,7 +58,7 @@ READERS = {
 
 @st.composite
 def damaged(draw, files):
-    """One of some files, damaged in a few places; or bytes that were never a file."""
+    """Draw a file that is damaged in a few places, or random bytes."""
     data = bytearray(draw(st.sampled_from(files) | st.binary(max_size=200)))
     for _ in range(draw(st.integers(0, 4))):
         first = draw(st.integers(0, len(data)))
@@ -79,7 +80,7 @@ def damaged(draw, files):
 
 @pytest.fixture(scope="module", autouse=True)
 def all_is_imported(tmp_path_factory):
-    """Read whole files first: what readers import late must not count as their memory."""
+    """Read intact files first, so that late imports do not count as memory of a reader."""
     for decode, files in READERS.values():
         for data in files:
             decode(data, "whole")
@@ -99,12 +100,12 @@ def all_is_imported(tmp_path_factory):
 
 
 def check(read, size: int):
-    """Call a reader on a file of `size` bytes; return its cloud, or None where it refused."""
+    """Call a reader on a file of `size` bytes; return its cloud, or None if it refused."""
     tracemalloc.start()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            # A lesson that an earlier test ran may have left a file open.
+            # A lesson in an earlier test may have left a file open.
             warnings.simplefilter("ignore", ResourceWarning)
             result = read()
     except CloudFileError as error:
@@ -166,7 +167,7 @@ WORDS = [*"013\n ,;#", "-1", "nan", "inf", "1e9", "abc", "x y z", "DATA ascii\n"
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=30))
-@example(["\x0b,"])  # numpy.loadtxt took it for an empty file and warned
+@example(["\x0b,"])  # numpy.loadtxt treated this as an empty file and warned
 def test_texts_of_likely_words(words):
     data = " ".join(words).encode()
     check_bytes("text", data)
@@ -199,7 +200,7 @@ def test_labels_and_calibration_of_any_content(tmp_path_factory, data):
 
 
 def recording(folder, kind: str) -> bytes:
-    """The bytes of a recording of two clouds, as ROS 1 bag, SQLite or MCAP file."""
+    """Return the bytes of a recording of two clouds, as a ROS 1 bag, SQLite or MCAP file."""
     ros1 = kind == "bag"
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.LATEST)
     cloud, field, header, time = (
@@ -245,7 +246,7 @@ def fuzz_recordings(folder, kind: str, examples: int) -> None:
 
     seed = recording(folder, kind)
     path.write_bytes(seed)
-    assert len(read()) == 2  # also loads rosbags before memory is counted
+    assert len(read()) == 2  # this also imports rosbags before memory is measured
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged([seed]))
