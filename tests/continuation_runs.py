@@ -53,12 +53,6 @@ def right_answers(lesson):
 def evenings(lesson, exercise, sources):
     """Run a notebook once with each answer to an exercise, and right answers elsewhere.
 
-    Parameters
-    ----------
-    lesson : grader.course.lessons.Lesson
-    exercise : str
-    sources : iterable of str
-
     Yields
     ------
     list of Cell
@@ -78,17 +72,13 @@ def _each(lesson, exercise, sources):
 
 
 def evening(sources, begin):
-    """Run some cells in a new notebook.
+    """Run some cells in a new notebook and return them with their results.
 
     Parameters
     ----------
     sources : list of str
     begin : callable
         Called with the shell before the cells run.
-
-    Returns
-    -------
-    list of Cell
     """
 
     def work():

@@ -80,10 +80,6 @@ def tell(name):
     ----------
     name : str
         Name of the lesson, such as "01_point_clouds".
-
-    Returns
-    -------
-    Told
     """
     matplotlib.use("Agg")
     lesson, names, text = find_lesson(name), {"__name__": name}, io.StringIO()

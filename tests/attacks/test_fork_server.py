@@ -47,7 +47,7 @@ def f():
 
 @pytest.fixture(autouse=True)
 def forked():
-    """Skip these tests where workers cannot be forked."""
+    """Skip these tests if workers cannot be forked."""
     if not bubblewrap._can_go_behind_walls():
         not_here("the right to enter namespaces: sudo make test")
 
@@ -204,7 +204,7 @@ def test_workers_can_be_forked_concurrently():
 
 
 def test_a_killed_judge_leaves_no_processes(tmp_path):
-    """A judge that is killed cannot clean up itself."""
+    """A judge that is killed cannot clean up."""
     program = (
         "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"
         "worker = SANDBOXES['bubblewrap'].start(Limits(), (), ('numpy',))\n"

@@ -54,7 +54,7 @@ def f(paths):
         str(PROJECT / "grader" / "sandbox" / "inside"),
     ]
     written = outcome_of(source, everywhere)
-    # A project below /tmp is mounted in the sandbox's own /tmp, where its parent folders are empty.
+    # A project below /tmp is in the sandbox's own /tmp; only its shown subfolders are read-only.
     own = {str(PROJECT), sys.prefix} if PROJECT.is_relative_to("/tmp") else set()
     assert {"/tmp", "/dev/shm"} <= set(written) <= {"/tmp", "/dev/shm"} | own
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
