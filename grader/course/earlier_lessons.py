@@ -13,6 +13,7 @@ own notebook; the student's notebook contains neither. Each algorithm is thus wr
 
 from __future__ import annotations
 
+import functools
 import re
 
 from grader.course.paths import PROJECT
@@ -77,10 +78,15 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     if path is None:
         raise ValueError(f"There is no lesson {lesson!r}, from which functions are wanted.")
     try:
-        texts = pasting.texts_of(names, [path.read_text("utf-8")], lesson)
+        return list(_texts_of(tuple(names), path.read_text("utf-8"), lesson))
     except LookupError as error:
         raise ValueError(str(error)) from None
-    return [_without_marks(text) for text in texts]
+
+
+@functools.lru_cache(maxsize=256)
+def _texts_of(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
+    """Cached, because a build asks for the same functions for several lessons."""
+    return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
 
 
 def _without_marks(text: str) -> str:
