@@ -1,12 +1,13 @@
-"""Drive on your own code: a car in the simulator's streets that sees what a detector boxes.
+"""Drive a car through simulated streets with the boxes of your own detector.
 
 >>> from utils.drive import drive_street
 >>> drive_street(3, detect_obstacles)
 
-From the ground up: `rules` has the numbers; `actors`, `streets` and `weather` make the world;
-`steps`, `motion` and `planner` are the given rest of the car, and `clock` says how late its eyes
-are; `driving` is the loop. `truth`, `reasons` and `measuring` judge a drive; `film`, `strip` and
-`trip` show it; `standards` says how others did.
+The modules, from the ground up: `rules` contains the constants; `actors`, `streets` and `weather`
+build the world. `steps`, `motion` and `planner` are the given parts of the car, and `clock`
+measures the delay of the detector. `loop` runs a drive. `ground_truth`, `explanations` and
+`metrics` evaluate it; `film`, `timeline` and `trip` show it. `standards` contains the results of
+other detectors.
 """
 
 from utils.drive.clock import on_time

@@ -22,7 +22,7 @@ SUFFIXES = (".mp4", ".gif", ".png", ".html")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return 0, 2 when something is not there, 130 when stopped."""
+    """Run the command line; return 0, or 2 after an error, or 130 when interrupted."""
     options = _parser().parse_args(arguments)
     try:
         detect = tracker = None
@@ -62,7 +62,7 @@ def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
 
 
 def _compare(done: dict[int, Result], seconds: float) -> None:
-    """All that was driven, beside what others did in the same streets."""
+    """Print the total of all drives above the stored results for the same streets."""
     if not done:
         return
     print(f"\n{'yours':28} {sum(done.values(), start=Result())}")

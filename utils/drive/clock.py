@@ -1,4 +1,4 @@
-"""How late a detector is, counted so that the machine does not decide."""
+"""Delay of a detector in scans, measured so that it does not depend on the machine."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ import numpy as np
 from utils.drive.rules import TICK
 
 STANDARD = 0.020
-"""Seconds that `_work` takes on the machine by which all others are measured."""
+"""Seconds of processor time that `_work` takes on the reference machine."""
 
 REMEMBERED = 5
-"""Of so many scans the middle one counts: a hiccup is the machine's, and not the detector's."""
+"""Number of latest calls whose median counts; a hiccup of the machine is not the detector's."""
 
 
 class Clock:
-    """Counts the processor time of calls, as if on one and the same machine.
+    """Measures the processor time of calls, converted to that of the reference machine.
 
-    What a fixed piece of work takes in this process says how fast this machine is. The time of
+    The time of a fixed piece of work in this process shows how fast this machine is. The time of
     all threads counts.
     """
 
@@ -36,7 +36,7 @@ class Clock:
         self._last = deque(maxlen=REMEMBERED)
 
     def __call__(self, call: Callable[[], object]) -> tuple[object, float]:
-        """What a call returns, and the seconds that such calls take."""
+        """Return the result of a call, and the median duration of the latest calls in seconds."""
         start = time.process_time()
         answer = call()
         self._last.append((time.process_time() - start) * self._pace)
@@ -44,17 +44,17 @@ class Clock:
 
 
 def on_time(call: Callable[[], object]) -> tuple[object, float]:
-    """A clock for whom time does not count: every answer is there with the next scan."""
+    """Return the result of a call and a duration of 0 s, so that its answer is never late."""
     return call(), 0.0
 
 
 def ticks(seconds: float) -> int:
-    """Scans after which an answer is there: with the next one, or later."""
+    """Return the number of scans after which an answer is available, at least 1."""
     return max(1, math.ceil(seconds / TICK - 1e-9))
 
 
 def _work() -> None:
-    """Sorting, comparing and gathering, as detectors do it, and plain Python."""
+    """Sort, compare and gather as detectors do, and run plain Python."""
     values = (np.arange(60_000) * 7919 % 60_013).astype(float)
     for _ in range(3):
         order = np.argsort(values, kind="stable")

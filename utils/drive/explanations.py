@@ -1,8 +1,8 @@
-"""Why the car braked, and why it ran into something, in words.
+"""Explanations in words: why the car braked, and why it hit something.
 
-A braking has a reason if the planner would have braked for what is really there, seen with some
-tolerance, a second before or after. Else it was needless, and what lies in the box that the
-planner braked for says what was mistaken for what.
+A braking is justified if the planner would have braked for a real object, with some tolerance,
+within a second of its start. Otherwise it was needless, and the returns in the box that the
+planner braked for show the mistake.
 """
 
 from __future__ import annotations
@@ -36,31 +36,32 @@ MISTAKEN = {
 }
 
 TOGETHER = 5
-"""Moments that may lie between two brakings that are one."""
+"""Largest difference in moments between two brakings that count as one."""
 
 AROUND = 10
-"""Moments before and after, in which a reason would do."""
+"""Moments before and after the start of a braking in which a real object justifies it."""
 
 WIDER, FARTHER = 0.3, 1.3
-"""The tolerance: metres more to either side, and times as far ahead."""
+"""The tolerance: metres added on either side of the corridor, and a factor for the distance."""
 
 LOOKING_BACK = 30
-"""Scans that are looked at to explain a collision."""
+"""Number of scans that are examined to explain a collision."""
 
 
 @dataclass(frozen=True)
 class Braking:
-    """One braking.
+    """One braking of the car.
 
     Attributes
     ----------
     first, last : int
-        Numbers of its moments.
+        Numbers of its first and last moment.
     scan : int
-        Number of the scan whose box had the car brake.
+        Number of the scan whose box made the car brake.
     gap : float
-        Metres from the bumper to where that box was, or would be.
+        Metres from the bumper to the current or predicted place of that box.
     needless : bool
+        Whether no real object justifies it.
     reason : str
         Such as "road taken for an obstacle".
     """
@@ -77,23 +78,23 @@ class Braking:
 
 
 def brakings(drive: Drive) -> Iterator[Braking]:
-    """All brakings of a drive, in order."""
+    """Yield all brakings of a drive, in order."""
     for first, last in _spans(drive):
-        told = _telling(drive, first, last)
-        moment = drive.moments[told]
+        number = _decisive(drive, first, last)
+        moment = drive.moments[number]
         cause = moment.decision.cause
         needed = _needed(drive, first)
-        reason = _meant(drive, told, cause, needed)
+        reason = _meant(drive, number, cause, needed)
         if not reason:
-            reason = _mistaken(drive, told, cause)
-            if needed:  # by chance, and nobody is accused
+            reason = _mistaken(drive, number, cause)
+            if needed:  # justified by an object outside the box
                 other = WORDS[drive.street.kind_of(min(needed))]
                 reason += f", and {other} is in the way, too"
         yield Braking(first, last, moment.seen or 0, moment.decision.gap, not needed, reason)
 
 
 def _spans(drive: Drive) -> list[tuple[int, int]]:
-    """First and last moment of each braking."""
+    """Return the first and last moment of each braking."""
     spans: list[tuple[int, int]] = []
     for moment in drive.moments:
         if not moment.brakes or moment.speed < 1.0:
@@ -105,8 +106,11 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
     return spans
 
 
-def _telling(drive: Drive, first: int, last: int) -> int:
-    """The moment of a braking whose cause is told: what is over our car will not let it go on."""
+def _decisive(drive: Drive, first: int, last: int) -> int:
+    """Return the moment of a braking whose cause explains it.
+
+    A thing that overlaps the ego car comes first, because it keeps the car from driving on.
+    """
     for moment in drive.moments[first : last + 1]:
         cause = moment.decision.cause
         if cause and reach(cause, moment.speed) > OVER:
@@ -115,7 +119,7 @@ def _telling(drive: Drive, first: int, last: int) -> int:
 
 
 def _needed(drive: Drive, first: int) -> set[int]:
-    """Identities of all that would have the planner brake, about then."""
+    """Return the identities of all real objects that justify a braking that starts at `first`."""
     numbers = range(max(first - AROUND, 0), min(first + AROUND + 1, len(drive.moments)))
     return {
         obstacle.identity
@@ -127,15 +131,15 @@ def _needed(drive: Drive, first: int) -> set[int]:
 
 
 def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.ndarray]:
-    """Classes and identities of the returns in the box for which the car braked.
+    """Return classes and identities of the returns in the box for which the car braked.
 
     Parameters
     ----------
     drive : Drive
     number : int
-        Of the moment.
+        Number of the moment.
     cause : Thing
-        As the planner knew it then.
+        The thing as the planner knew it at that moment.
     """
     moment = drive.moments[number]
     scan = drive.frame(moment.seen or 0).scan
@@ -144,13 +148,13 @@ def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.nd
     middle = floor.mean(axis=0)
     around = np.argsort(np.arctan2(*(floor - middle).T[::-1]))
     low, high = corners[:, 2].min(), corners[:, 2].max()
-    held = (distance_outside(xyz[:, :2], floor[around]) <= 0.1) & (xyz[:, 2] >= low - 0.1)
-    held &= xyz[:, 2] <= high + 0.1
-    return scan.classes[held], scan.objects[held]
+    inside = (distance_outside(xyz[:, :2], floor[around]) <= 0.1) & (xyz[:, 2] >= low - 0.1)
+    inside &= xyz[:, 2] <= high + 0.1
+    return scan.classes[inside], scan.objects[inside]
 
 
 def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
-    """What a needless braking was for."""
+    """Describe the box of a braking that contains none of the objects that justify it."""
     classes, objects = contents(drive, number, cause)
     if not len(classes):
         return "a box with nothing in it"
@@ -172,19 +176,19 @@ def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
 
 
 def _meant(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
-    """What a braking with a reason was for; empty where that is not in the box."""
+    """Describe the object in the box that justifies a braking; empty if there is none."""
     _, objects = contents(drive, number, cause)
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
-    held = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in needed]
-    if not held:
+    real = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in needed]
+    if not real:
         return ""
-    thing = WORDS[drive.street.kind_of(held[0])]
+    thing = WORDS[drive.street.kind_of(real[0])]
     comes = not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed))
     return f"{thing} about to come into our lane" if comes else f"{thing} in our lane"
 
 
 def collision(drive: Drive) -> str:
-    """What the car ran into, how fast, and what the detector knew of it; empty if nothing."""
+    """Describe what the car hit, how fast, and what the detector knew of it; empty if nothing."""
     if drive.hit is None:
         return ""
     end = drive.moments[-1]
@@ -193,10 +197,10 @@ def collision(drive: Drive) -> str:
 
 
 def _why(drive: Drive) -> str:
-    """A sentence on what the detector knew of what was hit."""
-    looked = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
+    """Explain in a sentence what the detector knew of the object that was hit."""
+    examined = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
     seen, boxed = [], []
-    for moment in looked:
+    for moment in examined:
         scan = drive.frame(moment.number).scan
         points = scan.cloud[scan.objects == drive.hit, :3]
         if len(points) < ENOUGH:

@@ -1,4 +1,4 @@
-"""A drive as a film: from behind and above, with boxes, corridor, speed and brake."""
+"""Films of a drive: seen from behind and above, with boxes, corridor, speed and brake."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from utils.scene3d.lettering import font
 
 BEHIND = Camera((-13.0, 0.0, 8.0), (9.0, 0.0, -1.5), seen_from="from behind and above")
 STEP = 2
-"""Every so many moments is filmed."""
+"""Number of moments from one picture to the next."""
 
 ROAD = -1.73
 STILL = 10
-"""Pictures for which a collision is held."""
+"""Number of pictures for which the film stops at a collision."""
 
 
 def film(
@@ -37,17 +37,19 @@ def film(
     size: tuple[int, int] = SIZE,
     renderer: str | None = None,
 ) -> Film:
-    """Make a film of a drive, with a bar that shows how far it has come.
+    """Make a film of a drive and show a progress bar.
 
     Parameters
     ----------
     drive : Drive
     report : Report
-        Of this drive.
+        Report on this drive.
     path : str or path
-        Ends in .mp4 or .gif; or in .png for a picture of the last moment.
+        Ends in .mp4 or .gif for a film, or in .png for a picture of the last moment.
     size : (int, int)
+        Width and height in pixels, rounded down to even numbers.
     renderer : {"pyvista", "matplotlib"}, optional
+        By default PyVista if it can draw, else matplotlib.
     """
     path = Path(path)
     size = tuple(int(length) // 2 * 2 for length in size)
@@ -68,7 +70,7 @@ def film(
 
 
 def summary(drive: Drive, report: Report) -> str:
-    """The film in words, for those who cannot see it."""
+    """Describe the film in words, for readers who cannot see it."""
     words = [
         f"A drive through street {drive.street.number}, {drive.street.title[0].lower()}"
         f"{drive.street.title[1:]}, seen from behind and above: {report.metres:.0f} m."
@@ -78,7 +80,7 @@ def summary(drive: Drive, report: Report) -> str:
 
 
 def scene_of(drive: Drive, report: Report, number: int) -> Scene:
-    """The scan of a moment with the boxes, the corridor, and what the car brakes for."""
+    """Build a scene from the scan of a moment, with boxes, corridor and the reason for braking."""
     moment, street = drive.moments[number], drive.street
     scene = Scene(f"Street {street.number} · {street.title}")
     scene.add_cloud(drive.frame(number).cloud)
@@ -94,7 +96,7 @@ def scene_of(drive: Drive, report: Report, number: int) -> Scene:
 
 
 def known(drive: Drive, moment: Moment) -> np.ndarray:
-    """The boxes of the last answer, where they are by now."""
+    """Return the boxes of the latest answer, shape (N, 8, 3), relative to the car's place now."""
     if moment.seen is None:
         return moment.boxes
     before = drive.moments[moment.seen]
@@ -102,15 +104,15 @@ def known(drive: Drive, moment: Moment) -> np.ndarray:
 
 
 def caption(report: Report, moment: Moment) -> str:
-    """Where in the drive, how fast, and what the car brakes for."""
+    """Return the number, time and speed of a moment, and the reason for braking."""
     words = [f"frame {moment.number}", f"{moment.time:.1f} s", f"{3.6 * moment.speed:.0f} km/h"]
     now = [braking for braking in report.brakings if braking.first <= moment.number <= braking.last]
-    words += [f"{'needless: ' if one.needless else ''}{one.reason}" for one in now]
+    words += [f"{'needless: ' if braking.needless else ''}{braking.reason}" for braking in now]
     return " · ".join(words)
 
 
 def _corridor(reach: float, slope: float) -> np.ndarray:
-    """Edges (3, 2, 3) of the corridor on the road, as far as the car needs to stop."""
+    """Return the edges (3, 2, 3) of the corridor on the road, from the bumper to x = `reach`."""
     corners = np.array(
         [(x, y, ROAD + slope * x + 0.05) for x in (BUMPER, reach) for y in (-CORRIDOR, CORRIDOR)]
     )
@@ -118,7 +120,7 @@ def _corridor(reach: float, slope: float) -> np.ndarray:
 
 
 def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
-    """The picture with the speed as a bar, and the brake as a word."""
+    """Draw the speed as a bar on a picture, and a sign with the deceleration while braking."""
     height, width = image.shape[:2]
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture, "RGBA")
@@ -141,7 +143,7 @@ def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
 
 
 def framed(image: np.ndarray) -> np.ndarray:
-    """The picture in a red frame, with the word for it: the drive ends here."""
+    """Draw a red frame on a picture, and words that say that the drive ends here."""
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
     width, height = picture.size

@@ -1,4 +1,4 @@
-"""What really stands and moves around the car: for judging a drive, never for driving."""
+"""True objects around the car, to evaluate a drive and to replace a missing detector."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from utils.simulator.frames import Frame
 from utils.simulator.world import Obstacle, World
 
 ENOUGH = 5
-"""Returns from which on a thing can be seen at all."""
+"""Smallest number of returns with which an object counts as visible."""
 
 
 def true_boxes(frame: Frame) -> np.ndarray:
-    """Corners (N, 8, 3) of all that returned enough echoes: what the best detector would answer."""
+    """Return corners (N, 8, 3) of all visible objects, the answer of a perfect detector."""
     seen = [box.corners for box in frame.boxes if box.returns >= ENOUGH]
     return np.reshape(seen, (-1, 8, 3)).astype(float)
 
 
 def true_things(world: World) -> Iterator[tuple[Obstacle, Thing]]:
-    """All things of a world in the vehicle's frame, as the planner would see them."""
+    """Yield each obstacle of a world, in the vehicle's frame, with its `Thing` for the planner."""
     for obstacle in world.obstacles:
         pose = obstacle.pose
         box = Box((pose.x, pose.y, obstacle.size[2] / 2), obstacle.size, pose.yaw, obstacle.kind, 0)
@@ -34,7 +34,10 @@ def true_things(world: World) -> Iterator[tuple[Obstacle, Thing]]:
 
 
 def distances(world: World) -> dict[int, float]:
-    """Metres between our car and each thing near it, seen from above, by its identity."""
+    """Return the horizontal distance in metres from the ego car to each object near it.
+
+    The keys are the identities of the objects.
+    """
     import shapely
 
     near = [pair for pair in true_things(world) if np.hypot(*pair[1].corners[:4, :2].T).min() < 15]
