@@ -1,7 +1,7 @@
-"""The loop: scan from where the car is, detect, decide, drive on.
+"""The driving loop: scan from the car's position, detect, decide and drive on.
 
-What the detector answers arrives a tenth of a second after its scan, or later by as much as it
-takes; meanwhile it sees no other scan, as it would on the road.
+The detector's answer is available a tenth of a second after its scan, or later if the detector
+takes longer. While the detector is busy it misses scans, as it would on the road.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from utils.simulator.world import World
 from utils.tracking import Tracker
 
 ROLLING = 0.3
-"""m/s from which on touching is a collision; into a car that stands, others walk by themselves."""
+"""Speed in m/s above which contact is a collision; others may walk into a car that stands."""
 
 NO_BOXES = np.empty((0, 8, 3))
 
@@ -39,23 +39,23 @@ class Moment:
     Attributes
     ----------
     number : int
-        From 0.
+        Index of the moment, from 0.
     position, speed : float
-        Metres along the road and m/s, at its beginning.
+        Metres along the road and m/s, at the beginning of the moment.
     decision : Decision
-        What the planner made of what it knew.
+        The planner's decision from the latest answer of the detector.
     acceleration : float
-        What the car did, in m/s²: brakes take a while to build up.
+        Actual acceleration of the car in m/s²; brakes take a while to build up.
     seen : int or None
-        The number of the scan whose boxes the planner knew; None before the first answer.
+        Number of the scan whose boxes the planner knew; None before the first answer.
     boxes : ndarray, shape (N, 8, 3)
-        The detector's answer to the scan of *this* moment; empty where it was still busy.
+        The detector's answer to the scan of *this* moment; empty if it was still busy.
     busy : bool
         Whether the detector was busy with an earlier scan.
     began : dict of int to float
-        When actors began, so far.
+        Start time in seconds of each actor that has begun, by its index in the street.
     gaps : dict of int to float
-        Metres to what is near, by its identity.
+        Metres to each object near the car, by its identity.
     """
 
     number: int
@@ -71,12 +71,12 @@ class Moment:
 
     @property
     def time(self) -> float:
-        """Seconds since the beginning."""
+        """Seconds since the beginning of the drive."""
         return self.number * TICK
 
     @property
     def brakes(self) -> bool:
-        """Whether the planner brakes, and not only waits or follows."""
+        """Whether the planner brakes, rather than only waits or follows."""
         return self.decision.cause is not None and self.decision.acceleration < -1.0
 
 
@@ -89,7 +89,7 @@ class Drive:
     street : Street
     moments : tuple of Moment
     hit : int or None
-        Identity of what the car ran into, which ended the drive.
+        Identity of the object that the car hit, which ended the drive.
     problems : tuple of str
         One sentence for each scan for which the detector or the matching of boxes failed.
     sensor : Sensor
@@ -103,16 +103,16 @@ class Drive:
 
     @property
     def metres(self) -> float:
-        """How far the car came."""
+        """Distance that the car drove."""
         return self.moments[-1].position
 
     def world(self, number: int) -> World:
-        """The world at a moment, seen from the car."""
+        """Return the world at a moment, in the car's frame."""
         moment = self.moments[number]
         return self.street.world(moment.time, moment.position, moment.began)
 
     def frame(self, number: int) -> Frame:
-        """The scan of a moment, made again, with its true boxes."""
+        """Compute the scan of a moment again, with its true boxes."""
         return scan_from(self.world(number), self.street, self.sensor, number)
 
 
@@ -125,46 +125,46 @@ def drive(
     clock: Callable | None = None,
     sensor: Sensor = SCANNER,
 ) -> Drive:
-    """Drive through a street, seeing it through a detector.
+    """Drive through a street with the boxes of a detector.
 
     Parameters
     ----------
     street : Street
         One of `utils.drive.STREETS`.
     detect : callable, optional
-        From a cloud (n, 4) to boxes (N, 8, 3), such as ``detect_obstacles``; without one the car
-        sees the true boxes.
+        Takes a cloud (n, 4) and returns boxes (N, 8, 3), such as ``detect_obstacles``. Without a
+        detector the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        Of the functions of lesson 12; what it lacks is given.
+        A tracker from the functions of lesson 12. Functions that it lacks are given.
     seconds : float
-        How long; a collision ends the drive.
+        Duration of the drive; a collision ends it earlier.
     clock : callable, optional
-        What counts how late the detector is: see `utils.drive.clock`.
+        Measures the delay of the detector, see `utils.drive.clock`; by default a `Clock`.
     sensor : Sensor
-        A coarser one is quicker.
+        The car's scanner; a coarser one takes less time to simulate.
 
     Raises
     ------
     Exception
-        Whatever the detector raises for the first scan. Its later failures, and those of
-        ``match_boxes``, go into `Drive.problems`: for these scans the car sees no box.
+        Any exception of the detector for the first scan. Its later failures, and those of
+        ``match_boxes``, are added to `Drive.problems`; the car sees no box in these scans.
     utils.remote_objects.RemoteStopped
-        The detector lives elsewhere, and is gone.
+        The detector runs in another process, which has ended.
     """
     clock = on_time if detect is None else clock or Clock()
-    eyes = _Eyes(detect, clock)
+    detector = _TimedDetector(detect, clock)
     planner, motion, things = Planner(), motion_by(tracker), []
-    base = _Answer(-1, 0, 0.0, NO_BOXES)  # a scan before the first, of which nobody knows
+    base = _DetectorAnswer(-1, 0, 0.0, NO_BOXES)  # a placeholder until the first answer arrives
     position, speed, acceleration = 0.0, street.limit, 0.0
     moments, began, pending, hit = [], {}, None, None
     for number in progress(range(round(seconds / TICK)), f"Driving, street {street.number}"):
         time = number * TICK
-        for place, actor in enumerate(street.actors):
-            if place not in began and position >= actor.begins:
-                began = began | {place: time}
+        for index, actor in enumerate(street.actors):
+            if index not in began and position >= actor.begins:
+                began = began | {index: time}
         world = street.world(time, position, began)
         gaps = distances(world)
-        hit = next((one for one, gap in gaps.items() if gap <= 0.0 and speed > ROLLING), None)
+        hit = next((key for key, gap in gaps.items() if gap <= 0.0 and speed > ROLLING), None)
         if pending and pending.ready <= number:
             since = TICK * (pending.scan - base.scan)
             try:
@@ -172,13 +172,13 @@ def drive(
             except RemoteStopped:
                 raise
             except Exception as error:
-                eyes.note(pending.scan, error)
+                detector.note_failure(pending.scan, error)
                 things = []
             base, pending = pending, None
         busy, boxes = pending is not None, NO_BOXES
         if not busy:
-            boxes, late = eyes.look(scan_from(world, street, sensor, number), number)
-            pending = _Answer(number, number + late, position, boxes)
+            boxes, delay = detector.run(scan_from(world, street, sensor, number), number)
+            pending = _DetectorAnswer(number, number + delay, position, boxes)
         shift = (position - base.position, 0.0, 0.0)
         now = [replace(thing, corners=thing.corners - shift) for thing in things]
         decision = planner.decide(speed, street.limit, now)
@@ -192,12 +192,12 @@ def drive(
             break
         faster = max(speed + acceleration * TICK, 0.0)
         position, speed = position + (speed + faster) / 2 * TICK, faster
-    return Drive(street, tuple(moments), hit, tuple(eyes.problems), sensor)
+    return Drive(street, tuple(moments), hit, tuple(detector.problems), sensor)
 
 
 @dataclass(frozen=True, eq=False)
-class _Answer:
-    """What the detector made of a scan, when it is there, and where the car was then."""
+class _DetectorAnswer:
+    """Boxes of a scan, the moment at which they are available, and the car's place at the scan."""
 
     scan: int
     ready: int
@@ -205,39 +205,39 @@ class _Answer:
     boxes: np.ndarray
 
 
-class _Eyes:
-    """A detector that is timed, and whose failures are written down."""
+class _TimedDetector:
+    """A detector that is timed, and whose failures are collected."""
 
     def __init__(self, detect: Callable | None, clock: Callable) -> None:
-        self._detect, self._clock, self._looked = detect, clock, False
+        self._detect, self._clock, self._has_answered = detect, clock, False
         self.problems: list[str] = []
 
-    def look(self, frame: Frame, number: int) -> tuple[np.ndarray, int]:
-        """Boxes, and the number of scans after which they are there."""
+    def run(self, frame: Frame, number: int) -> tuple[np.ndarray, int]:
+        """Return the boxes, and the number of scans after which they are available."""
         if self._detect is None:
             return true_boxes(frame), 1
         try:
-            if not self._looked:  # loading libraries is not detecting
+            if not self._has_answered:  # the first call may load libraries and is not timed
                 self._detect(frame.cloud.copy())
             found, seconds = self._clock(lambda: self._detect(frame.cloud.copy()))
             boxes = checked_boxes(found)
-        except RemoteStopped:  # nobody is there any more who could see
+        except RemoteStopped:  # no later scan could be answered
             raise
         except Exception as error:
-            if not self._looked:
+            if not self._has_answered:
                 raise
-            self.note(number, error)
+            self.note_failure(number, error)
             return NO_BOXES.copy(), 1
-        self._looked = True
+        self._has_answered = True
         return boxes[np.isfinite(boxes).all(axis=(1, 2))], ticks(seconds)
 
-    def note(self, number: int, error: Exception) -> None:
-        """Write down that a student's function failed for a scan."""
+    def note_failure(self, number: int, error: Exception) -> None:
+        """Record that a student's function failed for a scan."""
         self.problems.append(f"scan {number}: {type(error).__name__}: {error}")
 
 
 def scan_from(world: World, street: Street, sensor: Sensor, number: int) -> Frame:
-    """What the scanner sees of a world, in the weather of the street."""
+    """Scan a world in the weather of a street."""
     frame = observe(world, sensor, (street.seed, 31, number), number * TICK)
     swept, rng = frame.scan, np.random.default_rng((street.seed, 32, number))
     if street.rain:

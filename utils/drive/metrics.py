@@ -1,4 +1,4 @@
-"""What a drive is worth: how far, how smooth, how close, and what was braked for."""
+"""Metrics of a drive: distance, comfort, closest pass and brakings."""
 
 from __future__ import annotations
 
@@ -11,35 +11,37 @@ from utils.drive.loop import Drive
 from utils.drive.rules import COMFORTABLE, TICK
 
 CLOSE, FAST = 0.5, 2.0
-"""A near miss: nearer than so many metres to somebody who moves, faster than so many m/s."""
+"""Near miss: nearer than CLOSE metres to a road user while the car is faster than FAST m/s."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """A drive in numbers.
+    """Metrics of one drive.
 
     Attributes
     ----------
     street : int
-        Its number.
+        Number of the street.
     metres, seconds : float
-        Driven.
+        Distance and duration of the drive.
     brakings : tuple of Braking
+        All brakings, in order.
     collision : str
-        A sentence; empty where nothing was hit.
+        A sentence about the collision; empty without one.
     closest : float
-        Metres to the nearest road user that moves or may move, while we did; infinite where
-        nobody came near.
+        Smallest distance in metres to a road user while the car was moving; infinite if none
+        came near.
     closest_kind : str
-        Who that was.
+        Words for that road user, such as "a cyclist".
     near_misses : int
-        How many of them came nearer than 0.5 m while we were faster than 2 m/s.
+        Number of road users that came nearer than 0.5 m while the car was faster than 2 m/s,
+        without one that it hit.
     hardest : float
-        Of all decelerations, in m/s².
+        Largest deceleration in m/s².
     harsh : float
         Seconds of braking harder than is comfortable.
     age : float
-        Seconds, in the middle, since the scan that the car went by.
+        Median age in seconds of the scan that the planner used.
     """
 
     street: int
@@ -56,12 +58,12 @@ class Report:
 
     @property
     def needless(self) -> int:
-        """How often the car braked for nothing."""
+        """Number of needless brakings."""
         return sum(braking.needless for braking in self.brakings)
 
 
 def measure(drive: Drive) -> Report:
-    """Measure a drive."""
+    """Compute the metrics of a drive."""
     closest: dict[int, float] = {}
     missed = set()
     for moment in drive.moments:
@@ -84,6 +86,6 @@ def measure(drive: Drive) -> Report:
         "" if nearest is None else WORDS[drive.street.kind_of(nearest)],
         len(missed - {drive.hit}),
         max(slowing),
-        TICK * sum(one > COMFORTABLE + 0.01 for one in slowing),
+        TICK * sum(deceleration > COMFORTABLE + 0.01 for deceleration in slowing),
         TICK * float(np.median(ages)) if ages else np.inf,
     )

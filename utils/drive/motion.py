@@ -1,10 +1,12 @@
-"""From boxes to things that move: which box is which, and how fast it was in the last half second.
+"""Motion of boxes: match them from scan to scan and estimate their velocities.
 
-The speed is the median of those between any two of the last places (P. K. Sen, "Estimates of the
-regression coefficient based on Kendall's tau", 1968): a box that grows or jumps once, as boxes do
-where things come close to each other, does not count for a speed. Sideways, where the middle of a
-box goes says little: of a car that is torn for a few scans one side stays and the other comes
-nearer. So a thing moves sideways as fast as that of its sides which moves less.
+The speed is the median of the speeds between any two of the latest places (P. K. Sen, "Estimates
+of the regression coefficient based on Kendall's tau", 1968). A box that grows or jumps once, as
+boxes do when objects come close to each other, therefore does not change the speed.
+
+Sideways, the centre of a box is misleading. When a car is split for a few scans, one side of its
+box stays in place and the other comes nearer. The sideways speed is therefore that of the slower
+side, and 0 if the sides move in opposite directions.
 """
 
 from __future__ import annotations
@@ -20,39 +22,40 @@ from utils.drive.planner import Thing
 from utils.tracking import Tracker
 
 FARTHEST = 1.5
-"""Metres between where a thing is expected and its box, as in lesson 12."""
+"""Largest distance in metres between an expected and a found box, as in lesson 12."""
 
 PATIENCE = 3
-"""Scans for which a track lives on without a box."""
+"""Number of consecutive scans for which a track is kept without a box."""
 
 WINDOW, OLD_ENOUGH = 7, 4
-"""Scans that a speed is taken of, and from how many on; until then a thing stands."""
+"""Number of places from which a speed is estimated, and the minimum; before that it is 0."""
 
 SLOWEST = 0.5
-"""Metres per second; slower than that, it is the box that wobbles."""
+"""Smallest speed in m/s that counts; a smaller one is noise of the box."""
 
 STEADY = 0.5
-"""How far speeds may spread around their median, as a share of it: a box that jumps has none."""
+"""Largest spread of the speeds, as a share of their median; above it the speed is 0."""
 
 Place = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """One thing, from scan to scan.
+    """One object, followed from scan to scan.
 
     Parameters
     ----------
     name : int
+        Track ID.
     box : ndarray, shape (8, 3)
-        The scanner at the origin.
+        Corners in metres, with the scanner at the origin.
     places : tuple of (float, float, float, float)
-        When it was where, over the ground: seconds, metres along the road of its middle, and
-        across the road of its right side and of its left.
+        Latest places over the ground: time in seconds, then in metres the centre along the road
+        and the right and the left side across it.
     velocity : tuple of float
-        Over the ground, in m/s.
+        Velocity over the ground, forward and to the left, in m/s.
     missed : int
-        Scans in a row without a box.
+        Number of consecutive scans without a box.
     """
 
     name: int
@@ -63,12 +66,12 @@ class Track:
 
 
 class Motion:
-    """Follows boxes through a drive.
+    """Follows boxes through a drive and estimates their velocities.
 
     Parameters
     ----------
     match : callable, optional
-        `match_boxes` of lesson 12; else the pairs with the smallest sum of distances.
+        `match_boxes` of lesson 12. By default the pairs with the smallest sum of distances match.
     """
 
     def __init__(self, match: Callable | None = None) -> None:
@@ -78,15 +81,16 @@ class Motion:
         self._time = self._position = 0.0
 
     def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
-        """What moves how, after another answer of the detector.
+        """Update the tracks with the next answer of the detector and return them as things.
 
         Parameters
         ----------
         boxes : ndarray, shape (N, 8, 3)
+            Corners in metres, with the scanner at the origin.
         driven : float
-            Metres that we drove since the scan of the last answer: the wheels measure it.
+            Metres that the car drove since the scan of the previous answer, from its wheels.
         seconds : float
-            Since that scan.
+            Time since that scan.
         """
         self._time, self._position = self._time + seconds, self._position + driven
         expected = [_moved(track, driven, seconds) for track in self._tracks]
@@ -115,12 +119,12 @@ class Motion:
 
 
 class MotionOf:
-    """The same by a student's tracker, which sees the street from a car that drives.
+    """Converts a student's tracks, relative to the moving car, into velocities over the ground.
 
     Parameters
     ----------
     tracker : utils.tracking.Tracker
-        That knows velocities. It is copied, so that each drive begins with nobody.
+        A tracker that knows velocities. It is copied, so that each drive begins without tracks.
     """
 
     def __init__(self, tracker: Tracker) -> None:
@@ -129,12 +133,12 @@ class MotionOf:
         self._time = self._position = 0.0
 
     def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
-        """What moves how; see `Motion.update`."""
+        """Update the tracker and return its tracks as things; see `Motion.update`."""
         self._time, self._position = self._time + seconds, self._position + driven
         names = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
         self._places = {name: self._places.get(name, ()) for name in tracks.names.tolist()}
-        for name, box in dict(zip(names, boxes, strict=True)).items():  # a wrong match shares names
+        for name, box in dict(zip(names, boxes, strict=True)).items():  # wrong matches share IDs
             now = _place(box, self._time, self._position)
             self._places[name] = (*self._places[name], now)[-OLD_ENOUGH:]
         speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)
@@ -153,26 +157,26 @@ class MotionOf:
 
 
 def motion_by(tracker: Tracker | None) -> Motion | MotionOf:
-    """What follows boxes in a drive: a student's tracker as far as it is written, and the rest."""
+    """Choose what follows boxes: a tracker that knows velocities, or `Motion` with its matching."""
     if tracker and tracker.knows_velocities:
         return MotionOf(tracker)
     return Motion(tracker and tracker.match)
 
 
 def _moved(track: Track, driven: float, seconds: float) -> Track:
-    """A track where it should be by now, seen from where we are."""
+    """Return a track at its predicted place, relative to the car's new position."""
     forward, left = track.velocity
     return replace(track, box=track.box + (forward * seconds - driven, left * seconds, 0.0))
 
 
 def _place(box: np.ndarray, time: float, position: float) -> Place:
-    """Where a box is at a time, over the ground."""
+    """Return the place of a box over the ground; see `Track.places`."""
     x, y = box[:, :2].T
     return time, float(x.mean()) + position, float(y.min()), float(y.max())
 
 
 def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
-    """The speed over the ground, along and across the road."""
+    """Estimate the velocity over the ground, along and across the road, in m/s."""
     if len(places) < OLD_ENOUGH:
         return 0.0, 0.0
     moments = np.array(places)
@@ -187,7 +191,7 @@ def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
 
 
 def _between(places: tuple[Place, ...]) -> tuple[float, float]:
-    """Speeds of the right side and of the left, from the first of some places to the last."""
+    """Return the sideways speeds of both sides, right and left, from first to last place."""
     if len(places) < 2:
         return 0.0, 0.0
     (began, *_, right, left), (now, *_, right_now, left_now) = places[0], places[-1]
@@ -195,12 +199,18 @@ def _between(places: tuple[Place, ...]) -> tuple[float, float]:
 
 
 def _least(*speeds: float) -> float:
-    """The speed of those that is nearest to none; none, where they do not all go one way."""
+    """Return the speed nearest to 0, or 0 if the speeds have different signs."""
     return max(min(speeds), 0.0) + min(max(speeds), 0.0)
 
 
 def closest_pairs(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:
-    """Partners of boxes, by the smallest sum of distances; -1 for none. Shape (N_current,)."""
+    """Match boxes so that the sum of distances is smallest.
+
+    Returns
+    -------
+    ndarray of int, shape (N_current,)
+        Index of each box's partner among the previous boxes; -1 for none.
+    """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist
 

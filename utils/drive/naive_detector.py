@@ -1,4 +1,4 @@
-"""The naive detector of lesson 12: an obstacle is a square metre with something in it."""
+"""The naive detector of lesson 12: every square metre with returns above ground is an obstacle."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import numpy as np
 
 
 def occupied_squares(cloud: np.ndarray, ground_level: float = -1.2) -> np.ndarray:
-    """Boxes (N, 8, 3) over all square metres with at least five returns above a level.
+    """Return boxes (N, 8, 3) over all square metres with at least five returns above a level.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
+        Points in metres, with the scanner at the origin.
     ground_level : float
-        Metres, the scanner at 0.
+        Height in metres relative to the scanner.
     """
     above = cloud[cloud[:, 2] > ground_level]
     squares, count = np.unique(np.floor(above[:, :2]), axis=0, return_counts=True)
