@@ -1,7 +1,8 @@
-"""The given planner: how hard to brake, and for what. It steers nothing; the lane is straight.
+"""The given planner, which decides how hard to brake and for which thing.
 
-It sees what the detector boxed and how these boxes move, and nothing else. So a box where nothing
-is stops the car, and what has no box is driven into.
+The planner does not steer, because the lane is straight. It knows only the boxes of the detector
+and their motion. A box around nothing therefore stops the car, and the car hits an object without
+a box.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from utils.drive.rules import (
 )
 
 LOOKS = 5
-"""At so many moments until we would stand the planner asks where a thing will be."""
+"""Number of times until standstill at which the planner predicts the place of a thing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +38,13 @@ class Thing:
     Parameters
     ----------
     corners : ndarray, shape (8, 3)
-        In metres, the scanner at the origin, now.
+        Current corners in metres, with the scanner at the origin.
     velocity : tuple of float
-        Metres per second over the ground, forward and to the left.
+        Velocity over the ground, forward and to the left, in m/s.
     seen : bool
-        Whether the last scan had a box for it; else it is where it should be by now.
+        Whether the latest scan had a box for it; otherwise its place is a prediction.
     name : int
-        The same from scan to scan.
+        Track ID, the same from scan to scan.
     """
 
     corners: np.ndarray
@@ -54,16 +55,16 @@ class Thing:
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """What to do in the next tenth of a second.
+    """Acceleration for the next tenth of a second, with its cause.
 
     Parameters
     ----------
     acceleration : float
-        In m/s²; negative brakes.
+        In m/s²; negative values brake.
     cause : Thing or None
-        For what the car brakes or waits.
+        Thing for which the car brakes, waits or slows down.
     gap : float
-        Metres from the bumper to where the cause is, or will be.
+        Metres from the bumper to the current or predicted place of the cause.
     """
 
     acceleration: float
@@ -73,14 +74,14 @@ class Decision:
 
 @dataclass(frozen=True, eq=False)
 class Streak:
-    """Something over our own car, scan after scan in one place.
+    """A thing that overlaps the ego car and stays in one place.
 
     Parameters
     ----------
     middle : ndarray, shape (2,)
-        Of its box, in metres, the scanner at the origin.
+        Centre of its box in metres, with the scanner at the origin.
     scans : int
-        That had a box for it, all in a row but for a few without.
+        Number of scans with a box for it; scans without one do not count and do not end it.
     """
 
     middle: np.ndarray
@@ -88,17 +89,20 @@ class Streak:
 
 
 class Planner:
-    """Brakes for one thing that is in the way three times in a row: a box that flickers is none.
+    """Brakes for a thing that is in the way in three scans in a row, to ignore flickering boxes.
 
-    Nobody gets onto our car from one scan to the next; drops do, and are gone again, and dirt
-    does, and stays. So what is over it counts once it has been in one place for a second.
+    A road user cannot get onto the ego car from one scan to the next. Raindrops do and vanish, and
+    dirt does and stays. A thing over the car therefore counts only after a second in one place.
     """
 
     def __init__(self) -> None:
         self._ahead, self._over = {}, []
 
     def decide(self, speed: float, limit: float, things: Iterable[Thing]) -> Decision:
-        """What to do now; see `plan`."""
+        """Return the decision for this moment; see `plan` for the parameters.
+
+        The car does not accelerate while a thing has been in the way for fewer than three scans.
+        """
         things = self._believed(speed, list(things))
         in_the_way = [thing.name for thing in things if plan(speed, limit, [thing]).cause]
         self._ahead = {name: self._ahead.get(name, 0) + 1 for name in in_the_way}
@@ -109,59 +113,61 @@ class Planner:
         return replace(decision, acceleration=min(decision.acceleration, 0.0))
 
     def _believed(self, speed: float, things: list[Thing]) -> list[Thing]:
-        """All things; without those over our car, unless they stay."""
-        over = {thing: self._again(thing) for thing in things if reach(thing, speed) > OVER}
+        """Return all things except those over the ego car that have not stayed for a second."""
+        over = {thing: self._streak(thing) for thing in things if reach(thing, speed) > OVER}
         self._over = list(over.values())
         return [thing for thing in things if thing not in over or over[thing].scans >= STAYS]
 
-    def _again(self, thing: Thing) -> Streak:
+    def _streak(self, thing: Thing) -> Streak:
         middle = thing.corners[:, :2].mean(axis=0)
-        there = [one for one in self._over if np.abs(one.middle - middle).max() <= STILL]
-        return Streak(middle, thing.seen + max((one.scans for one in there), default=0))
+        near = [streak for streak in self._over if np.abs(streak.middle - middle).max() <= STILL]
+        return Streak(middle, thing.seen + max((streak.scans for streak in near), default=0))
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
-    """Drive on as fast as is allowed; brake for what stands, or will stand, in the corridor.
+    """Drive as fast as allowed, and brake for things that are or will be in the corridor.
 
     Parameters
     ----------
     speed, limit : float
-        Ours, and that of the street, in m/s.
+        Speed of the ego car and limit of the street, in m/s.
     things : iterable of Thing
+        Things around the car.
     """
     free = min(ACCELERATION, (limit - speed) / 0.5)
     decisions = [Decision(free)]
     for thing in things:
         gap = room(thing, speed)
-        ahead = max(thing.velocity[0], 0.0) if gap > 0 else 0.0  # what is over us leads nobody
+        ahead = max(thing.velocity[0], 0.0) if gap > 0 else 0.0  # a thing over us leads no car
         needed = needed_room(thing, speed)
-        if gap <= needed + (speed == 0):  # who stands waits for a metre more
+        if gap <= needed + (speed == 0):  # a standing car waits for 1 m more
             ours_to_lose = max(speed**2 - ahead**2, 0.0)
             brake = ours_to_lose / (2 * max(gap - STANDSTILL, 0.1))
             gentle = COMFORTABLE if speed > ahead else 0.0
             decisions.append(Decision(-min(max(brake, gentle), DECELERATION), thing, gap))
-        elif ahead > 1 and gap <= needed + speed:  # behind somebody: grow as slow as they are
+        elif ahead > 1 and gap <= needed + speed:  # adapt to the speed of the vehicle ahead
             follow = min(free, max(ahead - speed, -2.0) / 2)
             decisions.append(Decision(follow, thing if follow < free else None, gap))
     return min(decisions, key=lambda decision: decision.acceleration)
 
 
 def needed_room(thing: Thing, speed: float) -> float:
-    """Metres from our bumper within which a thing in the corridor has us brake."""
+    """Return the gap in metres below which the car brakes for a thing in the corridor."""
     rolls = max(thing.velocity[0], 0.0) ** 2 / (2 * DECELERATION)
     return STANDSTILL + max(stopping_distance(speed) - rolls, 0.0)
 
 
 def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
-    """Metres from our bumper to a thing in the corridor; infinite where it stays outside.
+    """Return the gap in metres from the bumper to a thing; infinite if it stays off the corridor.
 
     Parameters
     ----------
     thing : Thing
+        The thing, with the scanner at the origin.
     speed : float
-        Ours. The faster we are, the longer we look ahead: until we would stand.
+        Speed of the ego car in m/s. The prediction covers the time until the car would stand.
     wider : float
-        Metres by which the corridor is wider than usual, to either side.
+        Metres by which the corridor is wider than usual on either side.
     """
     (x, y), (forward, left) = thing.corners[:, :2].T, thing.velocity
     if x.max() < 0.0:
@@ -169,13 +175,17 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
     for later in np.linspace(0.0, REACTION + speed / DECELERATION, LOOKS):
         nearest = _nearest_within(CORRIDOR + wider, x, y + left * later)
         if np.isfinite(nearest):
-            # What drives away has its own room; what comes towards us takes some of ours.
+            # Only oncoming traffic changes the gap; `needed_room` accounts for a leading vehicle.
             return float(nearest + min(forward, 0.0) * later) - BUMPER
     return np.inf
 
 
 def reach(thing: Thing, speed: float) -> float:
-    """Metres that a thing in the corridor reaches over our car; 0 for what is ahead, or also is."""
+    """Return how many metres a thing in the corridor reaches over the ego car from the front.
+
+    It is 0 for a thing that begins ahead of the bumper, or that reaches more than STANDSTILL
+    metres ahead of it.
+    """
     x, y = thing.corners[:, :2].T
     farthest = -_nearest_within(CORRIDOR, -x, y)
     if x.min() > BUMPER or farthest > BUMPER + STANDSTILL:
@@ -184,9 +194,9 @@ def reach(thing: Thing, speed: float) -> float:
 
 
 def _nearest_within(half: float, x: np.ndarray, y: np.ndarray) -> float:
-    """The least x of what lies between some points and within a corridor; infinite for nothing.
+    """Return the smallest x of the points' convex hull within a corridor; infinite if none.
 
-    It is at a point, or where a line between two of them enters the corridor.
+    It is at a point, or where a line between two points crosses the edge of the corridor.
     """
     a, b = np.triu_indices(len(x), 1)
     rise = y[b] - y[a]

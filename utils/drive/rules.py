@@ -1,24 +1,25 @@
-"""The numbers that a drive goes by: chosen for these streets, and set beside those of the field.
+"""Constants of a drive, chosen for these streets and compared with published values.
 
-The car is that of the lessons: a scanner in the middle of the roof, the bumper 2.6 m ahead of it.
-It thinks for half a second and brakes with 7 m/s²: lesson 07. From 30 km/h that is 9 m. The margin
-beside the car, the room that it leaves, its comfort and its brakes' jerk are no norm's: they are
-what a plain planner drives well with.
+The car is the one of the lessons: the scanner is in the middle of the roof, 2.6 m behind the front
+bumper. As in lesson 07, it reacts after half a second and brakes with 7 m/s², which takes 9 m from
+30 km/h. No standard defines the side margin, the gap at standstill, the comfort limits and the
+jerk. Their values let a plain planner drive well.
 
 References
 ----------
-- A driver needs longer: about 0.7 s who waits for the signal, 1.25 s for a brake light ahead, and
-  1.5 s for what suddenly moves into the way. M. Green, "How long does it take to stop?
+- Drivers react more slowly: after about 0.7 s to an expected signal, 1.25 s to a brake light
+  ahead, and 1.5 s to a sudden obstacle. M. Green, "How long does it take to stop?
   Methodological analysis of driver perception-brake times", Transportation Human Factors 2 (3),
   195-216, 2000.
-- German driving schools teach for an emergency a second of reaction and, in metres, half the
-  square of a tenth of the speed in km/h, which is 7.7 m/s²: together 13.5 m from 30 km/h.
-- Roads are built for more: AASHTO's "A Policy on Geometric Design of Highways and Streets" allows
-  2.5 s, and a deceleration of 11.2 ft/s², or 3.4 m/s².
-- Who crosses: Euro NCAP's test of emergency braking from the near side (CPNA) sends an adult at
-  5 km/h, as was proposed for UN Regulation 152 (informal document AEBS-08-07, 2019); others send
-  adults who run, and children out from behind parked cars.
-- Behind a car that drives, room for what it still rolls is not needed: S. Shalev-Shwartz et al.,
+- German driving schools teach one second of reaction for an emergency. The braking distance in
+  metres is then half the square of a tenth of the speed in km/h, which is 7.7 m/s². Together this
+  is 13.5 m from 30 km/h.
+- Roads are designed for longer distances: AASHTO's "A Policy on Geometric Design of Highways and
+  Streets" allows 2.5 s, and a deceleration of 11.2 ft/s², or 3.4 m/s².
+- Crossing pedestrians: Euro NCAP's test of emergency braking from the near side (CPNA) uses an
+  adult at 5 km/h, as proposed for UN Regulation 152 (informal document AEBS-08-07, 2019). Other
+  tests use running adults, and children from behind parked cars.
+- Behind a moving car, its own braking distance can be subtracted: S. Shalev-Shwartz et al.,
   "On a formal model of safe and scalable self-driving cars", arXiv:1708.06374, 2017.
 """
 
@@ -29,35 +30,35 @@ TICK = 0.1
 
 REACTION = 0.5
 DECELERATION = 7.0
-"""Seconds that the planner allows for thinking, and m/s² with which the car can brake."""
+"""Reaction time that the planner allows, in s, and largest deceleration of the car, in m/s²."""
 
 SURE = 3
-"""Scans in a row in which something has to be in the way: 0.2 s of the half second."""
+"""Number of consecutive scans in which a thing must be in the way; 0.2 s of the reaction time."""
 
 OVER, STAYS, STILL = 0.5, 10, 0.3
-"""What reaches farther over our own car than so many metres counts after so many scans in a row, if
-from each to the next its middle keeps within so many metres."""
+"""Believe a thing that overlaps the ego car by more than OVER metres only after STAYS scans, with
+its centre moving at most STILL metres from each scan to the next."""
 
 COMFORTABLE = 3.0
 ACCELERATION = 2.0
-"""m/s² of gentle braking, and of driving off."""
+"""Deceleration of gentle braking and largest acceleration, in m/s²."""
 
 JERK = 30.0
-"""m/s³: full braking builds up in a quarter of a second."""
+"""Largest jerk in m/s³; full braking builds up in a quarter of a second."""
 
 BUMPER, TAIL, HALF_WIDTH = 2.6, -1.9, 0.9
-"""The own car around its scanner, in metres: ahead, behind, and to either side."""
+"""Extent of the ego car relative to its scanner, in metres: ahead, behind and to either side."""
 
 MARGIN = 0.4
 CORRIDOR = HALF_WIDTH + MARGIN
-"""The corridor reaches so far to either side, in metres."""
+"""Free margin on either side of the car, and half the width of the corridor, in metres."""
 
 STANDSTILL = 2.0
-"""Metres that are left before what stands, once we stand."""
+"""Gap in metres that the car leaves to a standing obstacle when it stops."""
 
 
 def stopping_distance(speed: float) -> float:
-    """Metres from the bumper to where the car stands, thinking included: lesson 07.
+    """Return the stopping distance in metres including the reaction time, as in lesson 07.
 
     Parameters
     ----------

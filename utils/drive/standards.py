@@ -1,6 +1,6 @@
-"""How others did in the twenty streets: the true boxes, the course's detector, the naive one.
+"""Stored results in the twenty streets: true boxes, the course's detector and the naive detector.
 
-`standards.json` holds their results, and no code; `drive_standards.py` of lesson 12 writes it.
+`standards.json` contains only results, no code. `drive_standards.py` of lesson 12 writes it.
 """
 
 from __future__ import annotations
@@ -20,12 +20,14 @@ DRIVERS = ("true boxes", "the course's detector", "the naive one of lesson 12")
 
 @dataclass(frozen=True)
 class Result:
-    """Of a drive, what can be added up.
+    """Results of one or more drives that can be added up.
 
     Attributes
     ----------
     metres : float
+        Distance driven.
     needless : int
+        Number of needless brakings.
     collisions : int
     near_misses : int
     """
@@ -37,7 +39,7 @@ class Result:
 
     def __add__(self, other: Result) -> Result:
         pairs = zip(asdict(self).values(), asdict(other).values(), strict=True)
-        return Result(*(one + two for one, two in pairs))
+        return Result(*(mine + theirs for mine, theirs in pairs))
 
     def __str__(self) -> str:
         return (
@@ -46,24 +48,24 @@ class Result:
         )
 
 
-def _times(count: int, what: str) -> str:
-    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"
+def _times(count: int, noun: str) -> str:
+    return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"
 
 
 def result_of(report: Report) -> Result:
-    """The part of a report that can be added up."""
+    """Return the part of a report that can be added up."""
     return Result(
         round(report.metres, 1), report.needless, int(bool(report.collision)), report.near_misses
     )
 
 
 def standards(streets: Iterable[int]) -> dict[str, Result]:
-    """What each of `DRIVERS` did in some streets together, where that is stored.
+    """Return the total of each of `DRIVERS` in some streets, if all of them are stored.
 
     Parameters
     ----------
     streets : iterable of int
-        Their numbers.
+        Numbers of the streets.
     """
     numbers = {str(number) for number in streets}
     return {
@@ -79,7 +81,7 @@ def _stored() -> dict[str, dict[str, list]]:
 
 
 def store(results: dict[str, dict[int, Result]]) -> None:
-    """Write down what the drivers did, by name and street."""
+    """Write results to `standards.json`, by driver and street number."""
     lines = [
         f" {json.dumps(name)}: {{\n"
         + ",\n".join(

@@ -1,6 +1,7 @@
-"""The given rest of a detector, around the one step that a lesson is about.
+"""Given steps of a detector, so that you can drive with a single step of your own.
 
-Every step is a library's, and none is what a lesson asks for. Put your own in the place of one:
+The given steps use libraries, and none of them is the solution of an exercise. Replace any of them
+by your own function:
 
 >>> detect = chain(ground=lambda points: filter_ground(points, -1.2))
 >>> drive_street(6, detect)
@@ -14,7 +15,7 @@ import numpy as np
 
 EGO = np.array([(-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)])
 REGION = np.array([(-5.0, -6.0, -2.5), (35.0, 9.2, 1.0)])
-"""Corners of our own car as the scanner sees it, and of what is looked at, in metres."""
+"""Opposite corners of the ego car's own returns and of the region searched, in metres."""
 
 
 def chain(
@@ -26,25 +27,25 @@ def chain(
     boxes: Callable | None = None,
     voxel: float = 0.2,
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """A detector, with steps of your own.
+    """Build a detector from steps of your own and given ones.
 
     Parameters
     ----------
     region, ground : callable, optional
-        From points (n, 3) to those that are kept.
+        Takes points (n, 3) and returns the points to keep.
     cluster : callable, optional
-        From points to labels (n,), 1 and above.
+        Takes points and returns labels (n,), from 1 up.
     keep : callable, optional
-        From labels to labels, 0 for clusters that are dropped.
+        Takes labels and returns labels, with 0 for clusters to drop.
     boxes : callable, optional
-        From points and labels to corners (N, 8, 3).
+        Takes points and labels, and returns corners (N, 8, 3).
     voxel : float
-        Side of the cells in which one point is kept, in metres.
+        Side of the voxels in metres; one point per voxel is kept.
 
     Returns
     -------
     callable
-        From a cloud (n, 4) to boxes (N, 8, 3): what `drive_street` takes.
+        Detector for `drive_street`: takes a cloud (n, 4) and returns boxes (N, 8, 3).
     """
     region, ground, cluster = region or _ahead, ground or _above_road, cluster or _touching
     keep, boxes = keep or _large, boxes or _bounds
@@ -62,14 +63,19 @@ def chain(
 
 
 def askew(detect: Callable, degrees: float) -> Callable[[np.ndarray], np.ndarray]:
-    """The same detector behind a scanner that sits turned on its roof.
+    """Return a detector for a scanner that is mounted at an angle on the roof.
 
     Parameters
     ----------
     detect : callable
-        From a cloud to boxes, in the scanner's own axes.
+        Takes a cloud and returns boxes, both in the axes of the rotated scanner.
     degrees : float
-        To the left.
+        Rotation of the scanner to the left.
+
+    Returns
+    -------
+    callable
+        Takes a cloud and returns boxes in the axes of the car.
     """
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
@@ -86,7 +92,7 @@ def _ahead(points: np.ndarray) -> np.ndarray:
 
 
 def _above_road(points: np.ndarray) -> np.ndarray:
-    """What is more than 0.3 m off a plane through the low points, those near it counting."""
+    """Keep points more than 0.3 m from a plane, fitted repeatedly to the low points near it."""
     near = points[:, 2] < -1.0
     for tolerance in (0.6, 0.3, 0.2):
         if near.sum() < 3:
@@ -101,7 +107,7 @@ def _above_road(points: np.ndarray) -> np.ndarray:
 
 
 def _touching(points: np.ndarray) -> np.ndarray:
-    """Labels of points that hang together within 0.5 m."""
+    """Label the groups of points that are connected by steps of at most 0.5 m."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -116,7 +122,7 @@ def _large(labels: np.ndarray) -> np.ndarray:
 
 
 def _bounds(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Boxes along x and y, by the bounds that a library finds."""
+    """Return boxes along the axes around the clusters, computed by a library."""
     import shapely
 
     found = []
