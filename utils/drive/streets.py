@@ -1,4 +1,4 @@
-"""Twenty streets to drive through, each with something that happens, or with nothing."""
+"""Twenty streets to drive through; in most of them something unexpected happens."""
 
 from __future__ import annotations
 
@@ -44,36 +44,36 @@ SCANNER = Sensor(
     weakest_signal=0.05,
     invalid_returns=3,
 )
-"""As `hdl64`, but with a third of its returns, so that a drive takes no longer than it lasts."""
+"""Like `hdl64` with a third of its returns, so that a drive can be simulated in real time."""
 
 BEHIND, AHEAD = -12.0, 50.0
-"""Metres along the road in which things are made: little farther than anybody has to look."""
+"""Range of the simulated objects in metres, relative to the car: little more than it has to see."""
 
 
 @dataclass(frozen=True, eq=False)
 class Street:
-    """A street, what happens in it, and in which weather.
+    """A street with its events and its weather.
 
     Parameters
     ----------
     number : int
-        From 1.
+        Number of the street, from 1.
     title : str
     speed : float
-        What is allowed, in km/h; we come that fast.
+        Speed limit in km/h; the car starts at this speed.
     slope : float
         Rise per metre.
     actors : tuple of Actor
     rain : int
-        Drops in a scan.
+        Raindrops per scan.
     dirt : bool
-        On the bonnet.
+        Whether the bonnet is dirty.
     traffic : bool
-        Whether anything comes towards us.
+        Whether there is oncoming traffic.
     plan : StreetPlan
-        What stands along it.
+        Density of the objects along the street.
     drawn_from : int, optional
-        What everything random in it is drawn from; by default its number.
+        Seed of everything random in the street; by default its number.
     """
 
     number: int
@@ -89,17 +89,17 @@ class Street:
 
     @property
     def seed(self) -> int:
-        """What everything random in it is drawn from."""
+        """Seed of everything random in the street."""
         return self.number if self.drawn_from is None else self.drawn_from
 
     @property
     def limit(self) -> float:
-        """The speed that is allowed, in m/s."""
+        """Speed limit in m/s."""
         return self.speed / 3.6
 
     @cached_property
     def still(self) -> World:
-        """All but the actors, in road coordinates, at the beginning."""
+        """World without the actors at the beginning of the drive, in road coordinates."""
         length = 20.0 * self.limit + AHEAD
         plan = replace(self.plan, spans=((BEHIND, length),), driving=20.0)
         things = street(np.random.default_rng((self.seed, 30)), plan)
@@ -107,56 +107,56 @@ class Street:
         return world_of(ground, [thing for thing in things if self._fits(thing)])
 
     def _fits(self, thing: Obstacle) -> bool:
-        """Whether a thing is in nobody's way: traffic in our lane is an actor's part."""
+        """Return whether a thing may be in this street; only actors drive in our lane."""
         x, y, *_ = thing.pose.x, thing.pose.y
         if abs(y) < PARKED - 1.0:
             return y > 0 and self.traffic
         if self.traffic and 0 < y < FURNITURE - 1.0:
-            return False  # nobody parks where two cars just pass each other
+            return False  # two cars have just enough room to pass, so there is no parking
         return not any(_is_in_the_way(thing, x, y, actor) for actor in self.actors)
 
     def world(self, time: float, position: float, began: dict[int, float]) -> World:
-        """The world around us, seen from the car.
+        """Return the world around the ego car, in the car's frame.
 
         Parameters
         ----------
         time : float
             Seconds since the beginning of the drive.
         position : float
-            Metres along the road of our scanner.
+            Position of the car's scanner along the road, in metres.
         began : dict of int to float
-            When each actor began, by its place in `actors`.
+            Start time of each actor that has begun, by its index in `actors`.
         """
         still = self.still
         moved = [thing.at(time) if thing.speed else thing for thing in still.obstacles]
         moved += [
-            replace(actor.at(time, began.get(place)), identity=self._identity(place))
-            for place, actor in enumerate(self.actors)
+            replace(actor.at(time, began.get(index)), identity=self._identity(index))
+            for index, actor in enumerate(self.actors)
         ]
         near = (thing for thing in moved if BEHIND < thing.pose.x - position < AHEAD)
         world = replace(still, obstacles=tuple(near))
         return world.seen_from(Pose(position, EGO_LANE))
 
-    def _identity(self, place: int) -> int:
-        return len(self.still.obstacles) + 1 + place
+    def _identity(self, index: int) -> int:
+        return len(self.still.obstacles) + 1 + index
 
     @cached_property
     def road_users(self) -> dict[int, str]:
-        """Kinds of all that moves or may move in this street, by identity."""
+        """Kinds of all objects that move or may move in this street, by identity."""
         moving = {thing.identity: thing.kind for thing in self.still.obstacles if thing.speed}
         return moving | {
-            self._identity(place): actor.obstacle.kind for place, actor in enumerate(self.actors)
+            self._identity(index): actor.obstacle.kind for index, actor in enumerate(self.actors)
         }
 
     def kind_of(self, identity: int) -> str:
-        """What a thing is, by its identity."""
+        """Return the kind of the object with an identity."""
         if identity in self.road_users:
             return self.road_users[identity]
         return self.still.obstacles[identity - 1].kind
 
 
 def _is_in_the_way(thing: Obstacle, x: float, y: float, actor: Actor) -> bool:
-    """Whether a thing stands where an actor walks, or hides it."""
+    """Return whether a thing is in the path of an actor, or may hide it."""
     pose, moves = actor.obstacle.pose, actor.speeds[-1][1] > 0
     across = moves and abs(math.sin(pose.yaw)) > 0.5
     if not across:
@@ -166,17 +166,17 @@ def _is_in_the_way(thing: Obstacle, x: float, y: float, actor: Actor) -> bool:
         )
     same_side = y * pose.y > 0
     half = thing.size[0] / 2
-    from_afar = abs(pose.y) > WALKERS  # out of a side street, so there is one
+    from_afar = abs(pose.y) > WALKERS  # the side street must stay free
     if abs(y) > FRONTS or from_afar:
         return same_side and from_afar and abs(x - pose.x) < half + 3.5
-    if thing.speed:  # walkers make room
+    if thing.speed:  # no pedestrians near a crossing road user
         return same_side and abs(x - pose.x) < 12.0
-    # What hides somebody who steps off the kerb is put there on purpose, or not at all.
+    # Only another actor may hide a person who steps off the kerb.
     return -half - 1.5 < x - pose.x < half + 1.5 or (same_side and -9.0 < x - pose.x < half + 1.5)
 
 
 def _streets() -> Iterable[Street]:
-    """The twenty, in order."""
+    """Yield the twenty streets in order."""
     v30, v50 = 30 / 3.6, 50 / 3.6
     empty = StreetPlan(parked=math.inf, furniture=16.0, walkers=30.0)
     crowded = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)

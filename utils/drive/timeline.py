@@ -1,4 +1,4 @@
-"""A drive as a strip of speed over time, with each braking, its reason, and its frame to open."""
+"""Timeline of a drive: speed over time, and each braking with its reason and its frame."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from utils.plots.style import BLUE, INK, MUTED, ORANGE, PAPER, VERMILION
 
 WIDTH, HEIGHT = 720, 210
 LEFT, RIGHT, TOP, BOTTOM = 62, 12, 34, 44
-"""Room around the strip for its axes, in its own pixels."""
+"""Margins of the timeline for its axes, in SVG units."""
 
 VIEW = ((-6.0, 36.0), (-8.0, 8.0))
 
@@ -35,7 +35,7 @@ padding: 0 1rem }} h1 {{ font-size: 1.3rem }}</style></head>
 
 
 def fragment(drive: Drive, report: Report) -> str:
-    """The strip and its list as HTML that needs no script: for a notebook."""
+    """Return the timeline and the list of brakings as HTML without scripts, for a notebook."""
     rows = "".join(
         _row(drive, braking, number) for number, braking in enumerate(report.brakings, start=1)
     )
@@ -51,7 +51,7 @@ def fragment(drive: Drive, report: Report) -> str:
 
 
 def write_page(drive: Drive, report: Report, path: str | os.PathLike) -> Path:
-    """Write the strip as a page of its own, which needs no network."""
+    """Write the timeline as a standalone page that needs no network."""
     title = f"Street {drive.street.number} · {drive.street.title}"
     path = Path(path)
     path.write_text(PAGE.format(title=html.escape(title), body=fragment(drive, report)), "utf-8")
@@ -59,13 +59,13 @@ def write_page(drive: Drive, report: Report, path: str | os.PathLike) -> Path:
 
 
 def _token(drive: Drive) -> str:
-    """What tells the marks of this drive from those of others on the same page."""
-    way = np.array([moment.position for moment in drive.moments])
-    return f"{drive.street.number}-{zlib.crc32(way.tobytes()):08x}"
+    """Return a suffix that makes the HTML ids of this drive unique on a page with other drives."""
+    positions = np.array([moment.position for moment in drive.moments])
+    return f"{drive.street.number}-{zlib.crc32(positions.tobytes()):08x}"
 
 
 def _row(drive: Drive, braking: Braking, number: int) -> str:
-    """A braking in words; its frame opens below it."""
+    """Describe a braking in a line of HTML that opens to show its frame."""
     kind = "needless: " if braking.needless else ""
     mark = "✗" if braking.needless else "✓"
     time = f"{drive.moments[braking.first].time:.1f} s"
@@ -77,7 +77,7 @@ def _row(drive: Drive, braking: Braking, number: int) -> str:
 
 
 def _svg(drive: Drive, report: Report) -> str:
-    """Speed over time. Needless brakings are hatched, others plain; each has its number."""
+    """Draw the speed over time, with numbered brakings; needless ones are hatched."""
     last = max(len(drive.moments) - 1, 1)
     top = max(36.0, 3.6 * max(moment.speed for moment in drive.moments) * 1.1)
 
@@ -140,7 +140,7 @@ def _svg(drive: Drive, report: Report) -> str:
 
 
 def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
-    """A scan from above with its boxes, the corridor and what the car braked for, as an image."""
+    """Return a drawn scan as an HTML image; see `draw`."""
     import matplotlib.pyplot as plt
 
     axes = draw(drive, number, braking)
@@ -156,15 +156,15 @@ def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
 
 
 def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
-    """Draw a scan of a drive from above; return the axes.
+    """Draw a scan from above with its boxes and the corridor, and return the axes.
 
     Parameters
     ----------
     drive : Drive
     number : int
-        Of the moment.
+        Number of the moment.
     braking : Braking, optional
-        Its box is drawn in the colour of the brake.
+        Braking whose box is outlined and labelled.
     """
     import matplotlib.pyplot as plt
     import shapely

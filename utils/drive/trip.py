@@ -1,4 +1,4 @@
-"""A drive with its report: shown in a notebook, printed elsewhere, saved as a film or a page."""
+"""A drive with its report, to show in a notebook, to print, or to save as a film or a page."""
 
 from __future__ import annotations
 
@@ -16,22 +16,27 @@ from utils.tracking import Tracker
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trip:
-    """A drive; in a notebook it shows itself."""
+    """A drive that displays itself in a notebook."""
 
     drive: Drive
 
     @cached_property
     def report(self) -> Report:
-        """The drive in numbers and words."""
+        """Metrics of the drive and explanations of its brakings."""
         return measure(self.drive)
 
     def save(self, path: str | os.PathLike) -> str:
-        """Write a film (.mp4, .gif), its last picture (.png) or a page (.html); say what it shows.
+        """Write a film (.mp4, .gif), its last picture (.png) or a page (.html).
+
+        Returns
+        -------
+        str
+            Description of the film or page in words.
 
         Raises
         ------
         ValueError
-            The path has another ending.
+            The path has another suffix.
         """
         if Path(path).suffix == ".html":
             from utils.drive.timeline import write_page
@@ -60,7 +65,7 @@ class Trip:
         return "\n".join(words)
 
     def __repr__(self) -> str:
-        return str(self)  # where a notebook shows no HTML
+        return str(self)  # for a notebook that shows no HTML
 
     def _repr_html_(self) -> str:
         import html
@@ -76,7 +81,7 @@ class Trip:
 
 
 def comfort(report: Report) -> list[str]:
-    """How smooth, how close and how late, in sentences."""
+    """Describe comfort, closest pass and delay of the detector in sentences."""
     words = []
     if report.hardest > 1.0:
         words.append(
@@ -99,31 +104,32 @@ def drive_street(
     seconds: float = 20.0,
     clock: Callable | None = None,
 ) -> Trip:
-    """Drive through a street on a detector, and see how it went.
+    """Drive through a street with a detector, and show how the drive went.
 
     Parameters
     ----------
     street : int or Street
-        A number from 1 to 20.
+        A street, or its number from 1 to 20.
     detect : callable, optional
-        ``detect_obstacles``: from a cloud to boxes (N, 8, 3). Without it the car sees the true
-        boxes.
+        ``detect_obstacles``: takes a cloud (n, 4) and returns boxes (N, 8, 3). Without a detector
+        the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        Of the functions of lesson 12: ``Tracker(match_boxes)``, or with more of them. What it
-        lacks is given.
+        A tracker from the functions of lesson 12: ``Tracker(match_boxes)``, or one with more of
+        them. Functions that it lacks are given.
     seconds : float
+        Duration of the drive; a collision ends it earlier.
     clock : callable, optional
-        `utils.drive.on_time` for a detector whose time should not count.
+        `utils.drive.on_time` if the detector's computing time should not count.
 
     Returns
     -------
     Trip
-        As the last line of a cell it shows the speed over time; ``.save("film.mp4")`` films it.
+        Shows the speed over time as the last line of a cell; ``.save("film.mp4")`` writes a film.
 
     Raises
     ------
     ValueError
-        There is no street of this number.
+        There is no street with this number.
     """
     if not isinstance(street, Street):
         if street not in range(1, len(STREETS) + 1):

@@ -1,4 +1,4 @@
-"""What gets between scanner and street: raindrops, and a wet, dirty bonnet."""
+"""Disturbances of a scan: raindrops, and a wet, dirty bonnet."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import numpy as np
 from utils.simulator.scanner import CLASSES, Scan
 
 RAINDROP = len(CLASSES)
-"""The class of a raindrop's return, after those of the simulator."""
+"""Class of a raindrop's return, which follows the classes of the simulator."""
 
 KINDS = (*CLASSES, "raindrop")
 
 BONNET = ((0.9, 2.3), (-0.9, 0.9), -0.85)
-"""x from, to; y from, to; height of the bonnet in metres, the scanner at the origin."""
+"""Range of the bonnet in x and in y, and its height, in metres with the scanner at the origin."""
 
 
 def with_rain(scan: Scan, drops: int, rng: np.random.Generator) -> Scan:
-    """A scan with returns from single drops, most of them near, all of them in front of us.
+    """Return a scan with added returns from raindrops in front of the car, most of them near.
 
     Parameters
     ----------
     scan : Scan
     drops : int
-        How many; a drop in the beam returns one echo.
+        Number of drops; each one returns one echo.
     rng : numpy.random.Generator
     """
-    # As many per metre of beam, but far ones return too little to be heard.
+    # Drops are equally frequent at any distance, but echoes of distant drops are too weak.
     distance = 1.5 + rng.exponential(5.0, drops)
     azimuth, elevation = rng.uniform(-0.6, 0.6, drops), np.radians(rng.uniform(-8.0, 2.0, drops))
     flat = distance * np.cos(elevation)
@@ -37,7 +37,7 @@ def with_rain(scan: Scan, drops: int, rng: np.random.Generator) -> Scan:
 
 
 def with_dirt(scan: Scan, rng: np.random.Generator) -> Scan:
-    """A scan with returns from a dirty bonnet, from edge to edge."""
+    """Return a scan with added returns from the whole surface of a dirty bonnet."""
     (back, front), (right, left), height = BONNET
     x, y = (axis.ravel() for axis in np.mgrid[back:front:0.1, right:left:0.1])
     rows = np.column_stack([x, y, np.full(x.size, height), np.full(x.size, 0.5)])
@@ -46,7 +46,7 @@ def with_dirt(scan: Scan, rng: np.random.Generator) -> Scan:
 
 
 def _with(scan: Scan, rows: np.ndarray, code: int) -> Scan:
-    """A scan with more rows, of one class and of no object."""
+    """Return a scan with added rows of one class that belong to no object."""
     count = len(rows)
     return replace(
         scan,

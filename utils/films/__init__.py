@@ -1,8 +1,8 @@
-"""Films: a stream of frames, seen through a detector, as MP4 or GIF.
+"""Films of a stream of frames with the boxes of a detector, as MP4 or GIF.
 
 >>> from utils import load_sequence, films
 >>> film = films.record(load_sequence("city"), "city.mp4", detect_obstacles, camera="XY")
->>> film                    # in a notebook: the film, and in words what it shows
+>>> film                    # a notebook shows the film and describes it in words
 """
 
 from utils.films.film import SIZE, Sight, record, scene_of, watch

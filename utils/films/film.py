@@ -1,4 +1,4 @@
-"""A stream of frames, seen through a detector: watched one by one, or recorded."""
+"""A stream of frames with the boxes of a detector, to watch one by one or to record."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from utils.tracking import Tracker
 
 SIZE = (960, 540)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
-"""Kinds whose true boxes are shown; houses and trees would hide the rest."""
+"""Kinds of objects whose true boxes are shown; houses and trees would hide the rest."""
 TRAIL = 30
-"""Places in a trail: three seconds of a scanner that turns ten times a second."""
+"""Number of places in a trail: three seconds of a scanner that turns ten times a second."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """One frame and what a detector made of it.
+    """One frame with the answer of a detector.
 
     Attributes
     ----------
@@ -38,18 +38,18 @@ class Sight:
         Seconds since the first frame.
     cloud : ndarray, shape (n, 3) or (n, 4)
     true_boxes : tuple of utils.boxes.Box
-        Of road users; empty where nobody knows them.
+        True boxes of road users; empty if they are unknown.
     found : ndarray, shape (N, 8, 3), or None
-        None without a detector, or where it failed.
+        Boxes of the detector; None without a detector, or if it failed.
     seconds : float
-        How long the detector took.
+        Computing time of the detector.
     problem : str
-        Why it failed, if it did.
+        Reason why the detector failed; empty if it did not.
     names : tuple of int or None
-        The same for a box as long as it is followed; None where nobody follows.
+        Track ID of each box; None without a tracker.
     trails : tuple of ndarray, shape (m, 3)
-        The latest places of all that is followed, as they were seen, oldest first; where a thing
-        has no box by now, on to where it should be.
+        Latest places of each tracked object, as they were seen, oldest first. While an object has
+        no box, its trail continues with the predicted places.
     """
 
     number: int
@@ -65,7 +65,7 @@ class Sight:
 
     @property
     def caption(self) -> str:
-        """The line below the picture: where in the stream, how long it took, how much was found."""
+        """Caption with the place in the stream, the computing time and the number of boxes."""
         words = [f"frame {self.number} of {self.total}", f"{self.time:.1f} s"]
         if self.problem:
             words.append(f"the detector failed: {self.problem}"[:90])
@@ -80,24 +80,25 @@ def watch(
 ) -> Iterator[Sight]:
     """Run a detector over frames, one at a time.
 
-    Before the clock starts it sees the first frame once: loading libraries is not detecting.
+    The detector sees the first frame once before it is timed, so that loading libraries does not
+    count.
 
     Parameters
     ----------
     frames : sequence
-        Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
+        Frames with `cloud` and, if known, `boxes` and `time`; or arrays of points.
     detect : callable, optional
-        From a cloud to boxes (N, 8, 3).
+        Takes a cloud and returns boxes (N, 8, 3).
     tracker : utils.tracking.Tracker, optional
-        Gives the boxes their names.
+        Assigns track IDs to the boxes.
 
     Raises
     ------
     Exception
-        Whatever the detector raises in the first frame. Later failures go into `Sight.problem`:
-        one odd scan should not cost the whole film.
+        Any exception of the detector in the first frame. Later failures are stored in
+        `Sight.problem`, so that one unusual scan does not end the film.
     """
-    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # a bag knows, 10 Hz is usual
+    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # 10 Hz is usual
     follower, before = _Follower(tracker) if tracker else None, None
     for number, frame in enumerate(frames, start=1):
         cloud = np.asarray(getattr(frame, "cloud", frame))
@@ -126,27 +127,30 @@ def watch(
 
 
 class _Follower:
-    """What a tracker says of each frame, with the way that each thing came."""
+    """Applies a tracker to each frame and keeps the trail of each object."""
 
     def __init__(self, tracker: Tracker) -> None:
         self._tracker = tracker
-        self._ways: dict[int, list[np.ndarray]] = {}
+        self._trails: dict[int, list[np.ndarray]] = {}
 
     def follow(
         self, boxes: np.ndarray, seconds: float
     ) -> tuple[tuple[int, ...], tuple[np.ndarray, ...]]:
-        """The names of the boxes (N, 8, 3) of the next frame, and all trails."""
+        """Return the track IDs of the boxes (N, 8, 3) of the next frame, and all trails."""
         names = self._tracker.update(boxes, seconds)
         tracks = self._tracker.tracks
-        self._ways = {
-            name: [*self._ways.get(name, ()), box.mean(axis=0)][-TRAIL:]
+        self._trails = {
+            name: [*self._trails.get(name, ()), box.mean(axis=0)][-TRAIL:]
             for name, box in zip(tracks.names.tolist(), tracks.boxes, strict=True)
         }
-        return tuple(names.tolist()), tuple(map(np.array, self._ways.values()))
+        return tuple(names.tolist()), tuple(map(np.array, self._trails.values()))
 
 
 def scene_of(sight: Sight, title: str = "") -> Scene:
-    """The cloud with the boxes found, and the true ones dashed; named where nothing was sought."""
+    """Build a scene with the cloud, the detected boxes and the true boxes, which are dashed.
+
+    True boxes are labelled with their kind only if there are no detected boxes.
+    """
     scene = Scene(title).add_cloud(sight.cloud)
     if sight.true_boxes:
         corners = np.array([box.corners for box in sight.true_boxes])
@@ -173,31 +177,31 @@ def record(
     frames_per_second: float = 10.0,
     renderer: str | None = None,
 ) -> Film:
-    """Make a film of a stream, with a bar that shows how far it has come.
+    """Make a film of a stream and show a progress bar.
 
     Parameters
     ----------
     frames : iterable
-        Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
+        Frames with `cloud` and, if known, `boxes` and `time`; or arrays of points.
     path : str or path
-        Ends in .mp4 or .gif; or in .png for a picture of the first frame.
+        Ends in .mp4 or .gif for a film, or in .png for a picture of the first frame.
     detect : callable, optional
-        From a cloud to boxes (N, 8, 3), such as ``detect_obstacles``. It is timed.
+        Takes a cloud and returns boxes (N, 8, 3), such as ``detect_obstacles``. It is timed.
     tracker : utils.tracking.Tracker, optional
-        Gives the boxes their names, and trails.
+        Assigns track IDs to the boxes, and adds trails.
     camera : {"XY", "TopDown", "Side", "FPS"} or Camera
     compose : callable, optional
-        From a `Sight` to the `Scene` to film, for more than points and boxes.
+        Takes a `Sight` and returns the `Scene` to film, to show more than points and boxes.
     size : (int, int)
-        Width and height in pixels; made even, as films want it.
+        Width and height in pixels, rounded down to even numbers as films require.
     frames_per_second : float
     renderer : {"pyvista", "matplotlib"}, optional
-        By default PyVista where it can draw, else matplotlib.
+        By default PyVista if it can draw, else matplotlib.
 
     Raises
     ------
     ValueError
-        The path has another ending, or there are no frames.
+        The path has another suffix, or there are no frames.
     """
     path, camera = Path(path), as_camera(camera)
     frames = frames if hasattr(frames, "__len__") else list(frames)
@@ -214,7 +218,7 @@ def record(
             for sight, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(sight))
                 sights.append(sight)
-            next(bar, None)  # lets the bar show its last step
+            next(bar, None)  # shows the last step of the bar
 
     write_film(path, images(), frames_per_second)
     found = [sight for sight in sights if sight.found is not None]
@@ -232,7 +236,7 @@ def record(
 def camera_team(
     size: tuple[int, int], camera: Camera, renderer: str | None
 ) -> Iterator[Callable[[Scene], np.ndarray]]:
-    """A function that takes pictures; with PyVista they share what is costly to set up."""
+    """Yield a function that takes pictures; with PyVista all of them share one studio."""
     if renderer_for(renderer) == "matplotlib":
         yield lambda scene: picture_of(scene, camera, size, "matplotlib")
         return
@@ -243,7 +247,7 @@ def camera_team(
 
 
 def checked_boxes(found: ArrayLike) -> np.ndarray:
-    """Boxes as a float array (N, 8, 3); a sentence for anything else."""
+    """Return boxes as a float array (N, 8, 3), or raise `ValueError` for any other shape."""
     boxes = np.asarray(found, dtype=float)
     if boxes.size == 0:
         return np.empty((0, 8, 3))

@@ -1,4 +1,4 @@
-"""Pictures one after the other: written as MP4, GIF or a single PNG, and shown in a notebook."""
+"""Writers that turn images into an MP4, a GIF or a single PNG, and the film for a notebook."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ import numpy as np
 from utils.scene3d.output import encoded, in_few_colours
 
 COLOURS_OF_A_GIF = 128
-MOST_EMBEDDED = 30_000_000  # bytes: a notebook with more of them opens slowly
+MOST_EMBEDDED = 30_000_000  # bytes; a notebook with a larger film opens slowly
 
 
 @dataclass(frozen=True)
 class Film:
-    """A film on disk; in a notebook it shows itself.
+    """A film on disk that displays itself in a notebook.
 
     Attributes
     ----------
     path : Path
     frames : int
+        Number of frames.
     seconds : tuple of float
-        How long the detector took for each frame; empty without one.
+        Computing time of the detector for each frame; empty without a detector.
     boxes : tuple of int
-        How many boxes it found in each frame.
+        Number of boxes found in each frame.
     problems : tuple of str
-        One sentence for each frame in which it failed.
+        One sentence for each frame in which the detector failed.
     seen : str
-        What kind of picture it is, for those who cannot see it.
+        Description of the picture, for readers who cannot see it.
     """
 
     path: Path
@@ -45,7 +46,7 @@ class Film:
 
     @property
     def recap(self) -> str:
-        """The film in words."""
+        """Description of the film in words."""
         words = [self.seen, f"{self.frames} frame{'' if self.frames == 1 else 's'}."]
         if self.boxes:
             low, high = min(self.boxes), max(self.boxes)
@@ -90,23 +91,23 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
             "A .gif needs neither."
         ) from None
     options = {"codec": "libx264", "quality": 7, "macro_block_size": 2, "ffmpeg_log_level": "error"}
-    # A player on a page starts sooner when the table of contents comes first.
+    # A browser starts to play earlier if the index comes first in the file.
     options["output_params"] = ["-movflags", "+faststart"]
     writer = imageio.get_writer(path, format="FFMPEG", fps=frames_per_second, **options)
     try:
         for image in images:
             writer.append_data(image)
     finally:
-        writer.close()  # after Ctrl-C, too, which `with` leaves to whenever the writer is collected
+        writer.close()  # also after Ctrl-C, when `with` would leave it to the garbage collector
 
 
 def suffix_of_films() -> str:
-    """The better kind of film that can be written here: ".mp4", or ".gif"."""
+    """Return the best suffix of a film that can be written here: ".mp4", or else ".gif"."""
     return ".mp4" if importlib.util.find_spec("imageio_ffmpeg") else ".gif"
 
 
 def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
-    """Write images with one palette for all: what stands still costs next to nothing then."""
+    """Write images with one shared palette, so that unchanged areas take almost no space."""
     first = in_few_colours(next(images), COLOURS_OF_A_GIF)
     others = (in_few_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
     duration = 1000 / frames_per_second
@@ -120,16 +121,16 @@ def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}
-"""What writes a film, by the suffix of its file."""
+"""Functions that write a film, by the suffix of its file."""
 
 
 def write_film(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
-    """Write images into a file, wholly or not at all.
+    """Write images to a file, completely or not at all.
 
     Raises
     ------
     ValueError
-        The path has an ending that no writer knows.
+        The path has an unknown suffix.
     """
     if path.suffix not in WRITERS:
         raise ValueError(f"{path.name}: films end in {', '.join(WRITERS)}.")
