@@ -1,8 +1,7 @@
-"""Your own run, step by step: ``replay(my_function)`` in a notebook.
+"""Step-by-step replay of your own function: ``replay(my_function)`` in a notebook.
 
-A run is recorded from the function as it is, however it is written; the player shows it step by
-step, and begins where it is wrong. Wrong is what certainly is: where nobody can
-know, nothing is said.
+The run is recorded from the function as it is, however it is written. The player shows it step by
+step and begins at the first mistake. It reports only certain mistakes and says nothing in doubt.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from utils.replays.search import walk
 
 __all__ = ["play", "replay", "walk"]
 
-# What can be replayed, and where it is known how.
+# Functions that can be replayed, each with the module and the function that record its run.
 _RUNS = {
     "ransac_line": ("utils.replays.ransac", "run_of_line"),
     "ransac_plane": ("utils.replays.ransac", "run_of_plane"),
@@ -25,12 +24,17 @@ _RUNS = {
 
 
 def replay(function: Callable) -> None:
-    """Show what a function of yours does with a few points, step by step.
+    """Show step by step how one of your functions works on a few points.
 
     Parameters
     ----------
     function : callable
         `ransac_line`, `ransac_plane` or `euclidean_clustering`. It is not changed.
+
+    Raises
+    ------
+    LookupError
+        The function is not one of these.
     """
     function = own(function)
     name = getattr(function, "__name__", str(function))

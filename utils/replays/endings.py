@@ -1,4 +1,4 @@
-"""How a run ended, in a sentence."""
+"""A sentence about the end of a run."""
 
 from collections.abc import Callable
 
@@ -8,13 +8,13 @@ from utils.replays.tracer import Ending
 
 
 def how_it_ended(ending: Ending, function: Callable) -> str:
-    """What came back, or why nothing did.
+    """Describe the returned value, or the reason why there is none.
 
     Parameters
     ----------
     ending : utils.replays.tracer.Ending
     function : callable
-        The student's.
+        The student's function.
     """
     if ending.stopped:
         return "Your function was stopped: it had no end in sight. Is there a loop that never ends?"

@@ -1,4 +1,4 @@
-"""The player: a run, one step after another, with a slider; it begins where the run goes wrong."""
+"""Player that shows a run step by step with a slider, and begins where the run goes wrong."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from utils.display import show
 if TYPE_CHECKING:
     from ipywidgets import Widget
 
-STILL = 4  # pictures where nobody can move a slider
+STILL = 4  # number of pictures if there are no sliders
 
 
 @dataclass(frozen=True)
 class ReplayStep:
-    """What happened at once.
+    """One step of a run.
 
     Attributes
     ----------
     says : str
-        In a sentence or two.
+        Description of the step in a sentence or two.
     draw : callable
-        Takes a title, and draws a figure.
+        Takes a title and draws a figure.
     """
 
     says: str
@@ -35,14 +35,14 @@ class ReplayStep:
 
 @dataclass(frozen=True)
 class Wrong:
-    """A step that is certainly wrong: where a run goes wrong, as far as anybody can know.
+    """A step that is certainly wrong.
 
     Attributes
     ----------
     step : int
-        Its place among the steps.
+        Index of the step, from 0.
     why : str
-        What is wrong: nothing but facts.
+        Description of the mistake, which contains only facts.
     """
 
     step: int
@@ -51,16 +51,16 @@ class Wrong:
 
 @dataclass(frozen=True)
 class Replay:
-    """What a function did.
+    """The recorded run of a function.
 
     Attributes
     ----------
     steps : sequence of ReplayStep
-        None where nothing could be seen.
+        Steps in order; empty if nothing could be observed.
     wrong : Wrong or None
-        None where nothing is wrong, or nobody can know.
+        First mistake; None if nothing is certainly wrong.
     remark : str
-        On the run as a whole: what it did in the end, or why there is nothing to see.
+        Remark on the whole run, or the reason why there is nothing to show.
     """
 
     steps: Sequence[ReplayStep] = ()
@@ -69,14 +69,14 @@ class Replay:
 
 
 def first_of(wrongs: Sequence[Wrong]) -> Wrong | None:
-    """The one that comes first in the run; of those in one step, the first that is named."""
+    """Return the earliest mistake of a run; if several share a step, the first in the list."""
     return min(wrongs, key=lambda wrong: wrong.step, default=None)
 
 
 def play(run: Replay) -> None:
     """Show a run in a notebook, step by step.
 
-    Without ipywidgets there are a few still pictures, up to the first step that is wrong.
+    Without ipywidgets it shows a few still pictures, up to the first step that is wrong.
     """
     import ipywidgets
 
@@ -97,7 +97,7 @@ def play(run: Replay) -> None:
 
 
 def _show(run: Replay, position: int) -> None:
-    """One step: its picture, and what there is to say about it."""
+    """Show one step with its picture, its description and the remark on the run."""
     import matplotlib.pyplot as plt
 
     step, wrong = run.steps[position], run.wrong
@@ -113,18 +113,18 @@ def _show(run: Replay, position: int) -> None:
             f"✗ <b>Wrong here.</b> {escape(wrong.why)}</div>"
         )
         text += f"\n✗ Wrong here. {wrong.why}"
-    if run.remark:  # with each step: what stands before a slider is not kept where it is exported
+    if run.remark:  # repeated with each step, because an export drops output before a slider
         html, text = f"{html}<p>{escape(run.remark)}</p>", f"{text}\n{run.remark}"
     show(html, text)
 
 
 def _slider(count: int, begin: int) -> Widget:
-    """A slider of steps, with a button on either side of it."""
+    """Build a slider for the steps, with buttons for the previous and the next step."""
     import ipywidgets
     from traitlets import Int
 
     class Steps(ipywidgets.HBox, ipywidgets.ValueWidget):
-        """To `interact` it is one widget with a value."""
+        """Slider and buttons, combined into one widget with a value for `interact`."""
 
         value = Int(begin)
         description, min, max, step = "step", 1, count, 1

@@ -1,4 +1,4 @@
-"""Lesson 05: points that get labels, in the order in which a student asks them."""
+"""Replay of lesson 05: points get labels in the order in which the student's code visits them."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ MOST_STEPS = 200
 
 
 def run_of(euclidean_clustering: Callable) -> Replay:
-    """What a function does with twelve points.
+    """Record how a function clusters twelve points.
 
     Parameters
     ----------
     euclidean_clustering : callable
-        A student's.
+        The student's function.
     """
-    watch = LabelObserver()
-    ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), watch.see)
+    observer = LabelObserver()
+    ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), observer.see)
     answer = as_labels(ending.answer)
-    labels = labels_among(watch.tracks, ending.answer, answer)
+    labels = labels_among(observer.tracks, ending.answer, answer)
     if labels is None:
-        return _of_the_answer_alone(euclidean_clustering, ending, answer)
-    frames = frames_of(labels, queue_among(watch.queues))
+        return _replay_of_answer(euclidean_clustering, ending, answer)
+    frames = frames_of(labels, queue_among(observer.queues))
     wrong = first_wrong(euclidean_clustering, frames, answer, ending)
     count = max(MOST_STEPS, wrong.step + 1 if wrong else 0)
     steps = [ReplayStep(frame.says, frame.draw) for frame in frames[:count]]
@@ -57,8 +57,8 @@ def _remark(
     return about
 
 
-def _of_the_answer_alone(function: Callable, ending: Ending, answer: list | None) -> Replay:
-    """Where no labels could be seen on the way: what came back."""
+def _replay_of_answer(function: Callable, ending: Ending, answer: list | None) -> Replay:
+    """Return a replay of the answer alone, for a run in which no labels were found."""
     if answer is None:
         return Replay(remark=how_it_ended(ending, function))
     blank = object()

@@ -1,4 +1,4 @@
-"""What is certainly wrong with a run, and in which step: the answer itself bears the mistake."""
+"""Mistakes that are certain because the answer contains them, and the step of each."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from utils.replays.tracer import Ending
 def first_wrong(
     function: Callable, frames: list[ReplayFrame], answer: list | None, ending: Ending
 ) -> Wrong | None:
-    """The first step that is wrong whatever was meant: the answer itself bears the mistake."""
+    """Return the first step that is certainly wrong because its mistake is in the answer."""
     last = len(frames) - 1
     if ending.stopped:
         return _asked_twice(frames)
@@ -29,7 +29,7 @@ def first_wrong(
 
 
 def _joined(frames: list[ReplayFrame], answer: list) -> Wrong | None:
-    """Points with one label that no chain of neighbours joins."""
+    """Find points that have the same label but are not joined by a chain of neighbours."""
     for position, frame in enumerate(frames):
         for row in frame.joined:
             others = [
@@ -52,7 +52,7 @@ def _joined(frames: list[ReplayFrame], answer: list) -> Wrong | None:
 
 
 def _parted(frames: list[ReplayFrame], answer: list) -> Wrong | None:
-    """Neighbours that end with different labels, or without one."""
+    """Find neighbours with different labels in the answer, or points without a label."""
     pairs = [
         (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
     ]
@@ -76,7 +76,7 @@ def _parted(frames: list[ReplayFrame], answer: list) -> Wrong | None:
 
 
 def _numbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
-    """A label that is none of 1 to the number of clusters."""
+    """Find a label outside 1 to the number of clusters."""
     count = len(set(answer))
     for position, frame in enumerate(frames):
         for row in frame.joined:
@@ -90,7 +90,7 @@ def _numbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
 
 
 def _asked_twice(frames: list[ReplayFrame]) -> Wrong | None:
-    """In a run without an end: the first point that is asked a second time."""
+    """Find the first point that an endless run visits a second time."""
     seen = set()
     for position, frame in enumerate(frames):
         if frame.asked in seen:

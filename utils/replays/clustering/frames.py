@@ -1,4 +1,4 @@
-"""The steps of a run: who is asked, who gets a label, and who waits."""
+"""Steps of a clustering run: the point visited, the points labelled and the points waiting."""
 
 from __future__ import annotations
 
@@ -13,7 +13,21 @@ from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
 
 @dataclass
 class ReplayFrame:
-    """One step: who was asked, who got labels, and who waits then."""
+    """One step of a run.
+
+    Attributes
+    ----------
+    before, labels : tuple
+        Label of each point before and after the step.
+    blank : object
+        Label of a point that has none yet.
+    asked : int or None
+        Row of the point that the function visited.
+    waiting : tuple or None
+        Rows in the queue after the step; None without a queue.
+    is_first : bool
+        Whether the step shows the state before the first point.
+    """
 
     before: tuple
     labels: tuple
@@ -24,16 +38,16 @@ class ReplayFrame:
 
     @property
     def joined(self) -> list[int]:
-        """Rows whose label changed."""
+        """Rows whose label changed in this step."""
         return [row for row in ROWS if self.labels[row] != self.before[row]]
 
     def has_label(self, row: int) -> bool:
-        """Whether a point has a label by now."""
+        """Return whether a point has a label after this step."""
         return self.labels[row] != self.blank
 
     @property
     def says(self) -> str:
-        """What happened."""
+        """Description of the step in words."""
         if self.is_first:
             return "Before the first point: nobody has a label."
         parts = [] if self.asked is None else [f"Point {self.asked} is asked."]
@@ -49,7 +63,7 @@ class ReplayFrame:
         return " ".join(parts)
 
     def draw(self, title: str) -> None:
-        """The points with their labels, and a circle around who is asked."""
+        """Draw the points with their labels, and a circle around the point visited."""
         import matplotlib.pyplot as plt
 
         from utils import plots
@@ -75,7 +89,7 @@ class ReplayFrame:
 
 
 def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ReplayFrame]:
-    """The steps of a run: each ends when the next point is asked, or the next cluster begins."""
+    """Divide a run into steps; each ends at the next point visited or the next cluster begun."""
     moments = [(time, "labels", state, new) for time, state, new in labels.states]
     moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
     moments.sort(key=lambda moment: moment[0])
@@ -100,7 +114,7 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
 
 
 def _begins(now: ReplayFrame, state: tuple) -> bool:
-    """Whether labels that change begin a new cluster: they are none of who was asked."""
+    """Return whether the changed labels begin a new cluster: the visited point has another one."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.asked is None or now.asked in changed:
         return False
@@ -108,12 +122,12 @@ def _begins(now: ReplayFrame, state: tuple) -> bool:
 
 
 def named(rows: list[int]) -> str:
-    """Such as "Points 1, 2 and 5"."""
+    """List points in words, such as "Points 1, 2 and 5"."""
     if len(rows) == 1:
         return f"Point {rows[0]}"
     return f"Points {', '.join(map(str, rows[:-1]))} and {rows[-1]}"
 
 
 def written(label: object) -> str:
-    """A label, without decimals where it has none."""
+    """Format a label; a whole number has no decimals."""
     return f"{label:g}" if isinstance(label, float) else str(label)

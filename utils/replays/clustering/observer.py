@@ -1,7 +1,7 @@
-"""What may be labels, and what may be a queue, at every line of a student's function.
+"""Observer that finds the labels and the queue among the variables of a student's function.
 
-Any list or array with an entry for each point may hold the labels, and any deque, list or set the
-points that wait: they are known by what happens to them, whatever they are called.
+Any list or array with one entry per point may hold the labels. Any deque, list or set may hold the
+waiting points. They are recognised by their changes and not by their names.
 """
 
 from __future__ import annotations
@@ -21,14 +21,22 @@ MOST_MOMENTS, MOST_WAITING = 5_000, 300
 
 @dataclass
 class VariableTrack:
-    """What one variable held, wherever it was handed to: when, and whether it was another one."""
+    """History of one variable, even when it is passed to other functions.
+
+    Attributes
+    ----------
+    last : object
+        Latest object in the variable.
+    states : list of (int, tuple, bool)
+        Time of each change, the value then, and whether it is that of a new object.
+    """
 
     last: object
     states: list[tuple[int, tuple, bool]] = field(default_factory=list)
 
 
 class LabelObserver:
-    """Looks for whatever may be labels or a queue, at every line."""
+    """Records every variable that may hold the labels or the queue, at every line."""
 
     def __init__(self) -> None:
         self.tracks: list[VariableTrack] = []
@@ -37,7 +45,7 @@ class LabelObserver:
         self._time = self._moments = 0
 
     def see(self, frame: FrameType, event: str, _: object) -> None:
-        """Take down what has changed; `record` calls it."""
+        """Store the variables that have changed; `record` calls this at every event."""
         self._time += 1
         for name, value in values_in(frame):
             if (state := _as_entries(value)) is not None:
@@ -50,9 +58,9 @@ class LabelObserver:
     def _note(
         self, tracks: list[VariableTrack], kind: str, name: Hashable, value: object, state: tuple
     ) -> None:
-        # The same object under another name, or another object under the same name.
+        # A track continues with the same object under another name, or another under the same.
         track = self._known.get((kind, id(value)))
-        if track is None or track.last is not value:  # the number of an object is used again
+        if track is None or track.last is not value:  # Python reuses the id of a deleted object
             track = self._known.get((kind, name))
         if track is None:
             track = VariableTrack(value)
@@ -66,24 +74,24 @@ class LabelObserver:
 
 
 def _as_entries(value: object) -> tuple | None:
-    """The entries of a list or an array that has one for each point; None for anything else."""
+    """Return the entries of a list or array with one per point; None for anything else."""
     if isinstance(value, np.ndarray):
         is_one_each = value.shape == (len(POINTS),) and value.dtype.kind in "iuf"
         value = value.tolist() if is_one_each else None
     if type(value) is not list or len(value) != len(POINTS):
         return None
-    if not all(one is None or _is_number(one) for one in value):
+    if not all(entry is None or _is_number(entry) for entry in value):
         return None
-    return tuple(None if one != one else one for one in value)  # nan is not even itself
+    return tuple(None if entry != entry else entry for entry in value)  # NaN differs from itself
 
 
 def _as_rows(value: object) -> tuple | None:
-    """The rows in a deque, list or set; None for anything else."""
+    """Return the rows of points in a deque, list or set; None for anything else."""
     if type(value) not in (deque, list, set) or len(value) > MOST_WAITING:
         return None
-    if not all(_is_number(one) and one in ROWS for one in value):
+    if not all(_is_number(row) and row in ROWS for row in value):
         return None
-    return tuple(int(one) for one in (sorted(value) if type(value) is set else value))
+    return tuple(int(row) for row in (sorted(value) if type(value) is set else value))
 
 
 def _is_number(value: object) -> bool:
@@ -91,7 +99,7 @@ def _is_number(value: object) -> bool:
 
 
 def as_labels(answer: object) -> list | None:
-    """An answer with a label for each point; None for anything else."""
+    """Return an answer with one label per point as a list; None for anything else."""
     if isinstance(answer, np.ndarray) and answer.shape == (len(POINTS),):
         answer = answer.tolist()
     if isinstance(answer, list | tuple) and len(answer) == len(POINTS):
@@ -102,7 +110,7 @@ def as_labels(answer: object) -> list | None:
 def labels_among(
     tracks: list[VariableTrack], returned: object, answer: list | None
 ) -> VariableTrack | None:
-    """What held the labels: what came back, or what ends in the same groups."""
+    """Find the variable with the labels: the returned one, or one that ends with equal groups."""
     changing = [track for track in tracks if len({state for _, state, _ in track.states}) > 1]
     for track in changing:
         if track.last is returned:
@@ -111,19 +119,19 @@ def labels_among(
         changing = [
             track for track in changing if groups_in(track.states[-1][1]) == groups_in(answer)
         ]
-    # Which of several it was, nobody knows; that labels begin with one and the same, everybody.
+    # Labels begin with the same value for all points; several such variables are ambiguous.
     begins_alike = [track for track in changing if len(set(track.states[0][1])) == 1]
     return begins_alike[0] if len(begins_alike) == 1 else None
 
 
 def groups_in(labels: Sequence) -> list[int]:
-    """Labels, numbered in the order in which they appear: the same for the same groups."""
+    """Number the labels in order of appearance, so that equal groups give equal numbers."""
     order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
     return [order[label] for label in labels]
 
 
 def queue_among(queues: list[VariableTrack]) -> VariableTrack | None:
-    """What points waited in: it gained some, and lost some one by one; None in doubt."""
+    """Find the queue, which gains points and loses one at a time; None unless there is just one."""
 
     def is_queue(track: VariableTrack) -> bool:
         steps = list(zip(track.states, track.states[1:], strict=False))

@@ -1,10 +1,10 @@
-"""Twelve points to cluster, of which it is known who belongs to whom."""
+"""Twelve points to cluster, with their true clusters."""
 
 import numpy as np
 
 THRESHOLD = 0.8
-# The seven points of the lesson, and five more: a chain that grows together from both ends, and a
-# sign that hangs above the road.
+# The seven points of the lesson and five more, with a chain that grows together from both ends
+# and a sign above the road.
 POINTS = np.array(
     [
         [0.0, 0.0, 0.0, 0.1],

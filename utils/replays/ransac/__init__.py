@@ -1,4 +1,4 @@
-"""Lessons 02 and 03: the rounds of RANSAC, each with its sample, its model, and who is near."""
+"""Replays of lessons 02 and 03: the rounds of RANSAC with sample, model and points near it."""
 
 from __future__ import annotations
 
@@ -16,31 +16,32 @@ from utils.replays.tracer import Ending, record
 
 
 def run_of_line(ransac_line: Callable) -> Replay:
-    """What a student's `ransac_line` does with twenty points."""
+    """Record how a student's `ransac_line` works on twenty points."""
     return run_of(LINE, ransac_line)
 
 
 def run_of_plane(ransac_plane: Callable) -> Replay:
-    """What a student's `ransac_plane` does with a small street."""
+    """Record how a student's `ransac_plane` works on a small street."""
     return run_of(PLANE, ransac_plane)
 
 
 def run_of(task: Task, search: Callable) -> Replay:
-    """What a search does in ten rounds.
+    """Record ten rounds of a search.
 
     Parameters
     ----------
     task : Task
+        Points and arguments of the search.
     search : callable
         A student's `ransac_line` or `ransac_plane`.
     """
     through = own(getattr(search, "__globals__", {}).get(task.through))
-    watch, points = SampleObserver(task, getattr(through, "__code__", None)), task.points.copy()
-    ending = record(search, (points, ROUNDS, task.tolerance, task.seed), watch.see)
+    observer, points = SampleObserver(task, getattr(through, "__code__", None)), task.points.copy()
+    ending = record(search, (points, ROUNDS, task.tolerance, task.seed), observer.see)
     if not np.array_equal(points, task.points):
         return Replay(remark="Your function changes the points that it gets: its run is not shown.")
     answer = ModelAndMask.of(task, ending.answer) if ending.came_back else None
-    rounds, outcome = watch.rounds, Rounds(task, watch.rounds, answer)
+    rounds, outcome = observer.rounds, Rounds(task, observer.rounds, answer)
     if not rounds and answer is None:
         return Replay(remark=how_it_ended(ending, search))
     steps = [_step(outcome, number) for number in range(1, len(rounds) + 1)]
@@ -48,11 +49,11 @@ def run_of(task: Task, search: Callable) -> Replay:
     if answer:
         steps.append(_last_step(outcome))
     elif not wrong and not ending.stopped:
-        wrong = Wrong(len(steps) - 1, how_it_ended(ending, search) + _wanted(task, ending))
-    return Replay(steps, wrong, _remark(task, ending, rounds, watch.was_called))
+        wrong = Wrong(len(steps) - 1, how_it_ended(ending, search) + _expected(task, ending))
+    return Replay(steps, wrong, _remark(task, ending, rounds, observer.was_called))
 
 
-def _wanted(task: Task, ending: Ending) -> str:
+def _expected(task: Task, ending: Ending) -> str:
     if ending.error:
         return ""
     return f" The {task.model} and the mask of its inliers were wanted, in this order."
@@ -74,24 +75,24 @@ def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -
 
 
 def _step(outcome: Rounds, number: int) -> ReplayStep:
-    task, one = outcome.task, outcome.rounds[number - 1]
+    task, round_ = outcome.task, outcome.rounds[number - 1]
     says = [f"Round {number}:"]
-    if one.rows is None:
+    if round_.rows is None:
         says.append("the sample is none of the points, so nothing is known of it.")
-    elif one.model is None:
-        makes = "are drawn." if one.raised else f"make no {task.model}."
-        says.append(f"{_listed(one.rows)} {makes}")
+    elif round_.model is None:
+        makes = "are drawn." if round_.raised else f"make no {task.model}."
+        says.append(f"{_listed(round_.rows)} {makes}")
     else:
         most = max((before.count for before in outcome.rounds[: number - 1]), default=0)
-        rank = "the most so far" if one.count > most else f"and {most} is the most so far"
+        rank = "the most so far" if round_.count > most else f"and {most} is the most so far"
         says.append(
-            f"{_listed(one.rows)} are drawn. {one.count} of {len(task.points)} points are within "
-            f"{task.tolerance} m of their {task.model}, {rank}."
+            f"{_listed(round_.rows)} are drawn. {round_.count} of {len(task.points)} points are "
+            f"within {task.tolerance} m of their {task.model}, {rank}."
         )
-    mask = one.masks.get(outcome.name_of_mask)
-    marked = one.near if mask is None else np.array(mask)
-    model = None if one.rows is None else one.model
-    return ReplayStep(" ".join(says), lambda title: _draw(task, title, model, marked, one.rows))
+    mask = round_.masks.get(outcome.name_of_mask)
+    marked = round_.near if mask is None else np.array(mask)
+    model = None if round_.rows is None else round_.model
+    return ReplayStep(" ".join(says), lambda title: _draw(task, title, model, marked, round_.rows))
 
 
 def _last_step(outcome: Rounds) -> ReplayStep:
@@ -99,8 +100,8 @@ def _last_step(outcome: Rounds) -> ReplayStep:
     if answer.model is None:
         says = f"Your answer: no {task.model}."
     else:
-        whose = f", that of round {winner.number}" if winner else ""
-        says = f"Your answer: a {task.model}{whose}, with {answer.mask.sum()} inliers."
+        origin = f", that of round {winner.number}" if winner else ""
+        says = f"Your answer: a {task.model}{origin}, with {answer.mask.sum()} inliers."
     model, mask = answer.model, answer.mask
     return ReplayStep(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
 
