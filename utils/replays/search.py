@@ -1,4 +1,4 @@
-"""Lesson 04: a search in a kd-tree, node by node."""
+"""Replay of lesson 04: a search in a kd-tree, node by node."""
 
 from __future__ import annotations
 
@@ -25,23 +25,25 @@ def walk(
     visited: Sequence[int],
     found: Sequence[int],
 ) -> Replay:
-    """A search as it went.
+    """Return the replay of a search.
 
     Parameters
     ----------
     root : node or None
-        Of a tree of points of the plane, with indices from 0 up.
+        Root of a tree of points in the plane, with indices from 0 up.
     target : (2,) array_like of float
+        Centre of the search.
     tolerance : float
+        Radius of the search, in metres.
     visited : sequence of int
-        Indices of the nodes that the search looked at, in order; see `utils.visits.watched`.
+        Indices of the nodes that the search visited, in order; see `utils.visits.watched`.
     found : sequence of int
-        What it returned.
+        Indices that the search returned.
 
     Returns
     -------
     Replay
-        Nothing in it is wrong as long as the tree itself is.
+        If the tree itself is wrong, only the remark says so, and no step is marked as wrong.
     """
     nodes = {node.index: node for node in nodes_of(root)}
     if not nodes or not set(visited) <= set(nodes):
@@ -49,7 +51,7 @@ def walk(
             remark="The tree is empty, or a search has changed it: there is no walk to show."
         )
     points = np.array([nodes[index].point for index in sorted(nodes)], dtype=float)
-    rows = [int(one) for one in found if isinstance(one, int | np.integer) and one in nodes]
+    rows = [int(row) for row in found if isinstance(row, int | np.integer) and row in nodes]
     remark = "" if len(rows) == len(found) else "Your search returns what is no row of the tree."
 
     def step(number: int) -> ReplayStep:
@@ -77,9 +79,9 @@ def walk(
 
 
 def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
-    """Each node with its parent, the side on which it hangs there, and its depth."""
+    """Yield each node with its parent, its side ("left" or "right") there, and its depth."""
     waiting, seen = [(root, None, "", 0)] if root is not None else [], set()
-    for node, parent, side, depth in waiting:  # grows while it is walked
+    for node, parent, side, depth in waiting:  # the list grows during the loop
         if id(node) in seen:  # a wrong tree may have loops
             continue
         seen.add(id(node))
@@ -90,19 +92,22 @@ def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
 
 
 def _misplaced(root: Node | None) -> Iterator[str]:
-    """Nodes on the wrong side of one above them."""
+    """Yield a sentence for each node that is on the wrong side of a node above it."""
     for node, _, _, depth in _below(root):
         axis = depth % len(node.point)
         for side in ("left", "right"):
-            for other in nodes_of(getattr(node, side)):
-                if (other.point[axis] < node.point[axis]) != (side == "left"):
-                    yield f"point {other.index} hangs to the {side} of point {node.index}"
+            for below in nodes_of(getattr(node, side)):
+                if (below.point[axis] < node.point[axis]) != (side == "left"):
+                    yield f"point {below.index} hangs to the {side} of point {node.index}"
 
 
 def _wrong(
     root: Node, target: ArrayLike, tolerance: float, visited: list[int], found: list[int]
 ) -> Wrong | None:
-    """The first step that is wrong. Step 0 is before the search; then comes a node in each."""
+    """Return the first step that is wrong.
+
+    Step 0 is before the search, and each later step visits one node.
+    """
     step_of = {index: step for step, index in enumerate(visited, start=1)}
     above = {id(node): (parent, side) for node, parent, side, _ in _below(root)}
     wrongs = []
@@ -134,5 +139,5 @@ def _wrong(
 
 
 def _goes_on(node: Node, step_of: dict[int, int]) -> bool:
-    """Whether a search went past a node: who looks at one before he decides does no harm."""
+    """Return whether a search visited a child of a node; visiting only the node is harmless."""
     return any(child is not None and child.index in step_of for child in (node.left, node.right))

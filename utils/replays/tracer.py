@@ -1,8 +1,7 @@
-"""Look on while a student's function runs: at every line, and at all that it calls.
+"""Observe a student's function while it runs: every line, and every function that it calls.
 
-The function is not changed, and gets what it would get anyway. Python itself tells of each line
-(`sys.settrace`), so it does not matter how somebody wrote it, as long as it is Python; code that
-was compiled, as by Numba, is not seen.
+The function and its arguments are not changed. Python itself reports each line (`sys.settrace`),
+so any Python code can be observed. Compiled code, such as Numba's, cannot.
 """
 
 from __future__ import annotations
@@ -15,27 +14,27 @@ from types import FrameType
 
 from utils.checks.limits import TimeUp, limited
 
-# More than any right answer needs for a few points, though it is watched.
-SECONDS = 3  # of processor time, so that a busy machine shows the same
-PATIENCE = 5  # by the clock on the wall it may take so many times as long
+# More than any correct answer needs for a few points, even while it is observed.
+SECONDS = 3  # of processor time, so that a busy machine gives the same result
+PATIENCE = 5  # the limit of wall-clock time is this many times SECONDS
 
 
 class Enough(BaseException):
-    """The function is not to go on; not an Exception, which student code may catch."""
+    """Ends the function. It is not an `Exception`, because student code may catch those."""
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended.
+    """Result of a run.
 
     Attributes
     ----------
     answer : object
-        What came back.
+        Returned value.
     error : Exception or None
-        What was raised.
+        Exception that the function raised.
     stopped : bool
-        Whether it was ended from outside, for want of an end.
+        Whether the run was stopped from outside because it did not end.
     """
 
     answer: object = None
@@ -44,23 +43,24 @@ class Ending:
 
     @property
     def came_back(self) -> bool:
-        """Whether there is an answer."""
+        """Whether the function returned."""
         return self.error is None and not self.stopped
 
 
 def record(
     function: Callable, arguments: tuple, see: Callable[[FrameType, str, object], None]
 ) -> Ending:
-    """Call a function, and show what it does.
+    """Call a function and report every event to an observer.
 
     Parameters
     ----------
     function : callable
+        Function of a notebook.
     arguments : tuple
-        It gets these very objects.
+        Arguments, which are passed on without copying.
     see : callable
-        Takes a frame of the notebook, an event and its value, as what `sys.settrace` takes does.
-        It raises `Enough` to end the run; another exception ends the recording alone.
+        Takes a frame of the notebook, an event and its value, like the argument of `sys.settrace`.
+        It raises `Enough` to end the run; any other exception ends only the recording.
     """
     home, due = getattr(function, "__globals__", None), time.process_time() + SECONDS
 
@@ -71,14 +71,14 @@ def record(
             raise Enough
         try:
             see(frame, event, value)
-        except Exception:  # whatever is wrong here is not the student's fault
+        except Exception:  # an error of the observer must not affect the student's function
             sys.settrace(before)
             return None
         return look
 
     before = sys.gettrace()
     try:
-        # The clock of `limited` comes later: for what is no line of the notebook, or catches all.
+        # `limited` also ends code outside the notebook, and code that catches `Enough`.
         with limited(PATIENCE * SECONDS):
             before = sys.gettrace()
             try:
@@ -93,12 +93,12 @@ def record(
 
 
 def values_in(frame: FrameType) -> Iterator[tuple[object, object]]:
-    """What a frame can reach: its variables, and those of objects of the notebook's own classes.
+    """Yield the variables of a frame, and the attributes of objects of the notebook's classes.
 
     Yields
     ------
     (hashable, object)
-        A name that is the same whenever the same variable is met, and its value.
+        Key that identifies the variable in every event, and its value.
     """
     home = frame.f_globals.get("__name__")
     for name, value in list(frame.f_locals.items()):

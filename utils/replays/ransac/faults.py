@@ -1,4 +1,4 @@
-"""What is certainly wrong with a search, and in which round."""
+"""Certain mistakes of a search, and the round of each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
 @dataclass(frozen=True)
 class ModelAndMask:
-    """A model and a mask."""
+    """A model with the mask of its inliers, as a search returns them."""
 
     task: Task
     model: np.ndarray | None
@@ -23,7 +23,7 @@ class ModelAndMask:
 
     @classmethod
     def of(cls, task: Task, returned: object) -> ModelAndMask | None:
-        """What a search returned; None where it is no such pair."""
+        """Read the answer of a search; return None unless it is a model and a mask."""
         if not isinstance(returned, tuple | list) or len(returned) != 2:
             return None
         model, mask = returned
@@ -34,7 +34,7 @@ class ModelAndMask:
         return cls(task, known, np.array(mask))
 
     def is_of(self, one: Round) -> bool:
-        """Whether the model is that of a round; its sign is free."""
+        """Return whether the model is that of a round, with either sign."""
         if self.model is None or one.model is None:
             return False
         mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, one.model))
@@ -42,14 +42,14 @@ class ModelAndMask:
 
     @property
     def expected(self) -> np.ndarray:
-        """Which points are near the model."""
+        """Mask of the points near the model."""
         if self.model is None:
             return np.zeros(len(self.mask), dtype=bool)
         return gaps_from(self.task.xyz, self.model) <= self.task.tolerance
 
     @property
     def fits(self) -> bool:
-        """Whether the mask is that of the model; what lies at the edge may be either."""
+        """Whether the mask is that of the model; a point at the threshold may be in or out."""
         if self.model is None:
             return not self.mask.any()
         gaps = gaps_from(self.task.xyz, self.model)
@@ -59,14 +59,14 @@ class ModelAndMask:
 
 @dataclass(frozen=True)
 class Rounds:
-    """All rounds, and what came of them.
+    """All rounds of a search, and its answer.
 
     Attributes
     ----------
     task : Task
     rounds : list of Round
     answer : ModelAndMask or None
-        None where nothing came back, or no such pair.
+        None if the search did not return a model and a mask.
     """
 
     task: Task
@@ -75,14 +75,14 @@ class Rounds:
 
     @cached_property
     def winner(self) -> Round | None:
-        """The round whose model came back."""
+        """The round whose model was returned."""
         if self.answer is None:
             return None
         return next((round_ for round_ in self.rounds if self.answer.is_of(round_)), None)
 
     @cached_property
     def name_of_mask(self) -> Hashable:
-        """The variable that held, in that round, the mask that came back."""
+        """The variable that contained the returned mask in the winning round."""
         if self.winner is None:
             return None
         wanted = tuple(self.answer.mask.tolist())
@@ -90,7 +90,7 @@ class Rounds:
 
     @property
     def wrong(self) -> Wrong | None:
-        """The first round that is wrong."""
+        """The first round with a mistake, or None."""
         found = [_by_itself(round_) for round_ in self.rounds]
         if self.answer is not None:
             found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
@@ -99,12 +99,12 @@ class Rounds:
 
     @property
     def _last(self) -> int:
-        """The step of the answer itself."""
+        """Index of the step that shows the answer."""
         return len(self.rounds)
 
     @cached_property
     def _best(self) -> Round | None:
-        best = max(self.rounds, key=lambda one: one.count, default=None)
+        best = max(self.rounds, key=lambda round_: round_.count, default=None)
         return best if best and best.count else None
 
     def _without_a_model(self) -> Wrong | None:
@@ -119,9 +119,9 @@ class Rounds:
         task, mask = self.task, tuple(self.answer.mask.tolist())
         both = f"{sum(mask)} points, and {self.answer.expected.sum()} are"
         if self.winner is None:
-            what = f"within {task.tolerance} m of the {task.model} that you return"
-            return Wrong(self._last, f"Your mask has {both} {what}: they are not the same.")
-        for round_ in self.rounds:  # the same variable, which came back in the end
+            place = f"within {task.tolerance} m of the {task.model} that you return"
+            return Wrong(self._last, f"Your mask has {both} {place}: they are not the same.")
+        for round_ in self.rounds:  # earlier masks in the variable of the returned mask
             held = round_.masks.get(self.name_of_mask)
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Wrong(
@@ -131,10 +131,10 @@ class Rounds:
                 )
         why = f"Your answer is the {task.model} of round {self.winner.number}, whose mask has "
         why += f"{self.answer.expected.sum()} points; but yours has {sum(mask)}"
-        for one in self.rounds:
-            if one.near is not None and tuple(one.near.tolist()) == mask:
-                step = max(one.number, self.winner.number) - 1
-                return Wrong(step, f"{why}: it is that of round {one.number}.")
+        for round_ in self.rounds:
+            if round_.near is not None and tuple(round_.near.tolist()) == mask:
+                step = max(round_.number, self.winner.number) - 1
+                return Wrong(step, f"{why}: it is that of round {round_.number}.")
         return Wrong(self.winner.number - 1, f"{why}.")
 
     def _length(self) -> Wrong | None:
@@ -152,7 +152,7 @@ class Rounds:
         return Wrong(step, f"{_has(best)}, more than any other; but {then}.")
 
     def _was_closest(self) -> bool:
-        """Whether closeness chose it, and not the count: that is MSAC, which the lesson names."""
+        """Return whether the winner has the lowest cost of MSAC, a method that the lesson names."""
         costs = {
             round_.number: np.sum(
                 np.minimum(gaps_from(self.task.xyz, round_.model), self.task.tolerance) ** 2
@@ -175,24 +175,24 @@ class Rounds:
         return None
 
 
-def _by_itself(one: Round) -> Wrong | None:
-    """What is wrong with a sample and its model, whatever becomes of them."""
-    task, step, rows = one.task, one.number - 1, one.rows
+def _by_itself(round_: Round) -> Wrong | None:
+    """Return the mistake in a round's own sample or model, if any."""
+    task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:
         twice = next(row for row in rows if rows.count(row) > 1)
         return Wrong(step, f"Point {twice} was drawn twice: that sample makes no {task.model}.")
-    if rows is None or one.raised:
+    if rows is None or round_.raised:
         return None
-    if one.model is None:
+    if round_.model is None:
         return Wrong(step, f"{task.through} gave no {task.model} for these points, which make one.")
-    gaps = gaps_from(one.sample, one.model)
+    gaps = gaps_from(round_.sample, round_.model)
     if gaps.max() > HAIR:
         return Wrong(
             step,
             f"The {task.model} does not run through its sample: point {rows[gaps.argmax()]} is "
             f"{gaps.max():.2f} m away from it. Look at {task.through}.",
         )
-    length = np.linalg.norm(one.model[:-1])
+    length = np.linalg.norm(round_.model[:-1])
     if abs(length - 1) > HAIR:
         return Wrong(
             step,
@@ -201,5 +201,5 @@ def _by_itself(one: Round) -> Wrong | None:
     return None
 
 
-def _has(one: Round) -> str:
-    return f"Round {one.number} has {one.count} near points"
+def _has(round_: Round) -> str:
+    return f"Round {round_.number} has {round_.count} near points"

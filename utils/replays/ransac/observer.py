@@ -1,8 +1,8 @@
-"""The rounds of a search, as they are seen from outside.
+"""Observer that finds the rounds of a search from outside.
 
-A round is a call of `line_through` or `plane_through`, whoever makes it: what it gets is the
-sample, what it returns is the model. Who does without them has a sample in as many variables, each
-new, and each a point of the cloud.
+A round is a call of `line_through` or `plane_through` from any function. Its arguments are the
+sample, and its return value is the model. In a search without these calls, a round begins when as
+many variables as a sample has points contain new points of the cloud.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ MOST_ROUNDS = 3 * ROUNDS
 
 @dataclass
 class Round:
-    """A sample, and what was made of it.
+    """A sample with its model, and the masks that appeared in the round.
 
-    Its rows are None where it is none of the points: then nothing is known of distances.
+    Its rows are None if the sample does not consist of points of the cloud. Distances from the
+    model are then unknown.
     """
 
     task: Task
@@ -36,7 +37,7 @@ class Round:
 
     @property
     def rows(self) -> list[int] | None:
-        """The numbers of the points in the sample."""
+        """Rows of the sample's points in the cloud; None if they are not in it."""
         if self.sample is None:
             return None
         gaps = np.linalg.norm(self.task.xyz[:, None] - self.sample, axis=2)
@@ -44,39 +45,39 @@ class Round:
 
     @property
     def near(self) -> np.ndarray | None:
-        """Which points are near the model, as geometry says."""
+        """Mask of the points within the tolerance of the model; None if it is unknown."""
         if self.model is None or self.rows is None:
             return None
         return gaps_from(self.task.xyz, self.model) <= self.task.tolerance
 
     @property
     def count(self) -> int:
-        """How many these are."""
+        """Number of points near the model."""
         return 0 if self.near is None else int(self.near.sum())
 
 
 class SampleObserver:
-    """Notes each sample with its model, and all masks that come up in its round."""
+    """Records each sample with its model, and all masks that appear in its round."""
 
     def __init__(self, task: Task, code: CodeType | None) -> None:
         self._task, self._code = task, code
         self._called: list[Round] = []
-        self._met: list[Round] = []  # without a call
+        self._met: list[Round] = []  # found without a call
         self._last: dict[Hashable, tuple] = {}
-        self._points: list[np.ndarray] = []  # of the last sample that was met
+        self._points: list[np.ndarray] = []  # points of the latest sample found without a call
 
     @property
     def rounds(self) -> list[Round]:
-        """What was seen."""
+        """Rounds observed so far."""
         return self._called or self._met
 
     @property
     def was_called(self) -> bool:
-        """Whether these rounds are calls, and so all that there were."""
+        """Whether the rounds are calls, so that none was missed."""
         return bool(self._called)
 
     def see(self, frame: FrameType, event: str, value: object) -> None:
-        """Take down what is new; `record` calls it."""
+        """Store new samples, models and masks; `record` calls this at every event."""
         if self._code is not None and frame.f_code is self._code:
             self._see_model(event, frame, value)
             return
@@ -98,7 +99,7 @@ class SampleObserver:
             self._begin(self._called, _sample_in(frame, self._task.size))
         elif event == "exception":
             self._called[-1].raised = True
-        elif event == "line":  # it was caught
+        elif event == "line":  # the function has caught the exception
             self._called[-1].raised = False
         elif event == "return" and not self._called[-1].raised:
             self._called[-1].model = as_model(value, self._task.size)
@@ -106,9 +107,9 @@ class SampleObserver:
     def _see_sample(self, frame: FrameType) -> None:
         size = self._task.size
         held = [local for local in frame.f_locals.values() if self._is_point(local)]
-        if len(held) == size and not any(one is old for one in held for old in self._points):
+        if len(held) == size and not any(point is old for point in held for old in self._points):
             self._points = held
-            self._begin(self._met, np.array([one[:size] for one in held], dtype=float))
+            self._begin(self._met, np.array([point[:size] for point in held], dtype=float))
             if len(set(self._met[-1].rows)) == size:
                 self._met[-1].model = _through(self._met[-1].sample)
 
@@ -122,13 +123,13 @@ class SampleObserver:
 
 
 def _through(sample: np.ndarray) -> np.ndarray:
-    """What runs through a sample: the direction in which it has no extent at all."""
+    """Return the line or plane through a sample, with a unit normal."""
     model = np.linalg.svd(np.column_stack([sample, np.ones(len(sample))]))[2][-1]
     return model / np.linalg.norm(model[:-1])
 
 
 def _sample_in(frame: FrameType, size: int) -> np.ndarray | None:
-    """The points that a function got; shape (size, size)."""
+    """Return the arguments of a call as points, shape (size, size); None if they are not points."""
     code = frame.f_code
     names = code.co_varnames[: code.co_argcount + bool(code.co_flags & inspect.CO_VARARGS)]
     values = [frame.f_locals[name] for name in names]
@@ -142,7 +143,7 @@ def _sample_in(frame: FrameType, size: int) -> np.ndarray | None:
 
 
 def as_model(value: object, size: int) -> np.ndarray | None:
-    """The numbers of a line or a plane; None for anything else."""
+    """Return the coefficients of a line or a plane as an array; None for anything else."""
     try:
         model = np.array(value, dtype=float)
     except (TypeError, ValueError):
@@ -153,17 +154,17 @@ def as_model(value: object, size: int) -> np.ndarray | None:
 
 
 def as_mask(value: object, count: int) -> tuple[bool, ...] | None:
-    """Something that says yes or no to each point."""
+    """Return a mask as a tuple with one bool per point; None for anything else."""
     if isinstance(value, np.ndarray) and value.shape == (count,) and value.dtype.kind in "biu":
         value = value.tolist()
     if type(value) is not list or len(value) != count:
         return None
-    if not all(isinstance(one, bool | np.bool_ | int) and one in (0, 1) for one in value):
+    if not all(isinstance(flag, bool | np.bool_ | int) and flag in (0, 1) for flag in value):
         return None
     return tuple(map(bool, value))
 
 
 def gaps_from(points: np.ndarray, model: np.ndarray) -> np.ndarray:
-    """Distance of each point from a line or a plane, whose normal may have any length."""
+    """Return the distance of each point from a line or plane, with a normal of any length."""
     normal = model[:-1]
     return np.abs(points @ normal + model[-1]) / np.linalg.norm(normal)

@@ -1,4 +1,4 @@
-"""What RANSAC is asked for in lessons 02 and 03: small clouds, and what is drawn of them."""
+"""Tasks for the replays of lessons 02 and 03: small clouds and the arguments of the search."""
 
 from __future__ import annotations
 
@@ -12,19 +12,22 @@ HAIR = 1e-3  # metres; single precision is finer
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked of a search, and how it is drawn.
+    """Points and arguments of a search.
 
     Attributes
     ----------
     search, through : str
-        Names of the functions.
+        Names of the student's functions: the search, and the model through a sample.
     model : str
-        What is looked for.
+        Kind of model, "line" or "plane".
     size : int
-        Points in a sample, and coordinates of a point.
+        Number of points in a sample, and of coordinates per point.
     points : numpy.ndarray
+        Cloud with one row per point.
     tolerance : float
+        Threshold for inliers, in metres.
     seed : int
+        Seed of the search.
     """
 
     search: str
@@ -37,19 +40,19 @@ class Task:
 
     @property
     def xyz(self) -> np.ndarray:
-        """The points without what is no coordinate."""
+        """Coordinates of the points, shape (n, size), without further columns."""
         return self.points[:, : self.size]
 
 
 def _twenty() -> np.ndarray:
-    """The twenty points of lesson 02, to the centimetre."""
+    """Return the twenty points of lesson 02, rounded to the centimetre."""
     rng, steps = np.random.default_rng(18), np.arange(-5, 5)
     wall = np.column_stack([steps, steps]) + rng.uniform(-0.6, 0.6, (10, 2))
     return np.round(np.vstack([wall, rng.uniform(-5, 5, (10, 2))]), 2)
 
 
 def _street() -> np.ndarray:
-    """A road that climbs, a car that stands on it, and a house front."""
+    """Return points of a climbing road, a car on it and a house front."""
     rng = np.random.default_rng(7)
     x, y = rng.uniform((-8, -4), (22, 4), (36, 2)).T
     road = np.column_stack([x, y, -1.7 + 0.015 * x + rng.normal(0, 0.03, 36)])
