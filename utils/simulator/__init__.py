@@ -1,7 +1,8 @@
-"""The simulator: a LiDAR that casts rays at solids and knows what it hit.
+"""LiDAR simulator that casts rays at solids and knows which object each ray hit.
 
-From the solids up: `pose`, `shapes` and `bounds`; `ground`, `world` and `traffic`; `sensor` and
-`scanner`; `frames`; `streets`, `layouts` and `scenes`. Same seed, same bytes.
+The modules, from the solids up: `pose`, `shapes` and `bounds`; `ground`, `world` and `traffic`;
+`sensor` and `scanner`; `frames`; `streets`, `layouts` and `scenes`. The same seed gives the same
+bytes.
 """
 
 from utils.simulator.scanner import CLASSES, Scan, scan

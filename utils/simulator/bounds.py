@@ -1,4 +1,4 @@
-"""The angles under which shapes appear from the origin: which rays are worth trying on them."""
+"""Angles under which shapes appear from the origin, to select the rays that may hit them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FULL_CIRCLE = (-math.pi, math.pi)
 
 
 def disc_azimuths(centre: np.ndarray, radius: float) -> tuple[float, float]:
-    """Azimuths that a disc around `centre` covers, seen from the origin."""
+    """Return the azimuths in radians that a disc around `centre` covers, seen from the origin."""
     distance = math.hypot(centre[0], centre[1])
     if distance <= radius:
         return FULL_CIRCLE
@@ -20,11 +20,11 @@ def disc_azimuths(centre: np.ndarray, radius: float) -> tuple[float, float]:
 
 
 def polygon_azimuths(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
-    """Azimuths that the convex hull of some corners (x, y) covers, seen from the origin."""
+    """Return the azimuths in radians that the hull of corners (x, y) covers from the origin."""
     middle_x, middle_y = _middle(corners)
     if math.hypot(middle_x, middle_y) == 0.0:
         return FULL_CIRCLE
-    # Measured from the middle of the hull nothing wraps around, unless the origin lies within.
+    # Relative to the middle of the hull no angle wraps around, unless the origin is inside.
     turns = [
         math.atan2(middle_x * y - middle_y * x, x * middle_x + y * middle_y) for x, y in corners
     ]
@@ -36,13 +36,14 @@ def polygon_azimuths(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
 
 
 def polygon_distance(corners: Sequence[Sequence[float]]) -> float:
-    """Lower bound of the distance from the origin to the convex hull of some corners (x, y).
+    """Return a lower bound of the distance from the origin to the hull of corners (x, y).
 
-    It is the largest distance to a line that separates the two and is square to a direction
-    towards a corner or towards the middle: exact or a little too small, never too large.
+    It is the largest distance to a line that separates the two and is perpendicular to an axis, or
+    to the direction of a corner or of the middle. It is exact or slightly too small, never too
+    large.
     """
     ahead, aside = [x for x, _ in corners], [y for _, y in corners]
-    # Faces square to the axes are common too: a long wall beside the road.
+    # Faces perpendicular to an axis are common, such as a long wall along the road.
     distance = max(0.0, min(ahead), -max(ahead), min(aside), -max(aside))
     for toward_x, toward_y in (*corners, _middle(corners)):
         length = math.hypot(toward_x, toward_y)
@@ -62,7 +63,7 @@ def _middle(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
 def elevation_limits(
     lowest: float, highest: float, nearest: float, farthest: float
 ) -> tuple[float, float]:
-    """Elevations under which heights lowest..highest at nearest..farthest metres appear."""
+    """Return the elevations in radians of heights lowest..highest at nearest..farthest metres."""
     return (
         math.atan2(lowest, nearest if lowest < 0 else farthest),
         math.atan2(highest, nearest if highest > 0 else farthest),

@@ -1,4 +1,4 @@
-"""One sweep with its true boxes, and streams of them."""
+"""Frames, which are scans with their true boxes, and streams of frames."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from utils.simulator.world import World
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One sweep, the true boxes in it, and when it began, in seconds."""
+    """One scan with its true boxes and its start time in seconds."""
 
     scan: Scan
     boxes: tuple[Box, ...]
@@ -24,20 +24,20 @@ class Frame:
 
     @property
     def cloud(self) -> np.ndarray:
-        """The returns, shape (n, 4); see `utils.simulator.Scan`."""
+        """Returns of the scan, shape (n, 4); see `utils.simulator.Scan`."""
         return self.scan.cloud
 
 
 @dataclass(frozen=True)
 class Stream(Sequence):
-    """Frames that are rendered when asked for, always with the same result.
+    """Frames that are rendered on access, always with the same result.
 
     Parameters
     ----------
     render : callable
-        Makes the frame of a given number.
+        Takes a frame number and returns the frame.
     numbers : range
-        The frames in this stream. A slice of a stream is a stream.
+        Numbers of the frames in this stream. A slice of a stream is a stream.
     """
 
     render: Callable[[int], Frame]
@@ -52,7 +52,7 @@ class Stream(Sequence):
 
 
 def observe(world: World, sensor: Sensor, seed: int | Sequence[int], time: float = 0.0) -> Frame:
-    """Scan a world, given in the vehicle's frame, and box what was seen of it."""
+    """Scan a world, given in the vehicle's frame, and add the boxes of all obstacles seen."""
     swept = scan(world, sensor, seed)
     echoes = np.bincount(swept.objects) if len(swept.objects) else np.zeros(1, dtype=int)
     boxes = []

@@ -1,7 +1,7 @@
-r"""The ground: a straight road with slope, crown and kerbs, or an open plane.
+r"""Ground: a straight road with slope, crown and kerbs, or an open plane.
 
-Seen along the road, the surface is a roof of two slightly falling lanes, a kerb on each side
-and a pavement that rises again outwards:
+In a cross-section of the road, the two lanes fall slightly from the middle to a kerb on either
+side. Behind the kerb a pavement rises outwards:
 
     \__                          __/
        |____------^^^------____|
@@ -20,7 +20,7 @@ from utils.simulator.shapes import Material
 
 @dataclass(frozen=True)
 class Ground:
-    """A road without end, and the pavements beside it.
+    """An endless straight road with a pavement on either side.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Ground:
     material: Material = Material(reflectivity=0.36)
 
     def height(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
-        """Height of the ground at (x, y), in metres; arrays are broadcast."""
+        """Return the height of the ground at (x, y), in metres; arrays are broadcast."""
         along, across = self._road_coordinates(np.asarray(x, float), np.asarray(y, float))
         aside, half = np.abs(across), self.width / 2
         road = -self.crown * aside
@@ -58,26 +58,27 @@ class Ground:
         return self.pose.z + self.slope * along + road
 
     def seen_from(self, vehicle: Pose) -> Ground:
-        """The ground in the frame of a vehicle standing on it: height 0 at its origin."""
+        """Return the ground in the frame of a vehicle on it, with height 0 at the origin."""
         outer = replace(vehicle, z=float(self.height(vehicle.x, vehicle.y))).inverse()
         return replace(self, pose=outer.then(self.pose))
 
     def crossings(
         self, rays: np.ndarray, origin: tuple[float, float, float]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """First meeting of rays with the ground.
+        """Find the first intersection of each ray with the ground.
 
         Parameters
         ----------
         rays : ndarray, shape (3, ...)
             Unit directions.
         origin : tuple of float
-            Where all rays start.
+            Start of all rays, in metres.
 
         Returns
         -------
         distance, cosine : ndarray, shape rays.shape[1:]
-            Distance in metres (infinite: none) and cosine of the angle of incidence.
+            Distance in metres, infinite for a ray that misses the ground, and cosine of the angle
+            of incidence.
         """
         cosine_yaw, sine_yaw = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
         along = cosine_yaw * rays[0] + sine_yaw * rays[1]
@@ -91,7 +92,7 @@ class Ground:
         half = self.width / 2
 
         def meet(height: float, tilt: float, side: int, inner: float, outer: float) -> None:
-            """The strip z = height + tilt * v for v = side * across between inner and outer."""
+            """Add hits of the strip z = height + tilt * v, v = side * across in inner..outer."""
             drop = climb - tilt * side * across
             reach = -(start_height - height - tilt * side * start_across) / drop
             aside = side * (start_across + reach * across)
@@ -118,7 +119,7 @@ class Ground:
     def _road_coordinates(
         self, x: float | np.ndarray, y: float | np.ndarray
     ) -> tuple[float | np.ndarray, float | np.ndarray]:
-        """Metres along the road and to the left of its crown."""
+        """Return the metres along the road and to the left of its crown."""
         cosine, sine = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
         x, y = x - self.pose.x, y - self.pose.y
         return cosine * x + sine * y, cosine * y - sine * x

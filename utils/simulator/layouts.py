@@ -1,4 +1,4 @@
-"""Places laid out by hand: the street of the lessons, and the square of the cyclist."""
+"""Hand-made layouts: the street of the lessons, and the square of the cyclist scene."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from utils.simulator.world import Obstacle, World
 
 
 def lesson_obstacles() -> list[Obstacle]:
-    """What stands and moves around the sensor, in road coordinates."""
+    """Return the obstacles around the sensor, in road coordinates."""
     back = math.pi
     return [
         # Parked on the right and on the left.
@@ -36,7 +36,7 @@ def lesson_obstacles() -> list[Obstacle]:
         placed(car(4.0, 1.70, 1.52), -8.0, 3.95, back - 0.05),
         placed(truck(width=2.1), 16.0, 3.9, back),
         placed(car(4.3, 1.75, 1.50), 24.0, 4.0, back + 0.02),
-        # On the move: a car that has just passed, one that turns out of a drive, one ahead.
+        # Moving: a car that has just passed, one that turns out of a driveway, one ahead.
         placed(car(4.4, 1.78, 1.45), -9.5, 1.6, back + 0.02, speed=8.0),
         placed(car(4.1, 1.72, 1.55), 7.2, 2.6, -2.45, speed=3.0, turn_rate=-0.4),
         placed(car(4.7, 1.84, 1.44), 22.5, EGO_LANE, 0.0, speed=7.0),
@@ -49,7 +49,7 @@ def lesson_obstacles() -> list[Obstacle]:
         placed(pedestrian(1.62, 0.15), 5.2, 6.6, back, speed=1.2),
         placed(pedestrian(1.75, 0.25), -4.6, -6.8, back, speed=1.3),
         placed(pedestrian(1.20, 0.15), -3.2, 6.8, 0.4, speed=0.8),
-        # Beside the kerb.
+        # Next to the kerb.
         placed(pole(6.0, 0.08), 1.0, -5.6),
         placed(pole(2.9, 0.04, sign=True), 4.3, -5.5),
         placed(tree(5.5, 1.3, 0.15), -2.4, -5.7),
@@ -59,7 +59,7 @@ def lesson_obstacles() -> list[Obstacle]:
         placed(tree(6.5, 1.5, 0.18), -5.4, 5.7),
         placed(tree(5.8, 1.3, 0.14), 11.5, 5.7),
         placed(pole(2.9, 0.04, sign=True), -11.0, 5.5),
-        # House fronts, with the drive out of which the car comes.
+        # House fronts, with the driveway of the turning car.
         placed(house(12.0, 8.0, 7.5), -9.0, -12.8, back),
         placed(house(14.0, 8.0, 6.5), 6.0, -13.3, back),
         placed(house(10.0, 8.0, 8.0), 20.0, -12.9, back),
@@ -76,7 +76,7 @@ def lesson_obstacles() -> list[Obstacle]:
 def winding(
     distance: float, speed: float, aside: float, weave: float
 ) -> tuple[float, float, float, float]:
-    """x, y, heading and speed on a winding path, `aside` metres left of it and weaving."""
+    """Return x, y, heading and speed on a winding path, `aside` metres left of it and weaving."""
     bend, ripple = 2 * math.pi / 45, 2 * math.pi / 13
     y = 3.0 * math.sin(bend * distance) + aside + weave * 0.4 * math.sin(ripple * distance)
     rise = 3.0 * bend * math.cos(bend * distance)
@@ -86,10 +86,10 @@ def winding(
 
 @lru_cache(maxsize=4)
 def square(seed: int) -> World:
-    """A wide open square with turning cars, parked cars, trees and houses around it."""
+    """Return an open square with turning cars, and parked cars, trees and houses around it."""
     rng = np.random.default_rng((seed, 4))
     obstacles = [
-        # Four that go round in circles, and one that comes towards us.
+        # Four vehicles that drive in circles, and one oncoming car.
         placed(car(4.4), 14.0, 10.0, 0.0, 4.0, 0.80),
         placed(car(4.1), 20.0, -9.0, math.pi, 4.0, 0.80),
         placed(car(4.6), 38.0, -7.0, 0.0, 4.0, -0.60),

@@ -1,4 +1,4 @@
-"""Where something stands and which way it faces."""
+"""Position and heading of an object."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Pose:
     yaw: float = 0.0
 
     def apply(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) given in this pose's own frame, in the outer frame."""
+        """Transform points (..., 3) from this pose's own frame to the outer frame."""
         return self.rotate(points) + (self.x, self.y, self.z)
 
     def rotate(self, vectors: np.ndarray) -> np.ndarray:
-        """Vectors (..., 3) turned by the heading, not shifted."""
+        """Rotate vectors (..., 3) by the heading, without a shift."""
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
         turned = np.array(vectors, dtype=float)
         x, y = turned[..., 0], turned[..., 1]
@@ -30,13 +30,13 @@ class Pose:
         return turned
 
     def inverse(self) -> Pose:
-        """The pose of the outer frame seen from this one."""
+        """Return the pose of the outer frame in this pose's own frame."""
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
         return Pose(
             -cosine * self.x - sine * self.y, sine * self.x - cosine * self.y, -self.z, -self.yaw
         )
 
     def then(self, inner: Pose) -> Pose:
-        """The pose, in the outer frame, of something whose pose in this frame is `inner`."""
+        """Return the outer pose of an object whose pose in this pose's own frame is `inner`."""
         x, y, z = self.apply(np.array([inner.x, inner.y, inner.z])).tolist()
         return Pose(x, y, z, self.yaw + inner.yaw)

@@ -1,9 +1,9 @@
-"""A ray-casting LiDAR: what a rotating laser scanner would have measured, with the truth beside it.
+"""Ray-casting LiDAR: the measurements of a rotating laser scanner with their ground truth.
 
-Each beam is one ray. It returns the distance to the first surface it meets, with Gaussian noise
-along the ray, unless the echo is lost. The world stands still during a sweep.
+Each pulse is one ray. It measures the distance to the first surface in its way, with Gaussian
+noise along the ray, unless the echo is lost. The world does not move during a scan.
 
-Coordinates: a `utils.simulator.world.World` lies in the frame of the vehicle (x forward, y left,
+Coordinates: a `utils.simulator.world.World` is in the frame of the vehicle (x forward, y left,
 z up, the origin on the road beneath the sensor). A `Scan` has the *sensor* at its origin.
 """
 
@@ -37,7 +37,7 @@ CLASSES: tuple[str, ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """One sweep of the sensor; row i of every array belongs to the same return.
+    """One turn of the sensor; row i of every array belongs to the same return.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Scan:
     beams : ndarray of uint16, shape (n,)
         Index into the sensor's elevations.
     times : ndarray, shape (n,)
-        Seconds since the sweep began.
+        Seconds since the scan began.
     """
 
     cloud: np.ndarray
@@ -74,13 +74,13 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     Returns
     -------
     Scan
-        Beam by beam, each in the order of its azimuth, anticlockwise from straight ahead.
-        Coordinates are rounded to the micrometre and intensities to the hundredth, so that
-        processors which differ in the last bit of a sine agree on the result.
+        Returns ordered by beam, then by azimuth, anticlockwise from straight ahead. Coordinates
+        are rounded to the micrometre and intensities to the hundredth. Processors that differ in
+        the last bit of a sine therefore give the same result.
     """
     rays = ray_directions(sensor)
     rng = np.random.default_rng(seed)
-    # Drawn for every ray, hit or not: what a ray meets does not change the luck of the others.
+    # Random numbers are drawn for every ray, so that a hit of one does not change the others.
     shape = rays.shape[1:]
     noise, flicker = rng.standard_normal(shape), rng.standard_normal(shape)
     luck, penetration = rng.random(shape), rng.standard_exponential(shape)
@@ -88,7 +88,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     sources = list(_sources(world, sensor))
     hits, distance, cosine = _nearest(world, sensor, rays, sources, penetration)
     found = np.isfinite(distance)
-    distance[~found] = 1.0  # any number that can be computed with
+    distance[~found] = 1.0  # an arbitrary finite number
     materials = [solid.material for _, _, solid in sources] + [world.ground.material]
     reflectivity = np.array([material.reflectivity for material in materials])[hits]
     loss = np.array([material.loss for material in materials])[hits]
@@ -96,13 +96,13 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     measured = distance + sensor.range_noise * noise
     kept = found & (luck >= _risk(sensor, loss, reflectivity * cosine, distance))
     kept &= (measured >= sensor.minimum_range) & (measured <= sensor.maximum_range)
-    # The unluckiest rays of all are the ones reported at the origin.
+    # The rays with the smallest random numbers are reported at the origin.
     invalid = _smallest(luck, sensor.invalid_returns)
     kept |= invalid
     brightness = reflectivity * (0.5 + 0.5 * cosine) * (1 + 0.15 * flicker)
 
     cloud = np.empty((np.count_nonzero(kept), 4))
-    cloud[:, :3] = np.round((rays[:, kept] * measured[kept]).T, 6) + 0.0  # no -0.0
+    cloud[:, :3] = np.round((rays[:, kept] * measured[kept]).T, 6) + 0.0  # turns -0.0 into 0.0
     cloud[:, 3] = np.round(np.clip(brightness[kept], 0.0, 1.0), 2)
     codes = [CLASSES.index(kind) for kind, _, _ in sources] + [CLASSES.index("ground")]
     identities = [identity for _, identity, _ in sources] + [0]
@@ -118,7 +118,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
 def _risk(
     sensor: Sensor, loss: np.ndarray, brightness: np.ndarray, distance: np.ndarray
 ) -> np.ndarray:
-    """Probability that each echo is lost: by chance, by its material, or for its weakness."""
+    """Return the loss probability of each echo, from dropout, material and weak signal."""
     kept = (1 - sensor.dropout) * (1 - loss)
     if sensor.weakest_signal:
         signal = brightness * (100.0 / distance) ** 2
@@ -127,7 +127,7 @@ def _risk(
 
 
 def _smallest(values: np.ndarray, count: int) -> np.ndarray:
-    """A mask of the `count` smallest values, but never of all."""
+    """Return a mask of the `count` smallest values, but never of all values."""
     count = min(count, values.size - 1)
     chosen = np.zeros(values.size, dtype=bool)
     chosen[np.argpartition(values, count, axis=None)[:count]] = True
@@ -135,9 +135,9 @@ def _smallest(values: np.ndarray, count: int) -> np.ndarray:
 
 
 def _sources(world: World, sensor: Sensor) -> Iterator[tuple[str, int, Solid]]:
-    """Class, identity and solid, in sensor coordinates, of all there is to hit but ground.
+    """Yield class, identity and solid of everything except the ground, in sensor coordinates.
 
-    Less what is farther away than an echo is reported from, however lucky its noise.
+    Obstacles beyond the maximum range, with a margin for noise, are omitted.
     """
     x, y, z = sensor.origin
     to_sensor = Pose(-x, -y, -z)
@@ -159,13 +159,13 @@ def _nearest(
     sources: list[tuple[str, int, Solid]],
     penetration: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """For every ray the index of what it hits first (-1: the ground), distance and cosine."""
+    """Return for every ray the index of its first hit (-1: ground), distance and cosine."""
     distance, cosine = world.ground.crossings(rays, sensor.origin)
     hits = np.full(distance.shape, -1, dtype=np.int32)
     for index, (_, _, solid) in enumerate(sources):
         for block in _blocks(solid, sensor):
             enter, leave, facing = solid.crossings(rays[(slice(None), *block)])
-            # A solid that contains the sensor is not seen from inside.
+            # A solid that contains the sensor is invisible from inside.
             met = (enter > 0) & (enter <= leave)
             if solid.material.depth:
                 enter = enter + solid.material.depth * penetration[block]
@@ -178,9 +178,9 @@ def _nearest(
 
 
 def _blocks(solid: Solid, sensor: Sensor) -> Iterator[tuple[slice, slice]]:
-    """The blocks (beams, firings) of rays that can possibly meet a solid: at most two."""
+    """Yield the blocks (beams, firings) of rays that can meet a solid, at most two."""
     lowest, highest = solid.elevations()
-    # A hair more than needed, for the rounding of the angles.
+    # The tolerance accounts for rounding of the angles.
     beams = [
         beam
         for beam, elevation in enumerate(sensor.elevations)

@@ -1,6 +1,6 @@
-"""Ready-made scenes: a highway, a city block, a ride behind a cyclist, and streets without end.
+"""Ready-made scenes: a highway, a city block, a ride behind a cyclist, and random streets.
 
-`python -m utils.simulator.scenes` writes `data/cloud.txt` and `data/cloud_truth.npz` anew.
+`python -m utils.simulator.scenes` rewrites `data/cloud.txt` and `data/cloud_truth.npz`.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ __all__ = [
 
 
 def simple_highway(seed: int = 0) -> Frame:
-    """Three block cars on a flat road, seen by the 8-layer sensor on a fourth."""
+    """Return three block cars on a flat road, seen by the 8-layer sensor on a fourth car."""
     return _highway_frame(seed, 0)
 
 
 def highway(seed: int = 0, frames: int = 30) -> Stream:
-    """The simple highway in motion: every car with its own speed, the ego car at 20 m/s."""
+    """Return the simple highway in motion, with different speeds and the ego car at 20 m/s."""
     return Stream(partial(_highway_frame, seed), range(frames))
 
 
@@ -58,21 +58,21 @@ def _highway_frame(seed: int, number: int) -> Frame:
         placed(block_car(), 8.0, -4.0, speed=18.0),
         placed(block_car(), -12.0, 4.0, speed=23.0),
     )
-    # 0.1 m lower than the others: the rays of the original took steps of 0.2 m and so passed
-    # through the edge of the roof that they leave from.
+    # The ego car is 0.1 m lower than the others. The rays of the original simulation took steps
+    # of 0.2 m and so passed through the edge of the ego car's roof.
     world = World(Ground(), numbered(obstacles), ego=block_car(height=1.9).solids)
     vehicle = Pose(ego_speed * time)
     return observe(world.seen_from(vehicle, time), highway_sensor(), (seed, number), time)
 
 
 ROAD = Ground(slope=0.022, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
-"""A street that climbs gently, as most do."""
+"""A street that climbs gently."""
 
 
 def lesson_street(seed: int = 0) -> Frame:
-    """The frame in `data/cloud.txt`: a street laid out by hand near the sensor.
+    """Return the frame in `data/cloud.txt`: a street laid out by hand near the sensor.
 
-    Within 10 m it holds parked, passing and turning cars, people, a cyclist, poles and trees.
+    Within 10 m it has parked, passing and turning cars, people, a cyclist, poles and trees.
     """
     rng = np.random.default_rng((seed, 1))
     far = StreetPlan(
@@ -84,7 +84,7 @@ def lesson_street(seed: int = 0) -> Frame:
 
 
 def city_block(seed: int = 0, frames: int = 30) -> Stream:
-    """A drive at 5 m/s through a street of parked and moving cars, people, poles and trees."""
+    """Return a drive at 5 m/s through a street with parked and moving cars, people and trees."""
     return Stream(partial(_city_frame, seed), range(frames))
 
 
@@ -101,7 +101,7 @@ def _city_world(seed: int) -> World:
 
 
 def cyclist(seed: int = 0, frames: int = 60) -> Stream:
-    """A winding ride behind a weaving cyclist, past cars that turn: nothing moves straight."""
+    """Return a winding ride behind a weaving cyclist, past turning cars."""
     return Stream(partial(_cyclist_frame, seed), range(frames))
 
 
@@ -111,7 +111,7 @@ def _cyclist_frame(seed: int, number: int) -> Frame:
     x, y, yaw, speed = winding(9.0 + 4.2 * time, 4.2, 1.4, 1.6)
     rider = placed(bicycle(), x, y, yaw, speed)
     rider = replace(rider, identity=len(world.obstacles) + 1)
-    # `seen_from` moves everything on by `time`; the rider's path is already at that time.
+    # `seen_from` advances every obstacle by `time`, but the rider's pose is already at that time.
     rider = replace(rider.at(-time), turn_rate=0.0)
     world = replace(world, obstacles=(*world.obstacles, rider))
     x, y, yaw, _ = winding(4.5 * time, 4.5, 0.0, 0.0)
@@ -120,7 +120,7 @@ def _cyclist_frame(seed: int, number: int) -> Frame:
 
 
 def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = None) -> Frame:
-    """A street nobody has seen before.
+    """Return a random street.
 
     Parameters
     ----------
@@ -129,12 +129,12 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
     difficulty : float
         From 0 (flat, empty, wide gaps) to 1 (steep, crowded, 0.7 m gaps).
     sensor : Sensor, optional
-        `hdl64()` unless given.
+        By default `hdl64()`.
 
     Raises
     ------
     ValueError
-        If the difficulty lies outside 0 to 1.
+        The difficulty is outside 0 to 1.
     """
     if not 0.0 <= difficulty <= 1.0:
         raise ValueError(f"The difficulty is a number from 0 to 1, not {difficulty}.")
@@ -164,11 +164,11 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
 def write_lesson_cloud(folder: Path) -> None:
     """Write `cloud.txt` and `cloud_truth.npz` into a folder.
 
-    The text has one return per line: x y z to the millimetre, intensity to the hundredth.
+    The text file has one return per line: x y z to the millimetre, intensity to the hundredth.
     """
     frame = lesson_street()
     cloud = np.round(frame.cloud, 3) + 0.0  # adding zero turns -0.0 into 0.0
-    # At z = -1.200 exactly, `>` and `>=` would differ in a lesson that is not about that.
+    # With a point at exactly z = -1.200, a lesson would depend on `>` or `>=`.
     cloud[cloud[:, 2] == -1.2, 2] = -1.201
     line = "%.3f %.3f %.3f %.2f\n"
     text = (line * len(cloud)) % tuple(cloud.ravel().tolist())
