@@ -1,6 +1,6 @@
-"""The names that notebooks import: clouds, the simulated scanner, pictures and checks.
+"""The names that notebooks import: clouds, the simulated scanner, figures and checks.
 
-Each name is loaded when it is first used, so that ``import utils`` is fast.
+Each name is loaded on first use, so that ``import utils`` is fast.
 """
 
 import importlib
@@ -25,7 +25,7 @@ _MODULE_OF = {
     "replay": "utils.replays",
     "write_cloud": "utils.clouds",
 }
-# Modules that have moved; notebooks that students already have import the old names.
+# Modules that have moved. Notebooks released to students earlier import the old names.
 _MOVED = {
     "ground": "utils.simulator.ground",
     "recording": "utils.films",
@@ -68,7 +68,7 @@ def __dir__() -> list[str]:
 
 
 class _MovedModules:
-    """Import hook that redirects old module names: ``from utils.ground import Ground``."""
+    """Import hook for old module names, as in ``from utils.ground import Ground``."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
@@ -77,7 +77,7 @@ class _MovedModules:
 
     @staticmethod
     def create_module(spec: ModuleSpec) -> None:
-        """Return None for Python's default module, which `exec_module` replaces."""
+        """Return None to get Python's default module, which `exec_module` replaces."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
@@ -94,7 +94,7 @@ def health() -> str:
     from importlib import metadata, util
     from pathlib import Path
 
-    # In a browser, only the notebook's own pip exists.
+    # In a browser, packages can only be installed from within a notebook.
     install = "%pip install" if sys.platform == "emscripten" else "pip install"
     needed = ("numpy", "scipy", "matplotlib", "shapely")
     if missing := [name for name in needed if not util.find_spec(name)]:

@@ -1,7 +1,7 @@
-"""What Google Colab lacks, installed beside what it has.
+"""Installation of PyVista in Google Colab, without changes to the packages already there.
 
-Colab brings NumPy, SciPy, matplotlib, IPython and ipywidgets in versions that its own machinery
-relies on. A notebook of the course runs with these; only `utils.scene3d` wants more.
+Colab comes with NumPy, SciPy, matplotlib, IPython and ipywidgets, in versions that Colab itself
+relies on. Notebooks of the course run with these versions. Only `utils.scene3d` needs PyVista.
 """
 
 from __future__ import annotations
@@ -13,34 +13,35 @@ import tempfile
 from importlib import metadata
 from pathlib import Path
 
-PYVISTA = ("pyvista==0.49.1", "vtk==9.7.2")  # as in requirements-3d.txt
+PYVISTA = ("pyvista==0.49.1", "vtk==9.7.2")  # the same versions as in requirements-3d.txt
 
 
 def in_colab() -> bool:
-    """Whether this is a notebook in Google Colab."""
+    """Return whether this is a notebook in Google Colab."""
     return "google.colab" in sys.modules
 
 
 def install_pyvista() -> str:
-    """Install PyVista, and change nothing that is there.
+    """Install PyVista without changing any installed package.
 
     Returns
     -------
     str
-        What kept it from being installed, in pip's words; empty when nothing did.
+        The error message of pip; empty if the installation succeeded.
     """
     print("Installing PyVista, once in a session: about half a minute.", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(pip_install(Path(folder)), capture_output=True, text=True)
+        pip = subprocess.run(pip_install(Path(folder)), capture_output=True, text=True)
     importlib.invalidate_caches()
-    errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
-    return "" if done.returncode == 0 else (errors or [f"pip ended with {done.returncode}"])[-1]
+    errors = [line for line in pip.stderr.splitlines() if line.startswith("ERROR")]
+    return "" if pip.returncode == 0 else (errors or [f"pip ended with {pip.returncode}"])[-1]
 
 
 def pip_install(folder: Path) -> list[str]:
-    """The command of pip, with a file in `folder` that holds every installed version in place."""
-    # Of two copies Python takes the one that comes first, so that one has to come last here.
-    installed = {found.name: found.version for found in reversed([*metadata.distributions()])}
+    """Write constraints with all installed versions into `folder`, and return the pip command."""
+    # Python imports the first of two copies of a package. In a dict the last entry wins, so the
+    # distributions are read in reverse.
+    installed = {dist.name: dist.version for dist in reversed([*metadata.distributions()])}
     constraints = folder / "constraints.txt"
     constraints.write_text("".join(f"{name}=={version}\n" for name, version in installed.items()))
     return [

@@ -1,4 +1,4 @@
-"""Show something where a notebook is, and print it where there is none."""
+"""Output that appears as HTML in a notebook and as text everywhere else."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
 
 def shell() -> InteractiveShell | None:
-    """The running IPython; None in plain Python."""
-    # Nobody runs IPython without having imported it, and importing it takes a while.
+    """Return the running IPython shell; None in plain Python."""
+    # A running IPython has already been imported. Importing it here would be slow.
     ipython = sys.modules.get("IPython")
     return ipython.get_ipython() if ipython else None
 
@@ -22,7 +22,7 @@ def show(html: str, text: str) -> None:
     Parameters
     ----------
     html, text : str
-        The same in two ways.
+        The same content in both formats.
     """
     if shell() is None:
         print(text)

@@ -1,4 +1,4 @@
-"""Setup by the first cell of each notebook, after it has found the course's folder."""
+"""Setup for notebooks; the first cell calls it after it has found the course folder."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from utils.lent import lend_answers
 from utils.static_widgets import stand_in
 from utils.tracebacks import show_no_frames_of_ours
 
-# Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue back,
-# so that blue stays blue; the first selectors are those of JupyterLab, the last of VS Code.
-# An exported page shows the cells that the notebook folds, so it reduces each to one line, which
-# the reader can drag open. Lines of code are wrapped there, and also in JupyterLab on a phone,
-# which shows 43 of at most 100 columns.
+# Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue by half
+# a turn, so that blue stays blue. The first two selectors are for JupyterLab, the last for VS Code.
+# An exported page shows cells that a notebook folds. The style reduces such a cell to one line,
+# which the reader can drag open. Code is wrapped in exported pages, and in JupyterLab on a phone,
+# where only 43 of up to 100 columns fit.
 STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
@@ -33,8 +33,8 @@ body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere
 def begin(number: str) -> None:
     """Check the installation and prepare the notebook for a lesson.
 
-    This replaces missing sliders, adds the style of dark notebooks, shortens tracebacks and
-    provides the stored answers of earlier lessons.
+    Without ipywidgets, sliders are replaced by static ones. In a notebook, styles for dark themes
+    are added. Tracebacks are shortened, and stored answers to earlier lessons become available.
 
     Parameters
     ----------

@@ -37,15 +37,27 @@ RECORDED = ("udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005")
 
 HIGHWAY_SENSOR = 2.6
 HIGHWAY_EGO = ((-2.0, -1.0, -HIGHWAY_SENSOR), (2.0, 1.0, 1.9 - HIGHWAY_SENSOR))
-"""The ego car below the highway's sensor, in metres."""
+"""Two opposite corners of the ego car below the highway's sensor, in metres."""
 
 OFF = ("lidar_rays",)
-"""Layers that stay off unless asked for: a thousand rays hide the rest."""
+"""Layers that are off by default; a thousand rays would hide everything else."""
 
 
 @dataclass(frozen=True)
 class Programme:
-    """What is played: a title, the frames, and how a frame becomes a scene."""
+    """A stream to play: its title, its frames, and the settings for drawing them.
+
+    Attributes
+    ----------
+    title : str
+        Written above the picture.
+    frames : sequence
+        Simulated or recorded frames, or bare clouds.
+    on_highway : bool
+        Whether to draw the highway's road, its ego car and a solid car for each true car.
+    switches : tuple of (str, bool)
+        Layers to turn on or off.
+    """
 
     title: str
     frames: Sequence
@@ -53,13 +65,13 @@ class Programme:
     switches: tuple[tuple[str, bool], ...] = ()
 
     def compose(self, sight: Sight) -> Scene:
-        """The scene of a frame: cloud and boxes, the ego car, and on the highway the road."""
+        """Return the scene of a frame: cloud, boxes, ego car and, on the highway, road and cars."""
         scene = scene_of(sight, self.title)
         scene.add_rays(sight.cloud)
         if self.on_highway:
             scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
             cars = [box.corners for box in sight.true_boxes if box.kind == "car"]
-            # Blue ones would hide the boxes that were found.
+            # Blue cars would hide the blue boxes that the detector finds.
             scene.add_cars(cars, colour=BLUE if sight.found is None else PALE)
         else:
             scene.add_ego_car()
@@ -69,24 +81,24 @@ class Programme:
 def open_programme(
     name: str, *, frames: int | None = None, seed: int = 0, topic: str | None = None
 ) -> Programme:
-    """Find out what `name` means, and open it.
+    """Open a simulated scene, a recording, a folder of clouds or a single cloud for playing.
 
     Parameters
     ----------
     name : str
-        A simulated scene, a recording that can be fetched, a ROS recording, a folder of clouds,
-        or one cloud.
+        Name of a simulated scene or of a recording that can be downloaded; or the path of a ROS
+        recording, a folder of clouds or one cloud.
     frames : int, optional
-        Only the first so many.
+        Number of frames to play; by default all.
     seed : int
-        For simulated scenes: another seed, another street.
+        Seed of a simulated scene; each seed gives a different street.
     topic : str, optional
-        For ROS recordings with several topics of clouds.
+        Topic to read from a ROS recording with several topics of clouds.
 
     Raises
     ------
     CloudFileError
-        There is no such file or folder, or it holds no clouds.
+        The file or folder does not exist, or contains no clouds.
     """
     if name in SIMULATED:
         return Programme(SIMULATED[name], _simulated(name, frames, seed), name == "highway")
@@ -99,7 +111,7 @@ def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
 
     if frames is None:
         return load_sequence(name, seed)
-    # A few frames are made sooner than the whole sequence for the cache.
+    # Simulating a few frames is faster than filling the cache with the whole sequence.
     return getattr(scenes, SCENES[name])(seed=seed, frames=frames)
 
 
@@ -123,18 +135,26 @@ def _recorded(name: str, topic: str | None) -> Sequence:
 def load_detector(
     notebook: str, settings: dict[str, object] | None = None
 ) -> tuple[Callable, Tracker | None]:
-    """The detector of a notebook and, where `match_boxes` is written, a tracker.
+    """Return the detector of a notebook and, if `match_boxes` is written there, a tracker.
 
     Parameters
     ----------
     notebook : str
+        Path of the notebook.
     settings : dict, optional
-        Parameters of `detect_obstacles` other than the cloud.
+        Values for parameters of `detect_obstacles` other than the cloud.
+
+    Returns
+    -------
+    detect : callable
+        Takes a cloud, with the settings already applied.
+    tracker : utils.tracking.Tracker or None
 
     Raises
     ------
     ValueError
-        The notebook has no such function, or only its stub, or it has not these parameters.
+        The notebook has no `detect_obstacles`, or only its stub, or the function lacks one of the
+        parameters.
     """
     from utils.notebooks.my_functions import load_my_functions
 
@@ -170,7 +190,7 @@ def play(
     size: tuple[int, int] = SIZE,
     tracker: Tracker | None = None,
 ) -> None:
-    """Play in a window, at the speed of the recording where the machine keeps up."""
+    """Play in a window, at the speed of the recording or as fast as the machine allows."""
     from utils.scene3d.with_pyvista import Window
 
     window = Window(size, CAMERAS[camera])
@@ -189,12 +209,12 @@ def play(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return 0, or 2 when something was asked for that is not there."""
+    """Run the command line and return its exit code: 0, 2 after an error, 130 after Ctrl-C."""
     options = _parser().parse_args(arguments)
     try:
         _run(options)
-    except (ValueError, CloudFileError, OSError) as problem:
-        print(problem)
+    except (ValueError, CloudFileError, OSError) as error:
+        print(error)
         return 2
     except KeyboardInterrupt:
         print("\nStopped.")

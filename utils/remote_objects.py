@@ -1,8 +1,8 @@
-"""What lives elsewhere, and how it is asked: in the judge, a student's functions and objects.
+"""Base classes for proxies of functions and objects in another process.
 
-A check is given a function: in a notebook the student's own, in the judge one that asks across a
-wall. Both can be called. What a check does to a function beyond that, such as looking at what
-became of its arguments, happens where the function is: so whatever is `Remote` does it itself.
+In a notebook, a check receives the student's own function. In the judge, it receives a proxy that
+forwards each call to the sandbox. Both can be called alike. Some checks need more than the result,
+such as the arguments after the call. A proxy makes such observations in the other process.
 """
 
 from __future__ import annotations
@@ -10,37 +10,38 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 ENDLESS = "is there a loop that never ends?"
-"""What to ask whose function did not come back, unless a check knows better (`Check.slow`)."""
+"""Default hint for a call that exceeds its time limit; a check may have its own (`Check.slow`)."""
 
 
 class Remote:
-    """Marks what lives elsewhere; a class of a student's may have methods of any name.
+    """Base class of all proxies.
 
-    A function has `observe`, `timed` and `each`, an object `reach`: they do and return what the
-    functions `observe`, `timed`, `call_each` and `reach` of `utils.checks.assertions` do.
+    Checks test for this class and not for a method, since a student's class may have methods of
+    any name. Functions have `observe`, `timed` and `each`; objects have `reach`. These do the same
+    as `observe`, `timed`, `call_each` and `reach` in `utils.checks.assertions`.
     """
 
 
 class RemoteError(Exception):
-    """What a function that lives elsewhere raised there."""
+    """A function in another process raised an exception."""
 
 
 class RemoteStopped(Exception):
-    """What lives elsewhere hung or died, and is gone."""
+    """The process of a function hung or died, and has ended."""
 
 
 @dataclass(frozen=True)
 class Observed:
-    """A call that was looked at.
+    """The observations made during one call.
 
     Attributes
     ----------
     result : object
-        What the function returned.
+        Return value of the function.
     arguments : tuple
-        What became of copies of the arguments.
+        State of the arguments after the call; the function received copies.
     shared : frozenset of int
-        Positions of the arguments that share their memory with the result.
+        Positions of the arguments that share memory with the result.
     """
 
     result: object

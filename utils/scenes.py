@@ -1,4 +1,4 @@
-"""Streams of simulated frames, by the name under which lessons import them."""
+"""Streams of simulated frames, under the names that lessons import."""
 
 from utils.simulator.frames import Frame, Stream
 from utils.simulator.scenes import (

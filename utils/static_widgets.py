@@ -9,7 +9,7 @@ from types import ModuleType
 
 
 class Still:
-    """A widget of any kind: it has a value, and nobody moves it."""
+    """A widget of any kind, which always keeps its initial value."""
 
     def __init__(self, *_: object, value: object = None, **settings: object) -> None:
         self.value = value
@@ -17,7 +17,7 @@ class Still:
 
 
 def interact(**sliders: Still) -> Callable[[Callable], Callable]:
-    """Call a function once, with the value that each slider has."""
+    """Return a decorator that calls the function once, with the initial value of each slider."""
 
     def run(function: Callable) -> Callable:
         function(**{name: slider.value for name, slider in sliders.items()})
@@ -27,7 +27,7 @@ def interact(**sliders: Still) -> Callable[[Callable], Callable]:
 
 
 def stand_in() -> None:
-    """Let ``import ipywidgets`` find this, if it would find nothing."""
+    """Let ``import ipywidgets`` find a replacement if ipywidgets is not installed."""
     if "ipywidgets" in sys.modules or util.find_spec("ipywidgets"):
         return
     module = ModuleType("ipywidgets", __doc__)

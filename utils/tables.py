@@ -1,4 +1,4 @@
-"""A table that stays one on a narrow screen, where lines of text are broken."""
+"""Tables that remain readable on a narrow screen, where printed lines would be wrapped."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ from utils.display import show
 
 
 def show_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Show rows below headings: the first column at the left, the others at the right.
+    """Show a table with its first column aligned left and all others aligned right.
 
     Parameters
     ----------
     headings : sequence of str
-        One for each column; on a narrow screen these are wrapped.
+        One per column; on a narrow screen, headings are wrapped.
     rows : iterable of sequences
-        Text, or what `str` makes text of.
+        One value per column; `str` converts values to text.
     """
     cells = [[str(cell) for cell in row] for row in rows]
     show(_as_html(headings, cells), _as_text(headings, cells))
 
 
 def _as_html(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    # A heading that says nothing is none: whoever listens to a table would hear an empty one.
+    # An empty heading is an ordinary cell, since a screen reader would announce an empty heading.
     head = _row([("th" if cell else "td", cell) for cell in headings])
     rows = "".join(_row([("td", cell) for cell in row]) for row in cells)
     return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
 
 
 def _row(cells: Sequence[tuple[str, str]]) -> str:
-    written = (
+    cells_html = (
         f"<{tag} style='text-align:{'right' if column else 'left'}'>{escape(cell)}</{tag}>"
         for column, (tag, cell) in enumerate(cells)
     )
-    return f"<tr>{''.join(written)}</tr>"
+    return f"<tr>{''.join(cells_html)}</tr>"
 
 
 def _as_text(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
