@@ -1,8 +1,8 @@
-"""Pictures of clouds and of what algorithms make of them, drawn with matplotlib.
+"""Figures of clouds and of the results of algorithms, drawn with matplotlib.
 
-Each function takes its data, then options by keyword, then ``axes=None``: it draws into the given
+Each function takes its data, then options by keyword, then ``axes=None``. It draws into the given
 axes or into a new figure of notebook width, and returns the axes. Axes that already show something
-keep their view, so that figures can be laid over each other. Nothing here solves an exercise.
+keep their view, so that figures can be drawn on top of each other. Nothing here solves an exercise.
 
 >>> from utils import plots
 >>> axes = plots.from_above(cloud, limits=((-20, 40), (-10, 10)))

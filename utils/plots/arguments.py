@@ -1,4 +1,4 @@
-"""What the figures accept: shapes checked with a sentence, rows chosen for drawing."""
+"""Arguments of plotting functions: checks of their shapes, and the choice of points to draw."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from utils.plots.style import counted
 
 MOST_POINTS = 30_000
-"""Larger clouds are thinned for drawing: more dots than this only hide each other."""
+"""Clouds with more points are thinned for drawing, because further dots only hide each other."""
 
 VIEWS = {
     "above": (0, 1, "x, forward (m)", "y, left (m)"),
@@ -64,21 +64,21 @@ def as_mask(mask: ArrayLike, count: int, name: str = "keep") -> np.ndarray:
         raise ValueError(
             f"{name} must be a mask of True and False (dtype bool); yours has dtype {mask.dtype}."
         )
-    return _one_each(mask, count, name)
+    return _checked_length(mask, count, name)
 
 
 def as_labels(labels: ArrayLike, count: int, name: str = "labels") -> np.ndarray:
-    """Return `labels` as an int array (count,); whole numbers of any dtype are welcome."""
+    """Return `labels` as an int array (count,); any dtype is accepted if all numbers are whole."""
     labels = np.asarray(labels)
     try:
         with np.errstate(invalid="ignore"):
             whole = labels.astype(np.int64)
-        same = bool((whole == labels).all())
+        is_whole = bool((whole == labels).all())
     except (TypeError, ValueError):
-        same = False
-    if not same:
+        is_whole = False
+    if not is_whole:
         raise ValueError(f"{name} must be whole numbers; yours has dtype {labels.dtype}.")
-    return _one_each(whole, count, name)
+    return _checked_length(whole, count, name)
 
 
 def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray:
@@ -87,11 +87,11 @@ def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray
         values = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be numbers, one per point.") from None
-    return _one_each(values, count, name)
+    return _checked_length(values, count, name)
 
 
 def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
-    """Return one text for each of `count` boxes, or none at all; True for the row numbers."""
+    """Return one text for each of `count` boxes, or an empty list; True gives the row numbers."""
     if names is None or names is False:
         return []
     texts = [str(name) for name in (range(count) if names is True else names)]
@@ -100,7 +100,7 @@ def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
     return texts
 
 
-def _one_each(array: np.ndarray, count: int, name: str) -> np.ndarray:
+def _checked_length(array: np.ndarray, count: int, name: str) -> np.ndarray:
     if array.shape != (count,):
         raise ValueError(
             f"{name} must hold one entry per point: shape ({count},); yours has {array.shape}."
@@ -109,7 +109,7 @@ def _one_each(array: np.ndarray, count: int, name: str) -> np.ndarray:
 
 
 def project(cloud: np.ndarray, view: str) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return the two drawn columns of `cloud`, each (n,), and the names of their axes."""
+    """Return the two columns of a cloud (..., k) that a view shows, and the labels of both axes."""
     if view not in VIEWS:
         raise ValueError(f'view must be "above", "side" or "side to scale"; yours is {view!r}.')
     if cloud.shape[-1] == 2:
@@ -121,28 +121,28 @@ def project(cloud: np.ndarray, view: str) -> tuple[np.ndarray, np.ndarray, str, 
 
 
 def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, str]:
-    """Choose the points to draw into the view of `axes`, and say what was left out.
+    """Choose the points to draw into the view of `axes`, and describe which points are left out.
 
-    Points with a non-finite coordinate have no place. Of the others, one is taken from each run of
-    k, at a random place within the run: every k-th point exactly would fall in step with the beams
-    of a scan and drop most of them. The view has its own k, so that a closer look shows more;
-    points outside are kept for those who move the view afterwards.
+    Points with a non-finite coordinate are left out. The others are divided into runs of k points,
+    and one random point of each run is drawn. Taking exactly every k-th point could fall in step
+    with the beams of a scan and drop most of them. Points inside and outside the view have a k of
+    their own, so a closer view shows more. Points outside are kept in case the view moves later.
 
     Returns
     -------
     rows : (m,) int array
         Ascending.
     remark : str
-        Sentence for the corner of the figure, empty when everything is drawn.
+        Text for the corner of the figure; empty if all points are drawn.
     """
-    placed = np.isfinite(across) & np.isfinite(up)
-    inside = placed & _between(across, axes.get_xlim()) & _between(up, axes.get_ylim())
+    finite = np.isfinite(across) & np.isfinite(up)
+    inside = finite & _between(across, axes.get_xlim()) & _between(up, axes.get_ylim())
     rows, step = _thinned(np.flatnonzero(inside))
-    others, _ = _thinned(np.flatnonzero(placed & ~inside))
+    others, _ = _thinned(np.flatnonzero(finite & ~inside))
     remarks = []
     if step > 1:
         remarks.append(f"1 of {step} points shown")
-    missing = np.count_nonzero(~placed)
+    missing = np.count_nonzero(~finite)
     if missing:
         remarks.append(f"{counted(missing, 'invalid row')} not shown")
     return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
@@ -161,5 +161,5 @@ def _thinned(rows: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def marker_size(count: int) -> float:
-    """Return a marker size in points that suits `count` points: large for few, small for many."""
+    """Return a marker size in typographic points, which is smaller for more points in the cloud."""
     return float(np.clip(22 / max(count, 1) ** 0.27, 1.4, 7.0))

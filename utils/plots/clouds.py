@@ -1,4 +1,4 @@
-"""Whole clouds: seen from above, from the side, and as kept and removed points."""
+"""Figures of whole clouds: from above, from the side, and with kept and removed points."""
 
 from __future__ import annotations
 
@@ -40,31 +40,32 @@ def from_above(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a cloud as a bird sees it: x forward to the right, y left up, to scale.
+    """Draw a cloud from above, to scale: x (forward) to the right, y (left) upwards.
 
     Parameters
     ----------
     cloud : (n, 3) or (n, 4) array_like of float
-        x forward, y left, z up in metres; more columns are ignored. Rows with a non-finite
-        coordinate are left out, clouds above 30 000 points are thinned; both are said in a corner.
+        x forward, y left and z up, in metres; a fourth column is ignored. Rows with a non-finite
+        coordinate are left out, and clouds of more than 30 000 points are thinned. A note in the
+        corner mentions both.
     values : (n,) array_like of float, optional
-        What the colour shows; the height by default.
+        Values that the colours show; by default the height.
     span : (float, float), optional
-        The values at both ends of the colours. Of heights -2 and 2 m, so that a car looks the
-        same in all pictures; of other values by default their own range.
+        Values at both ends of the colour scale. For heights the default is -2 and 2 m, so that a
+        car has the same colours in all figures; for other values it is their own range.
     label : str, optional
         Name and unit of `values`, written at the colour bar.
     title : str, optional
     limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
-        Visible region in metres. By default what `axes` show already, or the cloud; of more than
-        5 000 points the outermost hundredth in each direction may lie outside.
+        Visible region in metres. By default the current view of `axes`, or else the whole cloud.
+        In a cloud of more than 5 000 points the outermost 1 % along each axis may be cut off.
     axes : matplotlib.axes.Axes, optional
-        Where to draw; a new figure by default.
+        Axes to draw into; by default a new figure.
 
     Raises
     ------
     ValueError
-        When a shape does not fit; the message says which one would.
+        A shape is wrong; the message gives the expected one.
     """
     return _coloured(cloud, "above", values, span, label, None, title, limits, axes)
 
@@ -82,10 +83,10 @@ def from_side(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a cloud from its right-hand side: x forward to the right, z up.
+    """Draw a cloud from its right-hand side: x (forward) to the right, z upwards.
 
-    Heights are stretched to fill the figure, and the axis says so: a scan is a hundred times
-    longer than it is high.
+    Heights are stretched to fill the figure, because a scan is about a hundred times longer than
+    it is high. The label of the axis mentions this.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ def from_side(
     level : float, optional
         Height in metres of a horizontal line, such as the ground level.
     to_scale : bool
-        Do not stretch: a metre up is as long as a metre forward.
+        Draw a metre upwards as long as a metre forward, without stretching.
     limits : ((x_low, x_high), (z_low, z_high)) or four numbers, optional
         Visible region in metres.
     """
@@ -112,14 +113,14 @@ def kept_and_removed(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw what a filter keeps (strong dots) and what it removes (pale crosses), with counts.
+    """Draw the points that a filter keeps (blue dots) and removes (pale crosses), with counts.
 
     Parameters
     ----------
     cloud : (n, 3) or (n, 4) array_like of float
-        In metres, see :func:`from_above`.
+        In metres; see :func:`from_above`.
     keep : (n,) array_like of bool
-        True for the points that stay.
+        True for the points that the filter keeps.
     view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`from_above`.
@@ -130,12 +131,24 @@ def kept_and_removed(
     return draw_groups(cloud, groups, view=view, title=title, limits=limits, axes=axes)
 
 
-# Metres, from below the road to a lorry's roof: the same colours in every picture.
+# In metres, from below the road to the roof of a lorry: the same colours in every figure.
 HEIGHTS = (-2.0, 2.0)
 
 
 class Group(NamedTuple):
-    """Points that are drawn alike. Strong ones are large and none of them is thinned out."""
+    """Points of a cloud that share a marker and a colour.
+
+    Attributes
+    ----------
+    name : str
+        Entry in the legend.
+    mask : ndarray of bool, shape (n,)
+        True for the points of the cloud that belong to the group.
+    marker, colour : str
+        As matplotlib takes them.
+    strong : bool
+        Draw the points larger, and never thin them.
+    """
 
     name: str
     mask: np.ndarray
@@ -153,7 +166,7 @@ def draw_groups(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a checked cloud in groups, the last one on top and first in the legend."""
+    """Draw groups of points of a valid cloud; the last group is on top and first in the legend."""
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
     frame(axes, across, up, limits, equal=view != "side")
@@ -186,8 +199,8 @@ def dots(
     *,
     zorder: float = 2.0,
 ) -> None:
-    """Draw markers of one colour: one rasterised artist, which stays quick for many points."""
-    # A cross has no area to fill: it needs a wider stroke and a little more room than a dot.
+    """Draw markers of one colour as one rasterised artist, which is fast even for many points."""
+    # A cross has no area to fill, so it needs a wider stroke and a little more room than a dot.
     cross = marker in ("x", "+")
     size *= 1.3 if cross else 1.0
     axes.plot(
@@ -204,9 +217,9 @@ def dots(
 
 
 def mark_sensor(axes: Axes) -> None:
-    """Mark the origin, where the sensor stands, looking to the right."""
-    look = {"color": PAPER, "markeredgecolor": INK, "markeredgewidth": 1.2, "zorder": 6}
-    axes.plot(0, 0, marker=">", markersize=8, **look)
+    """Mark the sensor at the origin with a triangle that points forward, to the right."""
+    style = {"color": PAPER, "markeredgecolor": INK, "markeredgewidth": 1.2, "zorder": 6}
+    axes.plot(0, 0, marker=">", markersize=8, **style)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     if not (left < 0 < right and low < 0 < high):
         return
@@ -242,7 +255,7 @@ def _coloured(
     values = as_values(values, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
-    # A level below or above all points belongs into the picture, too.
+    # A level below or above all points must also be visible.
     levels = [] if level is None else [float(level)]
     frame(axes, across, np.append(up, levels), limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
@@ -257,7 +270,7 @@ def _coloured(
         vmin=low,
         vmax=high,
         linewidths=0,
-        # The smooth edge of a small dot cannot be seen, but it triples the size of the file.
+        # A smooth edge is invisible on a small dot but triples the file size.
         antialiased=size >= 2.5,
         plotnonfinite=True,
         rasterized=True,
@@ -271,7 +284,11 @@ def _coloured(
 
 
 def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple[float, float, str]:
-    """Return low, high and the ends that stick out: a few stray values must not grey the rest."""
+    """Return both ends of the colour scale, and the ends beyond which there are values.
+
+    By default, the scale covers percentiles 1 to 99, so that a few stray values do not use up the
+    colours.
+    """
     values = values[np.isfinite(values)]
     if not len(values):
         return *(span or (0.0, 1.0)), "neither"
@@ -285,7 +302,7 @@ def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple
 
 
 def _colour_bar(axes: Axes, points: PathCollection, label: str | None, extend: str) -> None:
-    # Placed relative to the axes, it stays as high as they are when their aspect is fixed.
+    # An inset keeps the height of the axes when their aspect is fixed.
     place = axes.inset_axes((1.02, 0, 0.022, 1))
     bar = axes.figure.colorbar(points, cax=place, extend=extend)
     bar.outline.set_visible(False)

@@ -1,4 +1,4 @@
-"""Clusters: labelled points, neighbour graphs, and how a cluster grows."""
+"""Figures of clusters: labelled points, neighbour graphs, and the growth of a cluster."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from utils.plots.style import (
 MOST_NAMES = 12
 
 UNTOUCHED, WAITING, DONE = 0, 1, 2
-"""States of a point in :func:`growth`: not seen yet, in the queue, finished."""
+"""States of a point in :func:`growth`: not reached yet, in the queue, finished."""
 
 
 @styled
@@ -52,22 +52,22 @@ def clusters(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw each cluster in its own pair of colour and marker, and noise as pale crosses.
+    """Draw each cluster with its own pair of colour and marker, and noise as pale crosses.
 
-    Seven colours and six markers make 42 different pairs; a label always has the same one.
+    Seven colours and six markers give 42 different pairs; a label always has the same pair.
 
     Parameters
     ----------
     cloud : (n, 2), (n, 3) or (n, 4) array_like of float
-        In metres; two columns for points of the plane.
+        In metres; two columns for points in the plane.
     labels : (n,) array_like of int
         1 and above for clusters; 0 (or less) for noise.
     view : {"above", "side", "side to scale"}
     names : bool
-        Write their labels at the twelve biggest clusters.
+        Write the label at each of the twelve biggest clusters.
     like : (n,) array_like of int, optional
-        Labels of the same points in another picture: what is mostly the same cluster there keeps
-        its colour.
+        Labels of the same points in another figure. Clusters that share most of their points get
+        the same colour in both figures.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
     """
@@ -84,7 +84,7 @@ def clusters(
     if names:
         _write_names(axes, across, up, labels)
     count, noise = len(np.unique(labels[labels > 0])), np.count_nonzero(labels <= 0)
-    key(axes, counted(count, "cluster"))  # without a dot: they are of all colours
+    key(axes, counted(count, "cluster"))  # without a marker, because clusters differ in colour
     if noise:
         key(axes, counted(noise, "noise point"), "x", colour=PALE)
     note(axes, remark)
@@ -92,11 +92,11 @@ def clusters(
 
 
 def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
-    """Draw checked points with the colour and marker of their label."""
+    """Draw valid points with the colour and marker of their label."""
     size = marker_size(len(labels))
     noise = labels <= 0
     dots(axes, across[noise], up[noise], "x", PALE, size * 0.8, zorder=1.5)
-    # One artist for each pair rather than each cluster: hundreds of clusters stay quick.
+    # One artist per pair of colour and marker, not per cluster, is fast for hundreds of clusters.
     pair = np.where(noise, -1, (labels - 1) % (len(PALETTE) * len(MARKERS)))
     for number in np.unique(pair[~noise]):
         chosen = pair == number
@@ -105,7 +105,11 @@ def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarr
 
 
 def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the labels of both, and the matrix of how many points share each pair of them."""
+    """Return the labels of both arrays (n,), and the number of points with each pair of labels.
+
+    Labels of noise count as 0. The counts have one row per label in `first` and one column per
+    label in `second`.
+    """
     rows, row_of = np.unique(np.maximum(first, 0), return_inverse=True)
     columns, column_of = np.unique(np.maximum(second, 0), return_inverse=True)
     counts = np.zeros((len(rows), len(columns)), dtype=int)
@@ -114,22 +118,25 @@ def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """Return `yours` in the numbers of `expected`: the biggest overlaps are matched first."""
+    """Return `yours` renumbered like `expected`, where the biggest overlaps are matched first.
+
+    Noise stays 0. Clusters without a partner get labels that `expected` does not use.
+    """
     rows, columns, counts = overlaps(yours, expected)
     pairs = np.argwhere(counts > 0)
     pairs = pairs[np.argsort(-counts[tuple(pairs.T)], kind="stable")]
-    number_of, taken = {0: 0}, {0}
+    new_labels, taken = {0: 0}, {0}
     for row, column in pairs:
-        mine, theirs = int(rows[row]), int(columns[column])
-        if mine not in number_of and theirs not in taken:
-            number_of[mine] = theirs
-            taken.add(theirs)
+        yours_label, expected_label = int(rows[row]), int(columns[column])
+        if yours_label not in new_labels and expected_label not in taken:
+            new_labels[yours_label] = expected_label
+            taken.add(expected_label)
     unused = max(columns, default=0) + 1
-    for mine in rows.tolist():
-        if mine not in number_of:
-            number_of[mine] = unused
+    for yours_label in rows.tolist():
+        if yours_label not in new_labels:
+            new_labels[yours_label] = unused
             unused += 1
-    return np.array([number_of[label] for label in np.maximum(yours, 0).tolist()], dtype=int)
+    return np.array([new_labels[label] for label in np.maximum(yours, 0).tolist()], dtype=int)
 
 
 def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
@@ -151,8 +158,11 @@ def write(
     weight: str = "normal",
     ha: str = "center",
 ) -> Annotation:
-    """Write `text` at a place of the drawing, with a paper-coloured edge that keeps it readable."""
-    written = axes.annotate(
+    """Write `text` at a position in data coordinates, with a white edge that keeps it readable.
+
+    `offset` is the distance from this position in typographic points.
+    """
+    annotation = axes.annotate(
         text,
         (across, up),
         xytext=offset,
@@ -165,17 +175,17 @@ def write(
         zorder=8,
         annotation_clip=True,
     )
-    written.set_path_effects([matplotlib.patheffects.withStroke(linewidth=3, foreground=PAPER)])
-    return written
+    annotation.set_path_effects([matplotlib.patheffects.withStroke(linewidth=3, foreground=PAPER)])
+    return annotation
 
 
 def write_rows(axes: Axes, points: np.ndarray) -> None:
-    """Write the row number of each point beside it, on the side away from its neighbours."""
+    """Write the row number next to each point, on the side away from its neighbours."""
     for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
         away = points[row] - points
         distances = np.linalg.norm(away, axis=1)
-        apart = distances > 0
-        push = np.sum(away[apart] / distances[apart, None] ** 3, axis=0)
+        distinct = distances > 0
+        push = np.sum(away[distinct] / distances[distinct, None] ** 3, axis=0)
         strength = np.linalg.norm(push)
         offset = 11 * push / strength if strength > 0 else (8, 8)
         write(axes, *points[row], str(row), offset=offset, size=10)
@@ -193,16 +203,16 @@ def graph(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw points joined to their neighbours: how a chain of close points makes one cluster.
+    """Draw points and the edges between neighbours, which join close points into one cluster.
 
-    Meant for up to a few hundred points.
+    The figure is readable for up to a few hundred points.
 
     Parameters
     ----------
     cloud : (n, 2), (n, 3) or (n, 4) array_like of float
         In metres.
     edges : (m, 2) array_like of int
-        Rows of `cloud` joined by each edge.
+        The two rows of `cloud` that each edge joins.
     view : {"above", "side", "side to scale"}
     labels : (n,) array_like of int, optional
         Colour and marker as in :func:`clusters`.
@@ -254,32 +264,32 @@ def growth(
     limits: ArrayLike | None = None,
     axes: Sequence[Axes] | np.ndarray | None = None,
 ) -> np.ndarray:
-    """Draw a cluster growing step by step, one small picture for each step.
+    """Draw the growth of a cluster, with one small panel per step.
 
     Parameters
     ----------
     cloud : (n, 2), (n, 3) or (n, 4) array_like of float
         In metres.
     frames_of_labels : sequence of (n,) array_like of int
-        For each step the state of each point: 0 untouched, 1 waiting in the queue, 2 done.
+        For each step, the state of each point: 0 untouched, 1 waiting in the queue, 2 done.
     titles : sequence of str, optional
-        One for each step; "step 0", "step 1" and so on by default.
+        One per step; by default "step 0", "step 1" and so on.
     names : (str, str, str)
-        What the three states are called in the legend; only for a new figure.
+        Names of the three states in the legend; only used for a new figure.
     columns : int
-        Pictures side by side; only for a new figure.
+        Number of panels side by side; only used for a new figure.
     view : {"above", "side", "side to scale"}
     title : str, optional
-        Of the whole row; only for a new figure.
+        Title of the whole figure; only used for a new figure.
     limits : optional
-        As in :func:`utils.plots.from_above`, for all pictures.
+        As in :func:`utils.plots.from_above`; the same for all panels.
     axes : sequence of matplotlib.axes.Axes, optional
-        One for each step.
+        One per step.
 
     Returns
     -------
     (steps,) array of matplotlib.axes.Axes
-        One for each picture.
+        One per panel.
     """
     cloud = as_cloud(cloud, planar=True)
     frames = [
@@ -296,14 +306,14 @@ def growth(
     axes = panels(len(frames), axes, columns=columns, size=size)
     across, up, across_label, up_label = project(cloud, view)
     size = 1.2 * marker_size(len(cloud))
-    looks = (
+    state_styles = (
         (UNTOUCHED, "o", PALE, 0.7),
         (WAITING, "^", VERMILION, 1.3),
         (DONE, "s", BLUE, 1.0),
     )
     for panel, states, panel_title in zip(axes, frames, titles, strict=True):
         frame(panel, across, up, limits)
-        for state, marker, colour, scale in looks:
+        for state, marker, colour, scale in state_styles:
             chosen = states == state
             dots(panel, across[chosen], up[chosen], marker, colour, size * scale)
         finish(panel, panel_title, across_label, up_label)
@@ -313,13 +323,13 @@ def growth(
         figure = axes[0].figure
         if title:
             figure.suptitle(title, x=0.01, ha="left", color=INK, fontsize=12, fontweight="bold")
-        entries = zip(names, looks, strict=True)
-        shared_key(figure, axes[0], [(name, look[1], look[2]) for name, look in entries])
+        entries = zip(names, state_styles, strict=True)
+        shared_key(figure, axes[0], [(name, style[1], style[2]) for name, style in entries])
     return axes
 
 
 def shared_key(figure: Figure, axes: Axes, entries: Sequence[tuple[str, str, str]]) -> None:
-    """Write one legend below all panels of `figure`, of entries `(name, marker, colour)`."""
+    """Draw one legend below all panels of `figure`, with entries `(name, marker, colour)`."""
     lines = [
         axes.plot([], [], linestyle="none", marker=marker, color=colour, markersize=6)[0]
         for _, marker, colour in entries
