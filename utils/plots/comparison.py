@@ -1,4 +1,4 @@
-"""Yours against expected: masks, labels, and how two labellings overlap."""
+"""Comparisons of results with the expected ones: masks, labels and their confusion matrix."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from utils.plots.style import (
 RINGS_ACROSS = 24
 MOST_CELLS = 12
 
-# Light enough for dark text on each of them.
+# All colours are light enough for dark text.
 CELL_COLOURS = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0, 0.55, 64)))
 
 
@@ -47,14 +47,14 @@ def difference(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw where a filter keeps or removes the wrong points, with counts.
+    """Draw the points that a filter wrongly keeps or removes, with counts.
 
     Parameters
     ----------
     cloud : (n, 3) or (n, 4) array_like of float
         In metres.
     yours_mask, expected_mask : (n,) array_like of bool
-        True for points kept.
+        True for the points that are kept.
     view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`utils.plots.from_above`.
@@ -82,10 +82,11 @@ def worst(
     limits: ArrayLike | None = None,
     axes: Sequence[Axes] | np.ndarray | None = None,
 ) -> np.ndarray:
-    """Draw two labellings side by side, and ring the points on which they differ.
+    """Draw two labellings side by side, with rings around the points on which they differ.
 
-    Clusters may be numbered differently: each of yours takes the colour of the expected cluster
-    with which it shares most points, and a point differs when its cluster is not that one.
+    Clusters may be numbered differently. Each of your clusters is matched with the expected
+    cluster with which it shares the most points, and takes its colour. Points outside these
+    matches differ.
 
     Parameters
     ----------
@@ -95,15 +96,15 @@ def worst(
         1 and above for clusters; 0 or less for noise.
     view : {"above", "side", "side to scale"}
     title : str, optional
-        Of both panels; only for a new figure.
+        Title above both panels; only used for a new figure.
     limits : optional
-        As in :func:`utils.plots.from_above`; by default the differing points and what is around.
+        As in :func:`utils.plots.from_above`; by default a region around the differing points.
     axes : two matplotlib.axes.Axes, optional
 
     Returns
     -------
     (2,) array of matplotlib.axes.Axes
-        Yours, expected.
+        First your labels, then the expected ones.
     """
     cloud = as_cloud(cloud, planar=True)
     yours = as_labels(labels_yours, len(cloud), "labels_yours")
@@ -111,20 +112,20 @@ def worst(
     own_figure = axes is None
     axes = panels(2, axes, columns=2, size=(WIDTH, 4.2))
     across, up, across_label, up_label = project(cloud, view)
-    renamed = matched(yours, expected)
-    differs = np.flatnonzero(renamed != np.maximum(expected, 0))
+    relabelled = matched(yours, expected)
+    differs = np.flatnonzero(relabelled != np.maximum(expected, 0))
     focus = _around(across[differs], up[differs]) if len(differs) else (across, up)
-    for panel, name, labels in ((axes[0], "yours", renamed), (axes[1], "expected", expected)):
+    for panel, name, labels in ((axes[0], "yours", relabelled), (axes[1], "expected", expected)):
         frame(panel, *focus, limits, equal=view != "side")
         rows, remark = drawn_rows(panel, across, up)
         ringed = differs[_one_per_cell(panel, across[differs], up[differs])]
         draw_labels(panel, across[rows], up[rows], labels[rows])
         size = marker_size(len(rows)) + 5
-        look = {"markerfacecolor": "none", "markeredgewidth": 1.2}
-        panel.plot(across[ringed], up[ringed], "o", color=INK, markersize=size, zorder=5, **look)
+        style = {"markerfacecolor": "none", "markeredgewidth": 1.2}
+        panel.plot(across[ringed], up[ringed], "o", color=INK, markersize=size, zorder=5, **style)
         if cloud.shape[1] > 2:
             mark_sensor(panel)
-        key(panel, f"differ: {len(differs):,}", "o", size=9, **look)
+        key(panel, f"differ: {len(differs):,}", "o", size=9, **style)
         key(panel, f"noise: {np.count_nonzero(labels <= 0):,}", "x", colour=PALE)
         note(panel, remark)
         count = counted(len(np.unique(labels[labels > 0])), "cluster")
@@ -135,37 +136,41 @@ def worst(
 
 
 def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
-    """Return a region (2, 2) around points, with a quarter of it or two metres to spare."""
-    placed = np.isfinite(across) & np.isfinite(up)
-    if not placed.any():
+    """Return a region (2, 2) around points, with a margin of a quarter, and at least 2 metres.
+
+    Without finite points, return the coordinates unchanged.
+    """
+    finite = np.isfinite(across) & np.isfinite(up)
+    if not finite.any():
         return across, up
-    spans = np.array([[part[placed].min(), part[placed].max()] for part in (across, up)])
-    spare = np.maximum(0.25 * (spans[:, 1] - spans[:, 0]), 2.0)
-    return np.stack([spans[:, 0] - spare, spans[:, 1] + spare], axis=1)
+    spans = np.array([[part[finite].min(), part[finite].max()] for part in (across, up)])
+    margin = np.maximum(0.25 * (spans[:, 1] - spans[:, 0]), 2.0)
+    return np.stack([spans[:, 0] - margin, spans[:, 1] + margin], axis=1)
 
 
 def _one_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Choose points that lie apart in the view: a ring for each of a crowd would be a blot."""
+    """Choose at most one point per cell of a grid over the view, so that rings do not overlap."""
     corner, far_corner = np.transpose([axes.get_xlim(), axes.get_ylim()])
-    placed = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
-    places = (np.stack([across[placed], up[placed]], axis=1) - corner) / (far_corner - corner)
+    finite = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
+    places = (np.stack([across[finite], up[finite]], axis=1) - corner) / (far_corner - corner)
     _, first = np.unique(np.floor(places * RINGS_ACROSS), axis=0, return_index=True)
-    return placed[first]
+    return finite[first]
 
 
 @styled
 def label_confusion(
     true: ArrayLike, predicted: ArrayLike, *, title: str | None = None, axes: Axes | None = None
 ) -> Axes:
-    """Draw how many points each pair of labels shares.
+    """Draw the number of points with each pair of true and predicted labels.
 
-    One full cell in each row and column is a perfect match, whatever the numbers are. Several
-    cells in a row: a true cluster is split; several in a column: clusters are merged.
+    One filled cell in each row and column is a perfect match, even if the labels differ. Several
+    filled cells in a row mean that a true cluster is split; several in a column, that clusters are
+    merged.
 
     Parameters
     ----------
     true, predicted : (n,) array_like of int
-        1 and above for clusters; 0 or less for noise. The twelve biggest of each are shown.
+        1 and above for clusters; 0 or less for noise. At most the twelve biggest of each are shown.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
     """

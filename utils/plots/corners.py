@@ -1,4 +1,4 @@
-"""Boxes given by eight corners in any order: their outlines, and one box with its numbers."""
+"""Figures of boxes with eight corners in any order: outlines, and one box with corner numbers."""
 
 from __future__ import annotations
 
@@ -41,26 +41,26 @@ def boxes(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw the outlines of boxes, on the `cloud` or on whatever `axes` show.
+    """Draw the outlines of boxes, on top of `cloud` or of an existing figure.
 
     Parameters
     ----------
     corners : (N, 8, 3) array_like of float
-        Eight corners of each box in metres, in any order. Boxes with a non-finite corner are left
-        out.
+        The eight corners of each box in metres, in any order. Boxes with a non-finite corner are
+        left out.
     cloud : (n, 3) or (n, 4) array_like of float, optional
-        Drawn pale below the boxes.
+        In metres; drawn in a pale colour below the boxes.
     view : {"above", "side", "side to scale"}
     names : bool or sequence of str or int, optional
-        Written at each box; True for its row number.
+        Names to write at the boxes; True for the row numbers.
     label : str, optional
-        Entry in the legend, where the number of boxes is added.
+        Entry in the legend; the number of boxes is added.
     reference : bool
-        Draw dashed and grey: for true boxes, or those of the frame before.
+        Draw dashed grey lines, for true boxes or those of the previous frame.
     title, axes
         As in :func:`utils.plots.from_above`.
     limits : ((low, high), (low, high)) or four numbers, optional
-        By default what `axes` show already, or all boxes.
+        Visible region in metres. By default the current view of `axes`, or else all boxes.
     """
     corners = _as_corners(corners)
     names = as_names(names, len(corners))
@@ -70,12 +70,12 @@ def boxes(
     focus = (across, up)
     if cloud is not None:
         cloud = as_cloud(cloud)
-        below = project(cloud, view)[:2]
-        focus = focus if len(corners) else below
+        cloud_2d = project(cloud, view)[:2]
+        focus = focus if len(corners) else cloud_2d
     frame(axes, *focus, limits, equal=view != "side")
     if cloud is not None:
-        rows, remark = drawn_rows(axes, *below)
-        dots(axes, below[0][rows], below[1][rows], "o", PALE, marker_size(len(rows)))
+        rows, remark = drawn_rows(axes, *cloud_2d)
+        dots(axes, cloud_2d[0][rows], cloud_2d[1][rows], "o", PALE, marker_size(len(rows)))
     colour, line = (MUTED, "--") if reference else (VERMILION, "-")
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
     outlines = [_outline(across[box], up[box]) for box in finite]
@@ -93,10 +93,10 @@ def boxes(
 
 @styled
 def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | None = None) -> Axes:
-    """Draw one box obliquely, with the number of each corner: the row it has in `box`.
+    """Draw one box at an angle, with the row number of each corner.
 
-    The edges are found from the corners themselves (the four lowest make the floor), so that a
-    wrong order shows as wrong numbers on a right box.
+    The order of the corners does not affect the edges: the four lowest corners form the floor. So
+    a wrong order appears as wrong numbers on a correct box.
 
     Parameters
     ----------
@@ -112,9 +112,9 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
         note(axes, "the box has a corner that is not a number")
         return finish(axes, title)
     drawn = _oblique(box - box.mean(axis=0))
-    reach = max(np.ptp(drawn, axis=0).max(), 1e-3)
-    start = drawn.min(axis=0) - 0.12 * reach
-    frame(axes, *np.concatenate([start[None] - 0.05 * reach, drawn + 0.08 * reach]).T)
+    extent = max(np.ptp(drawn, axis=0).max(), 1e-3)
+    start = drawn.min(axis=0) - 0.12 * extent
+    frame(axes, *np.concatenate([start[None] - 0.05 * extent, drawn + 0.08 * extent]).T)
     edges = _edges(box)
     hidden = _oblique(box, depth=True).argmax()
     for edge in edges:
@@ -131,7 +131,7 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
         axes.annotate(
             str(number), place, ha="center", va="center", color="white", fontweight="bold", zorder=5
         )
-    _draw_directions(axes, start, 0.18 * reach)
+    _draw_directions(axes, start, 0.18 * extent)
     return finish(axes, title)
 
 
@@ -151,13 +151,14 @@ def _as_corners(corners: ArrayLike) -> np.ndarray:
 
 
 def _outline(across: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Return the convex hull of points as a closed line (m, 2); flat and single ones are fine.
+    """Return the convex hull of points as a closed line (m, 2).
 
-    Andrew's monotone chain (1979): scipy's hull refuses points that all lie on a line.
+    This is Andrew's monotone chain (1979). It also works for points on a line, or a single point,
+    which SciPy's hull refuses.
     """
     points = np.unique(np.stack([across, up], axis=1), axis=0)
 
-    def half(points: np.ndarray) -> list[np.ndarray]:
+    def half_hull(points: np.ndarray) -> list[np.ndarray]:
         chain = []
         for point in points:
             while len(chain) > 1:
@@ -168,14 +169,14 @@ def _outline(across: np.ndarray, up: np.ndarray) -> np.ndarray:
             chain.append(point)
         return chain
 
-    lower, upper = half(points), half(points[::-1])
+    lower, upper = half_hull(points), half_hull(points[::-1])
     return np.array([*lower, *upper[1:]])
 
 
 def _edges(box: np.ndarray) -> list[tuple[int, int]]:
-    """Return the twelve edges of a box as pairs of rows: floor, roof, and the posts between."""
+    """Return the twelve edges of a box as pairs of rows: floor, roof and vertical edges."""
     order = np.argsort(box[:, 2], kind="stable")
-    floor, roof = (_around(box, rows) for rows in (order[:4], order[4:]))
+    floor, roof = (_sorted_around_centre(box, rows) for rows in (order[:4], order[4:]))
     edges = [(ring[k], ring[(k + 1) % 4]) for ring in (floor, roof) for k in range(4)]
     for row in floor:
         nearest = np.linalg.norm(box[roof, :2] - box[row, :2], axis=1).argmin()
@@ -183,14 +184,17 @@ def _edges(box: np.ndarray) -> list[tuple[int, int]]:
     return edges
 
 
-def _around(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Return `rows` in the order of their direction from the middle."""
+def _sorted_around_centre(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return `rows`, sorted by the direction of their corners from the centre."""
     spokes = box[rows, :2] - box[rows, :2].mean(axis=0)
     return rows[np.argsort(np.arctan2(spokes[:, 1], spokes[:, 0]))]
 
 
 def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
-    """Look at points from behind, right and above: to the drawing (n, 2), or their depth (n,)."""
+    """Project points to the drawing (n, 2), seen from behind, right and above.
+
+    With `depth`, return the coordinate away from the viewer (n,) instead.
+    """
     turn, tilt = np.radians([-54.0, 42.0])
     right = np.array([-np.sin(turn), np.cos(turn), 0])
     away = -np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
@@ -200,7 +204,7 @@ def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
 
 
 def _draw_directions(axes: Axes, start: np.ndarray, length: float) -> None:
-    """Draw the directions of x, y and z."""
+    """Draw an arrow for each of the directions x, y and z."""
     for name, direction in zip("xyz", _oblique(np.eye(3)), strict=True):
         end = start + length * direction
         axes.annotate(

@@ -1,4 +1,4 @@
-"""Numbers rather than places: histograms, theory against practice, bars."""
+"""Figures of numbers: histograms, curves with measurements, and bars."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ def histogram(
     title: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw how often each value occurs.
+    """Draw a histogram.
 
     Parameters
     ----------
     values : (n,) array_like of float
-        Non-finite values are left out, which a corner says.
+        Non-finite values are left out; a note in the corner gives their number.
     bins : int or array_like of float
         Number of bins, or their edges.
     label : str, optional
         Name and unit of the values.
     marks : dict of str to float, optional
-        Named values, drawn as vertical lines with their names written at them.
+        Values to mark with vertical lines, by the names to write there.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
     """
@@ -63,19 +63,19 @@ def histogram(
 
 
 def _draw_marks(axes: Axes, marks: Mapping[str, float]) -> None:
-    """Draw named vertical lines, with each name on the side where there is more room for it."""
+    """Draw named vertical lines, with each name on the side that has more room."""
     marks = {name: float(value) for name, value in marks.items() if np.isfinite(value)}
-    for place, value in enumerate(marks.values()):
-        dashes = ("--", "-.", ":")[place % 3]
+    for index, value in enumerate(marks.values()):
+        dashes = ("--", "-.", ":")[index % 3]
         axes.axvline(value, color=VERMILION, linewidth=1.6, linestyle=dashes)
     borders = np.array([*axes.get_xlim(), *marks.values()])
-    for place, (name, value) in enumerate(marks.items()):
+    for index, (name, value) in enumerate(marks.items()):
         room_left = value - borders[borders < value].max(initial=-np.inf)
         room_right = borders[borders > value].min(initial=np.inf) - value
         left = room_left > room_right
         axes.annotate(
             f"{name}: {number(value)}",
-            (value, 0.98 - 0.09 * (place % 6)),
+            (value, 0.98 - 0.09 * (index % 6)),
             xycoords=axes.get_xaxis_transform(),
             xytext=(-5 if left else 5, 0),
             textcoords="offset points",
@@ -97,26 +97,26 @@ def curves(
     title: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw what theory says as lines, and measurements as markers on them.
+    """Draw theoretical curves as lines, and measurements as markers.
 
     Parameters
     ----------
     theory : dict of str to (x, y)
-        One line for each name.
+        One line per name.
     measured : dict of str to (x, y), optional
-        One set of markers for each name; a name that is also in `theory` shares its colour.
+        One set of markers per name; a name that is also in `theory` has the same colour there.
     across, up : str, optional
-        Names and units of the two axes.
+        Names and units of the x axis and the y axis.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
     """
     axes = canvas(axes)
     measured = measured or {}
     names = list(dict.fromkeys([*theory, *measured]))
-    for place, name in enumerate(names):
-        colour, marker = PALETTE[place % len(PALETTE)], MARKERS[place % len(MARKERS)]
+    for index, name in enumerate(names):
+        colour, marker = PALETTE[index % len(PALETTE)], MARKERS[index % len(MARKERS)]
         if name in theory:
-            dashes = ("-", "--", "-.", ":")[place % 4]
+            dashes = ("-", "--", "-.", ":")[index % 4]
             axes.plot(*theory[name], color=colour, linewidth=1.8, linestyle=dashes, label=name)
         if name in measured:
             label = f"{name}, measured" if name in theory else name
@@ -139,12 +139,12 @@ def compare(
     title: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw named numbers as bars, each with its number written at its end.
+    """Draw named numbers as horizontal bars, with the number at the end of each bar.
 
     Parameters
     ----------
     values : dict of str to float
-        From top to bottom.
+        One bar per entry, from top to bottom.
     label : str, optional
         Name and unit of the numbers.
     title : str, optional

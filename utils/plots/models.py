@@ -1,4 +1,4 @@
-"""RANSAC's models: a line or a plane, its tolerance band, inliers and outliers."""
+"""Figures of RANSAC models: a line or a plane with its tolerance band, inliers and outliers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from utils.plots.clouds import Group, draw_groups
 from utils.plots.style import BLUE, GREEN, INK, PALE, VERMILION, finish, note, number, styled
 
 FACE_ON = 0.5
-"""Below this share of its normal in the drawing, a plane is seen too flatly to be a line."""
+"""Smallest length of a plane's unit normal, projected into the drawing, for drawing its line.
+
+A plane with a shorter projection is seen almost face on.
+"""
 
 
 @styled
@@ -26,13 +29,13 @@ def line_model(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw points of the plane with a line, its tolerance band, inliers and outliers.
+    """Draw two-dimensional points with a line, its tolerance band, inliers and outliers.
 
     Parameters
     ----------
     points : (n, 2) array_like of float
     line : (a, b, c), optional
-        The line a x + b y + c = 0, normalised or not; None draws the points alone.
+        The line a x + b y + c = 0, normalised or not. None draws only the points.
     inliers : (n,) array_like of bool, optional
     tolerance : float, optional
         Half the width of the band around the line, in the unit of the points.
@@ -60,17 +63,18 @@ def plane_model(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a cloud with a plane cut open: the line in which the plane meets the drawing.
+    """Draw a cloud and a cross-section of a plane, which appears as a line.
 
-    From the side the plane is cut at y = 0, through the sensor; from above at the middle height of
-    its inliers, which shows walls. A plane seen face on has no such line, and a note says so.
+    From the side, the section is at y = 0, through the sensor. From above, it is at the median
+    height of the inliers, which suits walls. A plane that is seen face on has no such line; a note
+    in the corner mentions this.
 
     Parameters
     ----------
     cloud : (n, 3) or (n, 4) array_like of float
         In metres.
     plane : (a, b, c, d), optional
-        The plane a x + b y + c z + d = 0, normalised or not; None draws the cloud alone.
+        The plane a x + b y + c z + d = 0, normalised or not. None draws only the cloud.
     inliers : (n,) array_like of bool, optional
     tolerance : float, optional
         Largest distance of an inlier from the plane in metres.
@@ -79,7 +83,7 @@ def plane_model(
         As in :func:`utils.plots.from_above`.
     """
     cloud = as_cloud(cloud)
-    # In a whole scan the outliers are so many that in a strong colour they would hide the plane.
+    # A whole scan has so many outliers that a strong colour would hide the plane.
     groups = _groups(inliers, len(cloud), PALE)
     axes = draw_groups(cloud, groups, view=view, limits=limits, axes=axes, title=title)
     if plane is None:
@@ -109,7 +113,7 @@ def _groups(inliers: ArrayLike | None, count: int, outlier_colour: str) -> tuple
 
 
 def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
-    """Return the model's coefficients with a normal of length 1."""
+    """Return the coefficients of a model, scaled to a normal of length 1."""
     letters = ", ".join("abcd"[:count])
     try:
         model = np.asarray(model, dtype=float)
@@ -127,14 +131,17 @@ def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
 
 
 def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
-    """Draw a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance."""
+    """Draw the line a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance.
+
+    The coordinates u and v are those of the drawing.
+    """
     normal = line[:2]
     squared = normal @ normal
     along = np.array([-normal[1], normal[0]]) / np.sqrt(squared)
     view = np.array([axes.get_xlim(), axes.get_ylim()])
     middle = view.mean(axis=1)
     foot = middle - (normal @ middle + line[2]) / squared * normal
-    # Longer than the view is wide, whatever its slope; the axes cut off what sticks out.
+    # For any slope, the line is longer than the view; the axes clip the rest.
     ends = foot + np.outer([-2, 2], along) * np.linalg.norm(view[:, 1] - view[:, 0])
     if tolerance is not None:
         offset = float(tolerance) / squared * normal

@@ -1,4 +1,4 @@
-"""Run time against the number of points, with the exponent of its growth."""
+"""Figures of run time against the number of points, with the exponent of its growth."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ def timing(
     title: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw run time against the number of points, both logarithmic.
+    """Draw run time against the number of points on logarithmic axes.
 
-    On such axes a power n^k is a straight line of slope k, so the exponent can be read off.
+    On such axes, a power n^k is a straight line of slope k, so the exponent can be read from it.
 
     Parameters
     ----------
     series : dict of str to (n, seconds)
-        For each name the numbers of points and the seconds they took, of equal length.
+        For each name, the numbers of points and the run times, of equal length.
     fit : bool
-        Draw the fitted power as a dashed line and write its exponent into the legend,
+        Draw the fitted power as a dashed line, and add its exponent to the legend, as in
         "naive: n^2.0".
     title : str, optional
     axes : matplotlib.axes.Axes, optional
@@ -38,17 +38,17 @@ def timing(
     axes.set_xscale("log")
     axes.set_yscale("log")
     ends = []
-    for place, (name, measured) in enumerate(series.items()):
+    for index, (name, measured) in enumerate(series.items()):
         n, seconds = _measurements(name, measured)
-        colour, marker = PALETTE[place % len(PALETTE)], MARKERS[place % len(MARKERS)]
-        legend = name
+        colour, marker = PALETTE[index % len(PALETTE)], MARKERS[index % len(MARKERS)]
+        label = name
         fitted = fit and len(np.unique(n)) > 1
         if fitted:
             exponent, offset = np.polyfit(np.log(n), np.log(seconds), 1)
-            reach = np.array([n.min(), n.max()])
-            legend = f"{name}: n^{exponent:.1f}"
+            span = np.array([n.min(), n.max()])
+            label = f"{name}: n^{exponent:.1f}"
             axes.plot(
-                reach, np.exp(offset) * reach**exponent, color=colour, linewidth=1.2, linestyle="--"
+                span, np.exp(offset) * span**exponent, color=colour, linewidth=1.2, linestyle="--"
             )
         axes.plot(
             n,
@@ -58,26 +58,26 @@ def timing(
             markersize=7,
             linestyle="none" if fitted else "-",
             linewidth=1.2,
-            label=legend,
+            label=label,
         )
         if len(n):
             last = np.argmax(n)
             ends.append((n[last], seconds[last], name))
     _name_ends(axes, ends)
-    _write_powers(axes)
-    return finish(axes, title, "number of points n", "time")  # the ticks have units
+    _format_ticks(axes)
+    return finish(axes, title, "number of points n", "time")  # the tick labels include the unit
 
 
 def _measurements(
     name: str, measured: tuple[ArrayLike, ArrayLike]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return n and seconds that have a logarithm."""
+    """Return the measurements for which n and seconds are finite and positive."""
     try:
         n, seconds = (np.asarray(part, dtype=float).ravel() for part in measured)
-        together = len(n) == len(seconds)
+        valid = len(n) == len(seconds)
     except (TypeError, ValueError):
-        together = False
-    if not together:
+        valid = False
+    if not valid:
         raise ValueError(
             f'series["{name}"] must be a pair (n, seconds) of two number lists of equal length.'
         )
@@ -86,7 +86,7 @@ def _measurements(
 
 
 def _name_ends(axes: Axes, ends: list[tuple[float, float, str]]) -> None:
-    """Write each name beside the end of its series, moved apart where they would overlap."""
+    """Write each name next to the end of its series, and move names apart that would overlap."""
     if not ends:
         return
     axes.margins(x=0.06, y=0.1)
@@ -112,8 +112,8 @@ def _name_ends(axes: Axes, ends: list[tuple[float, float, str]]) -> None:
         )
 
 
-def _write_powers(axes: Axes) -> None:
-    """Write ticks as 200, 1 k and 10 ms, with steps of 2 and 5 where there are few decades."""
+def _format_ticks(axes: Axes) -> None:
+    """Format tick labels as 200, 1 k or 10 ms; on short axes add ticks at steps of 2 and 5."""
     for axis, (low, high), unit in (
         (axes.xaxis, axes.get_xlim(), ""),
         (axes.yaxis, axes.get_ylim(), "s"),
