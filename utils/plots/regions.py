@@ -1,7 +1,7 @@
-"""Kd-trees of the plane: the regions they cut, and what a search looks at and leaves out.
+"""Figures of two-dimensional kd-trees: the cells of the tree, and the nodes that a search visits.
 
 A node is any object with `point`, `index`, `left` and `right`; the root may be None. The axis of a
-node is its depth modulo 2. A wrong tree is drawn as it is, and a loop in it is walked only once.
+node is its depth modulo 2. A wrong tree is drawn as it is, and a loop in it is followed only once.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 MOST_NAMES = 40
 AXIS_LOOKS = (("x", BLUE, "-"), ("y", VERMILION, "--"))
-# Lines across what is left out for good, dots on what is only not reached yet.
+# Hatching for cells that the search prunes, and dots for cells that it has not reached yet.
 LEFT_OUT = {
     PRUNED: {"facecolor": GRID, "edgecolor": PALE, "hatch": "//"},
     NOT_YET: {"facecolor": "none", "edgecolor": PALE, "hatch": ".."},
@@ -48,8 +48,8 @@ LEFT_OUT = {
 TITLE = {"color": INK, "fontsize": 12, "fontweight": "bold"}
 
 
-class _Place(NamedTuple):
-    """A node, its parent, its depth, and the region that it divides: two corners (2,)."""
+class _Cell(NamedTuple):
+    """A node with its parent, its depth, and two corners (2,) of the cell that it divides."""
 
     node: Node | None
     parent: Node | None
@@ -68,17 +68,19 @@ def kd_splits(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw how a kd-tree divides the plane: each node cuts the region it falls into.
+    """Draw the division of the plane by a kd-tree, in which each node cuts its cell in two.
 
     Parameters
     ----------
     points : (n, 2) array_like of float
+        In metres.
     root : node or None
-        With `point`, `index`, `left` and `right`.
+        An object with `point`, `index`, `left` and `right`.
     names : bool, optional
-        Write the index at each point; by default up to 40 points.
+        Write the index at each point; by default only for up to 40 points.
     title : str, optional
     limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
+        Visible region in metres.
     axes : matplotlib.axes.Axes, optional
     """
     points = as_points(points)
@@ -108,25 +110,28 @@ def kd_search(
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a search in a kd-tree: circle and box, nodes looked at, regions left out.
+    """Draw a search in a kd-tree: circle and bounding box, visited nodes and pruned regions.
 
     Parameters
     ----------
     points : (n, 2) array_like of float
+        In metres.
     root : node or None
-        With `point`, `index`, `left` and `right`.
+        An object with `point`, `index`, `left` and `right`.
     target : (2,) array_like of float
+        Centre of the search, in metres.
     tolerance : float
         Radius of the search in metres.
     visited : sequence of int, optional
-        Indices of the nodes the search looked at, in order. Regions without one are hatched.
+        Indices of the nodes that the search visits, in order. Regions without a visited node are
+        hatched.
     found : sequence of int, optional
-        Indices the search returned.
+        Indices that the search returns.
     steps : int, optional
-        How many nodes it has looked at so far; by default all. Regions that it enters later are
-        dotted, and what it finds later is not shown.
+        Number of nodes visited so far; by default all. Regions that the search enters later are
+        dotted, and points that it visits later are not shown as found.
     legend : bool
-        Explain the marks above the picture.
+        Show the legend above the figure.
     names, title, limits, axes
         As in :func:`kd_splits`.
     """
@@ -152,9 +157,9 @@ def kd_search(
         label = f"{len(so_far)} looked at"
         _ring(axes, points[so_far], "s", INK, size * 2.0, label)
         if steps is not None and 0 < steps <= len(rows):
-            now = rows[steps - 1]
-            look = {"markerfacecolor": "none", "markeredgewidth": 2.4}
-            axes.plot(*points[now], "o", color=INK, markersize=size * 3.6, zorder=3.6, **look)
+            current = rows[steps - 1]
+            style = {"markerfacecolor": "none", "markeredgewidth": 2.4}
+            axes.plot(*points[current], "o", color=INK, markersize=size * 3.6, zorder=3.6, **style)
     if found is not None:
         _disc(axes, points[found], size * 1.25, f"{len(found)} found")
     finish(axes, title, "x (m)", "y (m)")
@@ -188,35 +193,35 @@ def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
 
 
 def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int | None) -> None:
-    """Hatch the largest regions that the search prunes, and dot those that it enters later."""
-    places, made = _places(axes, root), fates(root, visited, steps)
-    for fate, look in LEFT_OUT.items():
+    """Hatch the largest cells that the search prunes, and dot those that it enters later."""
+    cells, fate_of = _cells(axes, root), fates(root, visited, steps)
+    for fate, style in LEFT_OUT.items():
         branches = 0
-        for place in places:
-            above = VISITED if place.parent is None else made[id(place.parent)]
-            if made[id(place.node)] == fate and above == VISITED:
-                size = place.upper - place.lower
-                axes.add_patch(Rectangle(place.lower, *size, linewidth=0, zorder=0.9, **look))
+        for cell in cells:
+            above = VISITED if cell.parent is None else fate_of[id(cell.parent)]
+            if fate_of[id(cell.node)] == fate and above == VISITED:
+                size = cell.upper - cell.lower
+                axes.add_patch(Rectangle(cell.lower, *size, linewidth=0, zorder=0.9, **style))
                 branches += 1
         if branches:
-            count = sum(its_fate == fate for its_fate in made.values())
+            count = sum(node_fate == fate for node_fate in fate_of.values())
             label = f"{fate}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
-            axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **look))
+            axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **style))
 
 
 def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
     cuts, widths = ([], []), ([], [])
-    for place in _places(axes, root):
-        axis = place.depth % 2
-        cut = np.stack([place.lower, place.upper])
-        cut[:, axis] = np.ravel(place.node.point)[axis]
+    for cell in _cells(axes, root):
+        axis = cell.depth % 2
+        cut = np.stack([cell.lower, cell.upper])
+        cut[:, axis] = np.ravel(cell.node.point)[axis]
         cuts[axis].append(cut)
-        # The first cuts are the widest: they matter most.
-        widths[axis].append(max(0.6, 2.4 - 0.35 * place.depth))
+        # The first cuts matter most, so they have the widest lines.
+        widths[axis].append(max(0.6, 2.4 - 0.35 * cell.depth))
     for axis, (_, colour, dashes) in enumerate(AXIS_LOOKS):
-        look = {"colors": colour, "linestyles": dashes, "linewidths": widths[axis]}
+        style = {"colors": colour, "linestyles": dashes, "linewidths": widths[axis]}
         axes.add_collection(
-            LineCollection(cuts[axis], alpha=strength, zorder=1.5, **look), autolim=False
+            LineCollection(cuts[axis], alpha=strength, zorder=1.5, **style), autolim=False
         )
 
 
@@ -229,13 +234,13 @@ def _draw_points(axes: Axes, points: np.ndarray, names: bool | None) -> None:
 def _ring(
     axes: Axes, points: np.ndarray, marker: str, colour: str, size: float, label: str
 ) -> None:
-    look = {"markerfacecolor": "none", "markeredgewidth": 1.4}
-    axes.plot(*points.T, marker, color=colour, markersize=size, zorder=3.5, label=label, **look)
+    style = {"markerfacecolor": "none", "markeredgewidth": 1.4}
+    axes.plot(*points.T, marker, color=colour, markersize=size, zorder=3.5, label=label, **style)
 
 
 def _disc(axes: Axes, points: np.ndarray, size: float, label: str) -> None:
-    look = {"markeredgecolor": INK, "markeredgewidth": 0.8, "linestyle": "none"}
-    axes.plot(*points.T, "o", color=GREEN, markersize=size, zorder=3.7, label=label, **look)
+    style = {"markeredgecolor": INK, "markeredgewidth": 0.8, "linestyle": "none"}
+    axes.plot(*points.T, "o", color=GREEN, markersize=size, zorder=3.7, label=label, **style)
 
 
 def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
@@ -247,26 +252,26 @@ def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
     return rows
 
 
-def _places(axes: Axes, root: Node | None) -> list[_Place]:
-    """Return a :class:`_Place` for each node, parents first; the root divides the whole view."""
+def _cells(axes: Axes, root: Node | None) -> list[_Cell]:
+    """Return a :class:`_Cell` for each node, parents first; the root divides the whole view."""
     view = np.sort([axes.get_xlim(), axes.get_ylim()], axis=1)
-    places, seen = [], set()
-    waiting = [_Place(root, None, 0, *view.T)]
+    cells, seen = [], set()
+    waiting = [_Cell(root, None, 0, *view.T)]
     while waiting:
-        place = waiting.pop()
-        if place.node is None or id(place.node) in seen:
+        cell = waiting.pop()
+        if cell.node is None or id(cell.node) in seen:
             continue
-        seen.add(id(place.node))
-        places.append(place)
-        point = np.ravel(place.node.point)
+        seen.add(id(cell.node))
+        cells.append(cell)
+        point = np.ravel(cell.node.point)
         if len(point) != 2:
             raise ValueError(
                 f"Only trees of points (x, y) divide the plane; a node holds {len(point)} numbers."
             )
-        axis = place.depth % 2
-        upper, lower = place.upper.copy(), place.lower.copy()
-        # A node of a wrong tree may lie outside its region, which then has no far side.
-        upper[axis] = lower[axis] = np.clip(point[axis], place.lower[axis], place.upper[axis])
-        waiting.append(_Place(place.node.left, place.node, place.depth + 1, place.lower, upper))
-        waiting.append(_Place(place.node.right, place.node, place.depth + 1, lower, place.upper))
-    return places
+        axis = cell.depth % 2
+        upper, lower = cell.upper.copy(), cell.lower.copy()
+        # In a wrong tree, a node may be outside its cell. One half of the cell is then empty.
+        upper[axis] = lower[axis] = np.clip(point[axis], cell.lower[axis], cell.upper[axis])
+        waiting.append(_Cell(cell.node.left, cell.node, cell.depth + 1, cell.lower, upper))
+        waiting.append(_Cell(cell.node.right, cell.node, cell.depth + 1, lower, cell.upper))
+    return cells

@@ -1,8 +1,8 @@
-"""One look for every figure: palette, sizes, empty axes, legends and notes.
+"""The common style of all figures: palette, sizes, empty axes, legends and notes.
 
-Every setting is made on the axes being drawn into, or only while a function draws: importing or
-calling :mod:`utils.plots` leaves the reader's own ``rcParams`` as they were. The background is
-opaque and light, so that a figure reads the same in a light and in a dark notebook.
+Settings apply to the axes of a figure, or only while a function draws. Importing or calling
+:mod:`utils.plots` does not change the reader's own ``rcParams``. The background is opaque and
+light, so that figures look the same in light and dark notebooks.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from numpy.typing import ArrayLike
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-# Okabe and Ito's colour-blind-safe palette (https://jfly.uni-koeln.de/color/), without its yellow,
-# which small points on white do not show, and with the strongest colours first.
+# Okabe and Ito's palette (https://jfly.uni-koeln.de/color/) is safe for colour-blind readers. Its
+# yellow is left out, because small yellow points are invisible on white. Strong colours come first.
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY, BLACK = "#CC79A7", "#E69F00", "#56B4E9", "#000000"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
-# Six markers and seven colours have no common divisor: 42 pairs before one comes again.
+# Six and seven have no common divisor, so markers and colours form 42 pairs before one repeats.
 MARKERS = ("o", "^", "s", "D", "v", "P")
 
 PAPER, INK, MUTED, PALE, GRID = "#FFFFFF", "#1B1F24", "#57606A", "#A8B0B8", "#E7E9EC"
 
-# The bright end of plasma is left out: it would vanish on paper. Few steps keep the files small.
+# The bright end of plasma is invisible on white. Few colours keep the files small.
 COLOURS = ListedColormap(matplotlib.colormaps["plasma"](np.linspace(0, 0.8, 32)))
 COLOURS = COLOURS.with_extremes(bad=PALE)
 
-WIDTH, HEIGHT = 8.5, 4.8  # inches: the width of a notebook's output
-MANY = 5_000  # points, from which on a single one no longer counts
+WIDTH, HEIGHT = 8.5, 4.8  # inches; WIDTH is that of a notebook's output
+MANY = 5_000  # points; in larger clouds, `frame` may cut off outliers
 
 STYLE = {
     "figure.facecolor": PAPER,
@@ -61,13 +61,13 @@ STYLE = {
 
 
 def styled(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Decorate a function: it draws with the course's settings and gives the reader's back.
+    """Decorate a function to draw in the course's style and then restore the reader's settings.
 
-    When it fails, the figure that it may have opened is closed: a notebook would show it empty.
+    If the function fails, figures that it opened are closed, as a notebook would show them empty.
     """
 
     @functools.wraps(draw)
-    def drawn(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
+    def wrapper(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
         figures = plt.get_fignums()
         settings = {name: matplotlib.rcParams[name] for name in STYLE}
         try:
@@ -78,15 +78,15 @@ def styled(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
                 plt.close(opened)
             raise
         finally:
-            # Not rc_context: a notebook makes settings of its own when it opens its first figure,
-            # and rc_context would take those back, so that no later figure were shown.
+            # A notebook changes settings when it opens its first figure. `rc_context` would undo
+            # these changes, and later figures would not be shown.
             matplotlib.rcParams.update(settings)
 
-    return drawn
+    return wrapper
 
 
 def canvas(axes: Axes | None = None, *, size: tuple[float, float] = (WIDTH, HEIGHT)) -> Axes:
-    """Return `axes` in the course's look, or the axes of a new figure of notebook width."""
+    """Return `axes` in the course's style, or the axes of a new figure of notebook width."""
     if axes is None:
         _, axes = plt.subplots(figsize=size, layout="compressed")
     if not isinstance(axes, Axes):
@@ -114,7 +114,7 @@ def panels(
     columns: int,
     size: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """Return `count` axes in the course's look, in rows of `columns`, as a flat array."""
+    """Return `count` axes in the course's style as a flat array; new ones in rows of `columns`."""
     if axes is None:
         rows = -(-max(count, 1) // columns)
         figure, grid = plt.subplots(
@@ -142,20 +142,20 @@ def frame(
 ) -> None:
     """Fix the visible region before anything is drawn.
 
-    Given `limits` win; axes that already show something keep their view, so that figures can be
-    laid over each other; otherwise the region holds the points and fills the axes. Of a big cloud
-    it leaves the outermost hundredth in each direction outside, as a few far returns would make
-    everything else tiny.
+    If `limits` are given, they decide. Otherwise axes that already show something keep their view,
+    so that figures can be drawn on top of each other. Empty axes get a region that contains the
+    points and fills the axes. In a large cloud the outermost 1 % along each axis may be cut off,
+    because a few distant returns would make everything else tiny.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     across, up : (n,) array_like of float
-        Coordinates along the two axes.
+        Coordinates along the horizontal and the vertical axis.
     limits : ((low, high), (low, high)) or (low, high, low, high), optional
-        Across, then up.
+        Horizontal limits, then vertical ones.
     equal : bool
-        One metre is equally long in both directions.
+        Draw a metre equally long in both directions. If false, no heights are cut off.
     """
     if equal:
         axes.set_aspect("equal", adjustable="box")
@@ -164,7 +164,7 @@ def frame(
     elif axes.has_data():
         return
     else:
-        spans = np.array([_span(across), _span(up, all_of_it=not equal)])
+        spans = np.array([_span(across), _span(up, keep_all=not equal)])
         if equal:
             window = axes.get_window_extent()
             shape = np.array([window.width, window.height]) / max(window.height, 1)
@@ -176,7 +176,7 @@ def frame(
 
 
 def _spans_of(limits: ArrayLike) -> np.ndarray:
-    """Return limits in either notation as a (2, 2) array; a sentence for anything else."""
+    """Return limits in either notation as a (2, 2) array, or raise ValueError with the format."""
     try:
         spans = np.asarray(limits, dtype=float).reshape(2, 2)
     except (TypeError, ValueError):
@@ -189,14 +189,14 @@ def _spans_of(limits: ArrayLike) -> np.ndarray:
     return spans
 
 
-def _span(values: ArrayLike, *, all_of_it: bool = False) -> tuple[float, float]:
-    """Return (low, high) around the finite values, with a margin and never of zero width."""
+def _span(values: ArrayLike, *, keep_all: bool = False) -> tuple[float, float]:
+    """Return (low, high) around the finite values, with a margin; the width is never zero."""
     values = np.asarray(values, dtype=float)
     values = values[np.isfinite(values)]
     if not len(values):
         return -10.0, 10.0
     low, high = values.min(), values.max()
-    if len(values) > MANY and not all_of_it:
+    if len(values) > MANY and not keep_all:
         low, high = np.percentile(values, [0.5, 99.5])
     margin = max(0.07 * (high - low), 0.5 if low == high else 0.0)
     return low - margin, high + margin
@@ -212,7 +212,7 @@ def key(
     size: float = 6.0,
     **options: Any,
 ) -> None:
-    """Add an entry to the legend that :func:`finish` draws: a line without points."""
+    """Add an entry to the legend that :func:`finish` draws, by plotting a line without points."""
     axes.plot(
         [], [], marker=marker, color=colour, linestyle=line, markersize=size, label=label, **options
     )
@@ -221,7 +221,10 @@ def key(
 def finish(
     axes: Axes, title: str | None = None, across: str | None = None, up: str | None = None
 ) -> Axes:
-    """Write title and axis labels; put the legend between title and axes, where no data are."""
+    """Add title, axis labels and legend; the legend is between title and axes, clear of the data.
+
+    Arguments that are None leave the existing title or label unchanged.
+    """
     if across is not None:
         axes.set_xlabel(across, color=INK, fontsize=10.5)
     if up is not None:
@@ -230,7 +233,7 @@ def finish(
     rows = 0
     if labels:
         width = axes.get_window_extent().width / axes.figure.dpi
-        # A legend entry is about 0.5 in of marker and gap, and 0.085 in for each letter.
+        # The width of a legend entry is about 0.5 inches plus 0.085 inches per letter.
         widths = [0.5 + 0.085 * len(label) for label in labels]
         columns = len(labels) if sum(widths) < width else max(1, int(width / max(widths)))
         columns = min(columns, len(labels))
@@ -252,17 +255,17 @@ def finish(
 
 
 def number(value: float) -> str:
-    """Return a number as text, short and with a real minus sign."""
+    """Return a number as text with four significant digits and a real minus sign."""
     return f"{value:.4g}".replace("-", "−")
 
 
 def counted(count: int, noun: str) -> str:
-    """Return "1 cluster", "2 clusters"."""
+    """Return a count with its noun, as in "1 cluster" or "2 clusters"."""
     return f"{count:,} {noun}" + ("" if count == 1 else "s")
 
 
 def note(axes: Axes, text: str) -> None:
-    """Write what the picture leaves out into the lower right corner."""
+    """Write a note into the lower right corner, such as the number of points left out."""
     if text:
         axes.text(
             0.995,

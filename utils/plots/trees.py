@@ -1,7 +1,7 @@
-"""A kd-tree drawn as a tree.
+"""Figures of kd-trees as tree diagrams.
 
 A node is any object with `point`, `index`, `left` and `right`; the root may be None. A wrong tree
-is drawn as it is, and a loop in it is walked only once.
+is drawn as it is, and a loop in it is followed only once.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from utils.visits import Node
 
 MOST_NAMES, MOST_POINTS = 40, 15
-"""Larger trees are drawn without indices, and without coordinates."""
+"""Largest number of nodes in a tree that is drawn with indices, and with coordinates."""
 
-FOUND = "#A6DCC9"  # a green on which a dark number can be read
+FOUND = "#A6DCC9"  # a green light enough for dark numbers
 
 AXIS_LOOKS = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
 
@@ -54,25 +54,27 @@ def kd_tree(
     title: str | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a kd-tree as a tree: depth downwards, smaller to the left, equal or greater right.
+    """Draw a kd-tree as a tree diagram: depth downwards, smaller coordinates to the left.
+
+    Equal or greater coordinates are to the right.
 
     Parameters
     ----------
     root : node or None
-        With `point`, `index`, `left` and `right`.
+        An object with `point`, `index`, `left` and `right`.
     visited, found, steps : optional
-        Of a search, as in :func:`utils.plots.kd_search`: nodes looked at are filled, the way to
-        a pruned branch is crossed out, and the way to one not reached yet is dotted.
+        A search, as in :func:`utils.plots.kd_search`. Visited nodes are filled, links to pruned
+        branches are crossed out, and links to nodes that are not reached yet are dotted.
     legend : bool
-        Explain the marks above the picture.
+        Show the legend above the figure.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
     """
     axes = canvas(axes)
     order = _in_order(root)
     visited = None if visited is None else list(visited)
-    made = {} if visited is None else fates(root, visited, steps)
-    places = {id(node): (rank, depth) for rank, (node, depth) in enumerate(order)}
+    fate_of = {} if visited is None else fates(root, visited, steps)
+    positions = {id(node): (rank, depth) for rank, (node, depth) in enumerate(order)}
     deepest = max((depth for _, depth in order), default=0)
     axes.set_xlim(-1, max(len(order), 1))
     axes.set_ylim(deepest + 0.6, -0.6)
@@ -80,27 +82,27 @@ def kd_tree(
     for node, _ in order:
         for child in (node.left, node.right):
             if child is not None:
-                fate = made.get(id(child), VISITED)
-                links[fate].append((places[id(node)], places[id(child)]))
+                fate = fate_of.get(id(child), VISITED)
+                links[fate].append((positions[id(node)], positions[id(child)]))
     for fate, dashes in ((VISITED, "-"), (PRUNED, "-"), (NOT_YET, ":")):
-        look = {"colors": MUTED if fate == VISITED else PALE, "linestyles": dashes}
+        style = {"colors": MUTED if fate == VISITED else PALE, "linestyles": dashes}
         axes.add_collection(
-            LineCollection(links[fate], linewidths=1.2, zorder=1, **look), autolim=False
+            LineCollection(links[fate], linewidths=1.2, zorder=1, **style), autolim=False
         )
-    if made:
-        tops = [(node, child) for node, _ in order for child in (node.left, node.right)]
-        tops = [(node, child) for node, child in tops if made.get(id(child)) == PRUNED]
+    if fate_of:
+        branches = [(node, child) for node, _ in order for child in (node.left, node.right)]
+        branches = [(node, child) for node, child in branches if fate_of.get(id(child)) == PRUNED]
         middles = [
-            np.mean([places[id(node)], places[id(child)]], axis=0)
-            for node, child in tops
-            if made[id(node)] == VISITED
+            np.mean([positions[id(node)], positions[id(child)]], axis=0)
+            for node, child in branches
+            if fate_of[id(node)] == VISITED
         ]
         if middles:
-            look = {"markersize": 9, "markeredgewidth": 2}
-            axes.plot(*np.transpose(middles), "x", color=INK, zorder=3, **look)
+            style = {"markersize": 9, "markeredgewidth": 2}
+            axes.plot(*np.transpose(middles), "x", color=INK, zorder=3, **style)
             key(axes, "pruned", "x", size=8, markeredgewidth=2)
-    so_far = set() if visited is None else set(visited[:steps])
-    _draw_nodes(axes, order, so_far, so_far & set(found))
+    visited_so_far = set() if visited is None else set(visited[:steps])
+    _draw_nodes(axes, order, visited_so_far, visited_so_far & set(found))
     if not order:
         note(axes, "the tree is empty")
     axes.set_xticks([])
@@ -109,57 +111,60 @@ def kd_tree(
     finish(axes, title, None, "depth")
     if not legend and axes.get_legend():
         axes.get_legend().remove()
-        look = {"color": INK, "fontsize": 12, "fontweight": "bold"}
-        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **look)
+        style = {"color": INK, "fontsize": 12, "fontweight": "bold"}
+        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **style)
     return axes
 
 
 def _draw_nodes(
-    axes: Axes, order: list[tuple[Node, int]], looked_at: set[int], found: set[int]
+    axes: Axes, order: list[tuple[Node, int]], visited: set[int], found: set[int]
 ) -> None:
-    """Draw (node, depth) by rank and depth, in the colour and shape of the axis it splits."""
+    """Draw each node at its rank and depth, with the colour and shape of the axis that it splits.
+
+    `order` contains pairs (node, depth); the rank is the position in this list.
+    """
     dimensions = len(np.ravel(order[0][0].point)) if order else 2
     few = len(order) <= MOST_NAMES
     size = _node_size(axes, len(order)) if few else 3
     depths = np.array([depth for _, depth in order], dtype=int)
     for axis, (name, marker, colour) in enumerate(AXIS_LOOKS[:dimensions]):
         ranks = np.flatnonzero(depths % dimensions == axis)
-        # Room for a number inside: a dark one on paper reads best.
-        look = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}
-        axes.plot(ranks, depths[ranks], marker, color=colour, markersize=size, zorder=2, **look)
-        key(axes, f"splits {name}", marker, colour=colour, size=8, **look)
-    for filled, colour, name in ((looked_at - found, GRID, "far"), (found, FOUND, "found")):
+        # The inside is white if a number is written there, as dark text on white is readable.
+        style = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}
+        axes.plot(ranks, depths[ranks], marker, color=colour, markersize=size, zorder=2, **style)
+        key(axes, f"splits {name}", marker, colour=colour, size=8, **style)
+    for filled, colour, name in ((visited - found, GRID, "far"), (found, FOUND, "found")):
         ranks = [rank for rank, (node, _) in enumerate(order) if node.index in filled]
         if few and ranks:
-            look = {"markerfacecolor": colour, "markeredgecolor": MUTED, "markeredgewidth": 0.8}
-            axes.plot(ranks, depths[ranks], "s", markersize=1.55 * size, zorder=1.5, **look)
-            key(axes, name, "s", size=9, **look)
+            style = {"markerfacecolor": colour, "markeredgecolor": MUTED, "markeredgewidth": 0.8}
+            axes.plot(ranks, depths[ranks], "s", markersize=1.55 * size, zorder=1.5, **style)
+            key(axes, name, "s", size=9, **style)
     if few:
-        wide = 72 * axes.get_window_extent().width / axes.figure.dpi / (len(order) + 1)
-        letters = max((len(_coordinates(node)) for node, _ in order), default=0)
+        rank_width = 72 * axes.get_window_extent().width / axes.figure.dpi / (len(order) + 1)
+        longest = max((len(_coordinates(node)) for node, _ in order), default=0)
         for rank, (node, depth) in enumerate(order):
             _name_node(
                 axes,
                 node,
                 (rank, depth),
                 font_size=0.56 * size,
-                # Two nodes of one level are at least two ranks apart.
-                with_point=len(order) <= MOST_POINTS and 4.7 * letters < 2 * wide,
+                # Two nodes of the same depth are at least two ranks apart.
+                with_point=len(order) <= MOST_POINTS and 4.7 * longest < 2 * rank_width,
             )
 
 
 def _node_size(axes: Axes, count: int) -> float:
-    """Return a marker size at which neighbouring leaves, two ranks apart, do not touch."""
+    """Return a marker size, in typographic points, at which leaves two ranks apart do not touch."""
     width = 72 * axes.get_window_extent().width / axes.figure.dpi
     return float(np.clip(1.9 * width / max(1, count), 13, 17))
 
 
 def _name_node(
-    axes: Axes, node: Node, place: tuple[float, float], *, font_size: float, with_point: bool
+    axes: Axes, node: Node, position: tuple[float, float], *, font_size: float, with_point: bool
 ) -> None:
     axes.annotate(
         str(node.index),
-        place,
+        position,
         ha="center",
         va="center",
         color=INK,
@@ -168,9 +173,9 @@ def _name_node(
         zorder=5,
     )
     if with_point:
-        # On paper of its own: the links to the children start below it.
-        written = write(axes, *place, _coordinates(node), offset=(0, -18), size=9)
-        written.set_bbox({"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})
+        # The text has a white background, as links to the children start below it.
+        text = write(axes, *position, _coordinates(node), offset=(0, -18), size=9)
+        text.set_bbox({"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})
 
 
 def _coordinates(node: Node) -> str:
@@ -178,7 +183,7 @@ def _coordinates(node: Node) -> str:
 
 
 def _in_order(root: Node | None) -> list[tuple[Node, int]]:
-    """Return (node, depth) from left to right, without recursion: bad trees are deep."""
+    """Return (node, depth) from left to right, without recursion, since wrong trees may be deep."""
     order, path, seen = [], [], set()
     node, depth = root, 0
     while node is not None or path:
