@@ -5,8 +5,8 @@
 >>> scene.show("TopDown")
 >>> scene.show(interactive=True)
 
-Nothing needs a screen. Where PyVista is missing or cannot draw, matplotlib does; the interactive
-view is drawn by the browser and needs neither.
+No screen is needed. Where PyVista is missing or cannot draw, matplotlib draws instead. The browser
+draws the interactive view, without PyVista or matplotlib.
 """
 
 from utils.scene3d.cameras import CAMERAS, Camera

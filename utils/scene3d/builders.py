@@ -1,4 +1,4 @@
-"""From data to parts of a scene: what is coloured how, named how and put on which layer."""
+"""Conversion of data to parts of a scene, with their colours, names and layers."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ MAGENTA, ASPHALT = "#C2158A", "#D3D7DB"
 BOX_LOOKS = {"boxes": (VERMILION, 2.0), "oriented_boxes": (BLUE, 3.0)}
 MOST_NAMES = 12
 LABEL_RISE = 0.3
-"""Metres from the top of a thing to its label."""
+"""Metres from the top of an object to its label."""
 
 LANE_LINE = 2.0
-"""Metres from the middle of the road to a lane line."""
+"""Metres from the centre of the road to a lane line."""
 
 SINK = 0.12
-"""Metres by which the road is drawn too low."""
+"""Metres by which the road is drawn below its true height."""
 
 
 def cloud_parts(
@@ -59,7 +59,7 @@ def cloud_parts(
     layer: str,
     name: str,
 ) -> list[Part]:
-    """The points of a cloud, in one colour or coloured by `values` or by height."""
+    """Return the points of a cloud, in one colour or coloured by `values` or by height."""
     cloud = as_cloud(cloud)
     if colour is not None:
         colours = np.tile(bytes_of(colour), (len(cloud), 1))
@@ -69,7 +69,7 @@ def cloud_parts(
 
 
 def cluster_parts(cloud: ArrayLike, labels: ArrayLike, names: bool) -> list[Part]:
-    """Points in the colour of their cluster, pale noise, and labels at the biggest clusters."""
+    """Return points in the colours of their clusters, pale noise, and labels of big clusters."""
     cloud = as_cloud(cloud)
     labels = as_labels(labels, len(cloud))
     noise = labels <= 0
@@ -91,7 +91,7 @@ def cluster_parts(cloud: ArrayLike, labels: ArrayLike, names: bool) -> list[Part
 
 
 def plane_parts(cloud: ArrayLike, plane: Sequence[float] | np.ndarray | None) -> list[Part]:
-    """The points of a plane in green and, where the plane itself is given, a piece of it."""
+    """Return the points of a plane in green and, if the plane is given, a patch of the plane."""
     cloud = as_cloud(cloud)
     parts = cloud_parts(cloud, None, GREEN, None, "plane_cloud", "")
     if plane is not None:
@@ -103,7 +103,7 @@ def plane_parts(cloud: ArrayLike, plane: Sequence[float] | np.ndarray | None) ->
 
 
 def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> list[Part]:
-    """The planes of a kd-tree in the colours of their axes, the first ones with number and axis."""
+    """Return the cuts of a kd-tree in the colours of their axes; the first cuts have labels."""
     cuts = list(solids.kd_cuts(root, low, high, depth))
     parts: list[Part] = []
     for axis, (letter, _, colour) in enumerate(AXIS_LOOKS):
@@ -121,13 +121,13 @@ def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> 
 
 
 def ray_parts(cloud: ArrayLike, origin: ArrayLike, most: int) -> list[Part]:
-    """Lines from the sensor to some of its returns."""
+    """Return lines from the sensor to at most `most` of its returns."""
     ends = as_cloud(cloud)[:, :3]
     ends = ends[np.isfinite(ends).all(axis=1)]
     name = counted(len(ends), "lidar ray")
     if len(ends) > most:
         name = f"{most:,} of {name}"
-        # At random, as every k-th would fall in step with the beams.
+        # A random choice: every k-th return could fall in step with the beams.
         ends = ends[np.random.default_rng(0).choice(len(ends), most, replace=False)]
     rays = np.stack([np.broadcast_to(np.asarray(origin, float), ends.shape), ends], axis=1)
     return [Segments(rays, ORANGE, 1.0, "lidar_rays", name, 0.3)]
@@ -140,7 +140,7 @@ def box_parts(
     name: str,
     layer: str,
 ) -> list[Part]:
-    """Boxes as edges and faces one looks through; dashed and grey edges for a reference."""
+    """Return boxes as edges and transparent faces; a reference has only dashed grey edges."""
     corners = _as_corners(corners)
     texts = as_names(names, len(corners))
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
@@ -160,7 +160,7 @@ def box_parts(
 
 
 def trail_parts(trails: Iterable[ArrayLike]) -> list[Part]:
-    """Where things came from: a line from place to place for each."""
+    """Return one line per trail, through its positions (m, 3)."""
     lines = [np.asarray(trail, dtype=float).reshape(-1, 3) for trail in trails]
     lines = [line[np.isfinite(line).all(axis=1)] for line in lines]
     lines = [line for line in lines if len(line) > 1]
@@ -170,16 +170,16 @@ def trail_parts(trails: Iterable[ArrayLike]) -> list[Part]:
 
 
 def ego_parts(minimum: Iterable[float], maximum: Iterable[float]) -> list[Part]:
-    """The box of the ego car in magenta."""
+    """Return the box of the ego car in magenta."""
     corners = solids.upright_box(minimum, maximum)[None]
     edges = Segments(solids.edges_of(corners), MAGENTA, 2.5, "ego_car_box", LAYERS["ego_car_box"])
     return [edges, _faces(solids.faces_of(corners), MAGENTA, "ego_car_box", 0.25)]
 
 
 def road_parts(height: float, length: float, width: float) -> list[Part]:
-    """A straight road with two lane lines, `height` metres below the sensor."""
+    """Return a straight road with two lane lines, `height` metres below the sensor."""
     ends = (-length / 2, length / 2)
-    # A little low: half of the noisy returns would else be hidden below the surface.
+    # The road is slightly too low, or else its surface would hide half of the noisy returns.
     surface = solids.rectangle(ends, (-width / 2, width / 2), -height - SINK)
     lines = [[(x, side * LANE_LINE, -height - SINK / 2) for x in ends] for side in (-1, 1)]
     return [
@@ -189,7 +189,7 @@ def road_parts(height: float, length: float, width: float) -> list[Part]:
 
 
 def car_parts(corners: ArrayLike, colour: str) -> list[Part]:
-    """A block car in each box, opaque."""
+    """Return an opaque car made of blocks for each box."""
     corners = _as_corners(corners)
     corners = solids.ordered(corners[np.isfinite(corners).all(axis=(1, 2))])
     blocks = [solids.block_car(box) for box in corners]
@@ -232,7 +232,7 @@ def _label_above(points: np.ndarray, text: str, layer: str) -> Label:
 
 
 def _coloured(values: np.ndarray) -> np.ndarray:
-    """Colours (n, 3) of values; the outermost hundredths share the colours at the ends."""
+    """Return colours (n, 3) for values; the colour scale covers percentiles 1 to 99."""
     finite = values[np.isfinite(values)]
     low, high = np.percentile(finite, [1, 99]) if len(finite) else (0.0, 1.0)
     shares = (values - low) / (high - low if high > low else 1.0)
@@ -240,7 +240,7 @@ def _coloured(values: np.ndarray) -> np.ndarray:
 
 
 def _as_corners(corners: ArrayLike) -> np.ndarray:
-    """Boxes as a float array (N, 8, 3); a sentence for any other shape."""
+    """Return boxes as a float array (N, 8, 3), or raise ValueError with the expected shape."""
     try:
         corners = np.asarray(corners, dtype=float)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Where a scene is looked at from, and where its points then lie in the picture."""
+"""Cameras for viewing a scene, and the projection of points into the picture."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 VIEW_ANGLE = 49.13
-"""Degrees from the lower to the upper edge: what the viewer of the Point Cloud Library shows."""
+"""Vertical field of view in degrees, as in the viewer of the Point Cloud Library."""
 
 NEAREST = 0.05
-"""Metres in front of the camera from which on things are drawn."""
+"""Near clipping distance: parts closer to the camera, in metres, are not drawn."""
 
 
 @dataclass(frozen=True)
@@ -20,13 +20,13 @@ class Camera:
     Parameters
     ----------
     position, target : tuple of float
-        Where it stands and what it looks at, in metres.
+        Position of the camera, and the point that it looks at, in metres.
     up : tuple of float
-        The direction that is upwards in the picture.
+        Direction that is upwards in the picture.
     view_angle : float
-        Degrees from the lower to the upper edge of the picture.
+        Vertical field of view in degrees.
     seen_from : str
-        In words, for those who cannot see the picture.
+        Description of the viewpoint, for the alternative text of a picture.
     """
 
     position: tuple[float, float, float]
@@ -36,12 +36,12 @@ class Camera:
     seen_from: str = "from a place of its own"
 
     def farther(self, factor: float) -> Camera:
-        """The same view from `factor` times the distance; below 1 it comes nearer."""
+        """Return a camera with the same target at `factor` times the distance."""
         offset = np.subtract(self.position, self.target) * factor
         return replace(self, position=tuple((self.target + offset).tolist()))
 
     def axes(self) -> np.ndarray:
-        """Unit vectors to the right, upwards and forward, as rows of an array (3, 3)."""
+        """Return the unit vectors to the right, upwards and forward, as rows of an array (3, 3)."""
         forward = np.subtract(self.target, self.position).astype(float)
         right = np.cross(forward, self.up)
         if not np.isfinite(forward).all() or not np.linalg.norm(right) > 0:
@@ -54,11 +54,14 @@ class Camera:
         return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
     def seen(self, points: np.ndarray) -> np.ndarray:
-        """Metres to the right, upwards and forward of the camera, shape (..., 3)."""
+        """Return points in camera coordinates (..., 3): right, up and forward, in metres."""
         return (np.asarray(points, dtype=float) - self.position) @ self.axes().T
 
     def placed(self, seen: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-        """Pixels (..., 2), across and down, of what `seen` returned for points in front."""
+        """Return pixel coordinates (..., 2), to the right and down, for the result of `seen`.
+
+        The points must be in front of the camera.
+        """
         width, height = size
         focal = height / 2 / np.tan(np.radians(self.view_angle) / 2)
         ahead = np.maximum(seen[..., 2:], NEAREST)
@@ -73,16 +76,16 @@ CAMERAS: dict[str, Camera] = {
     "Side": Camera((0.0, -16.0, 0.0), (0.0, 0.0, 1.0), seen_from="from the right-hand side"),
     "FPS": Camera((-10.0, 0.0, 0.0), (0.0, 0.0, 1.0), seen_from="along the road from behind"),
 }
-"""The four cameras of the Udacity course; at a distance of 16 m they show the cars near by."""
+"""The four cameras of the Udacity course, which show cars within about 16 m."""
 
 
 def as_camera(camera: str | Camera) -> Camera:
-    """A camera, given itself or by its name in any case."""
+    """Return a camera, given as a `Camera` or by name; upper and lower case do not matter."""
     if isinstance(camera, Camera):
         return camera
-    for name, known in CAMERAS.items():
+    for name, preset in CAMERAS.items():
         if str(camera).lower() == name.lower():
-            return known
+            return preset
     raise ValueError(
         f"There is no camera {camera!r}. There are: {', '.join(CAMERAS)}; "
         "or make your own: Camera(position, target)."
@@ -90,13 +93,16 @@ def as_camera(camera: str | Camera) -> Camera:
 
 
 def cut_off(ends: np.ndarray) -> np.ndarray:
-    """Shorten seen segments (m, 2, 3) to what lies in front of the camera; drop the others."""
+    """Clip segments (m, 2, 3) in camera coordinates to the part in front of the camera.
+
+    Segments that are entirely behind the camera are dropped.
+    """
     ahead = ends[:, :, 2] - NEAREST
     kept = (ahead > 0).any(axis=1)
     ends, ahead = ends[kept].copy(), ahead[kept]
-    for behind, other in ((0, 1), (1, 0)):
+    for behind, in_front in ((0, 1), (1, 0)):
         rows = np.flatnonzero(ahead[:, behind] < 0)
-        share = ahead[rows, other] / (ahead[rows, other] - ahead[rows, behind])
-        step = ends[rows, behind] - ends[rows, other]
-        ends[rows, behind] = ends[rows, other] + share[:, None] * step
+        share = ahead[rows, in_front] / (ahead[rows, in_front] - ahead[rows, behind])
+        step = ends[rows, behind] - ends[rows, in_front]
+        ends[rows, behind] = ends[rows, in_front] + share[:, None] * step
     return ends

@@ -1,4 +1,4 @@
-"""Title, legend, labels and caption, written into a finished picture with Pillow."""
+"""Title, legend, labels and caption, drawn into a finished picture with Pillow."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ MARGIN = 10
 
 @lru_cache(maxsize=16)
 def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
-    """The font of matplotlib's figures, which every installation has."""
+    """Return the font of matplotlib's figures, which comes with every installation."""
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name, size)
 
 
 def legend_of(parts: Iterable[Part]) -> list[tuple[str, str, str]]:
-    """Entries (text, "#RRGGBB", kind) of all parts that have something to say.
+    """Return legend entries (text, "#RRGGBB", kind) for all parts that have a name.
 
-    The kind, "dot", "line", "dashes" or "area", is told apart by shape, not by colour alone.
+    The kind is "dot", "line", "dashes" or "area". Each kind has its own shape in the legend, so
+    that colour is not the only difference.
     """
     entries = []
     for part in parts:
@@ -36,7 +37,7 @@ def legend_of(parts: Iterable[Part]) -> list[tuple[str, str, str]]:
         if isinstance(part, Segments):
             entries.append((part.name, part.colour, "dashes" if part.broken else "line"))
             continue
-        # Of many colours the legend shows the middle one.
+        # For a part with many colours, the legend shows the colour in the middle of the array.
         colours = part.colours if len(part.colours) else [(0, 0, 0)]
         colour = "#{:02X}{:02X}{:02X}".format(*colours[len(colours) // 2])
         entries.append((part.name, colour, "dot" if isinstance(part, Points) else "area"))
@@ -46,23 +47,23 @@ def legend_of(parts: Iterable[Part]) -> list[tuple[str, str, str]]:
 def write(
     image: np.ndarray, parts: Iterable[Part], camera: Camera, title: str = "", caption: str = ""
 ) -> np.ndarray:
-    """Write all that is text into an image (height, width, 3).
+    """Return an image (height, width, 3) with labels, title, legend and caption.
 
-    Labels stand at their place whatever is in front of them; title and legend at the top,
-    the caption at the bottom.
+    Labels are visible even if something is in front of them. Title and legend are at the top, and
+    the caption is at the bottom.
     """
     parts = list(parts)
     height, width = image.shape[:2]
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture, "RGBA")
-    letter = max(11, round(height / 38))
-    _write_labels(draw, parts, camera, (width, height), font(letter, bold=True))
+    font_size = max(11, round(height / 38))
+    _write_labels(draw, parts, camera, (width, height), font(font_size, bold=True))
     down = MARGIN
     if title:
-        down = _write_line(draw, (MARGIN, down), title, font(letter + 2, bold=True))
-    _write_legend(draw, down, width, legend_of(parts), font(letter))
+        down = _write_line(draw, (MARGIN, down), title, font(font_size + 2, bold=True))
+    _write_legend(draw, down, width, legend_of(parts), font(font_size))
     if caption:
-        _write_line(draw, (MARGIN, height - MARGIN - letter - 4), caption, font(letter))
+        _write_line(draw, (MARGIN, height - MARGIN - font_size - 4), caption, font(font_size))
     return np.asarray(picture)
 
 
@@ -73,30 +74,30 @@ def _write_labels(
     size: tuple[int, int],
     font: ImageFont.FreeTypeFont,
 ) -> None:
-    """Write the labels, the nearest first; one that would cover another is left out."""
+    """Draw the labels, the nearest first, and leave out those that would cover another label."""
     labels = [part for part in parts if isinstance(part, Label)]
     if not labels:
         return
     seen = camera.seen(np.array([label.at for label in labels]))
     places = camera.placed(seen, size)
-    taken = np.empty((0, 4))
+    occupied = np.empty((0, 4))
     for row in np.argsort(seen[:, 2], kind="stable"):
         place, text = tuple(places[row].tolist()), labels[row].text
         if seen[row, 2] <= NEAREST or not (0 <= place[0] < size[0] and 0 <= place[1] < size[1]):
             continue
         left, top, right, bottom = draw.textbbox(place, text, font=font, anchor="ms")
-        room = np.array([left - 3, top - 3, right + 3, bottom + 3])
-        if ((room[:2] < taken[:, 2:]) & (taken[:, :2] < room[2:])).all(axis=1).any():
+        area = np.array([left - 3, top - 3, right + 3, bottom + 3])
+        if ((area[:2] < occupied[:, 2:]) & (occupied[:, :2] < area[2:])).all(axis=1).any():
             continue
-        taken = np.vstack([taken, room])
-        draw.rounded_rectangle(room.tolist(), 3, (255, 255, 255, 215))
+        occupied = np.vstack([occupied, area])
+        draw.rounded_rectangle(area.tolist(), 3, (255, 255, 255, 215))
         draw.text(place, text, fill=labels[row].colour, font=font, anchor="ms")
 
 
 def _write_line(
     draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str, font: ImageFont.FreeTypeFont
 ) -> float:
-    """Write a line on paper of its own; return where the next one begins."""
+    """Draw a line of text on a white background; return the y coordinate of the next line."""
     left, top, right, bottom = draw.textbbox(place, text, font=font)
     draw.rectangle((left - 4, top - 3, right + 4, bottom + 3), (255, 255, 255, 215))
     draw.text(place, text, fill=INK, font=font)
@@ -112,12 +113,12 @@ def _write_legend(
 ) -> None:
     across = MARGIN
     for text, colour, kind in entries:
-        room = 24 + draw.textlength(text, font=font)
-        if across > MARGIN and across + room > width - MARGIN:
+        entry_width = 24 + draw.textlength(text, font=font)
+        if across > MARGIN and across + entry_width > width - MARGIN:
             across, down = MARGIN, down + font.size + 8
         middle = down + font.size * 0.6
         draw.rectangle(
-            (across - 4, down - 2, across + room, down + font.size + 4), (255, 255, 255, 215)
+            (across - 4, down - 2, across + entry_width, down + font.size + 4), (255, 255, 255, 215)
         )
         if kind in ("line", "dashes"):
             for start in (0, 11) if kind == "dashes" else (0, 5.5, 11):
@@ -128,4 +129,4 @@ def _write_legend(
             pale = (*ImageColor.getrgb(colour), 90)
             draw.rectangle((across + 2, middle - 5, across + 14, middle + 5), pale, colour)
         draw.text((across + 21, down), text, fill=INK, font=font)
-        across += room + 16
+        across += entry_width + 16

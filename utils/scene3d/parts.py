@@ -1,7 +1,7 @@
-"""What a scene is made of: points, segments, faces and labels, each on a layer.
+"""The parts of a scene: points, segments, faces and labels, each on a layer.
 
-Whatever draws (PyVista, matplotlib, the viewer in the browser) has to know these four, and that
-a scene is `Drawable`.
+Each renderer (PyVista, matplotlib, the viewer in the browser) draws these four kinds of parts. It
+uses only the attributes of `Drawable` from a scene.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ LAYERS: dict[str, str] = {
     "oriented_boxes": "oriented boxes",
     "trails": "trails",
 }
-"""Everything that can be switched on and off, with its name for the reader."""
+"""Layers that can be turned on and off, with the names that readers see."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +40,11 @@ class Points:
     xyz : ndarray of float32, shape (n, 3)
         Finite, in metres.
     colours : ndarray of uint8, shape (n, 3)
+        Red, green and blue.
     size : float
-        Pixels.
+        Width of a dot in pixels.
     layer, name : str
-        `name` is what the legend says, where there is something to say.
+        `name` is the entry in the legend; there is none if it is empty.
     """
 
     xyz: np.ndarray
@@ -55,9 +56,24 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Straight lines: ends (m, 2, 3) in metres, a colour such as "#0072B2", a width in pixels.
+    """Straight lines.
 
-    Dashed lines come as many short ones; `broken` says so to the legend.
+    A dashed line consists of many short segments.
+
+    Attributes
+    ----------
+    ends : ndarray, shape (m, 2, 3)
+        Both ends of each segment, in metres.
+    colour : str
+        Such as "#0072B2".
+    width : float
+        In pixels.
+    layer, name : str
+        `name` is the entry in the legend; there is none if it is empty.
+    opacity : float
+        From 0 (invisible) to 1 (opaque).
+    broken : bool
+        Whether to show a dashed line in the legend.
     """
 
     ends: np.ndarray
@@ -71,7 +87,19 @@ class Segments:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Triangles (m, 3, 3) in metres with a colour each, uint8 (m, 3); below 1 one looks through."""
+    """Coloured triangles.
+
+    Attributes
+    ----------
+    triangles : ndarray, shape (m, 3, 3)
+        The three corners of each triangle, in metres.
+    colours : ndarray of uint8, shape (m, 3)
+        Red, green and blue of each triangle.
+    opacity : float
+        From 0 (invisible) to 1 (opaque).
+    layer, name : str
+        `name` is the entry in the legend; there is none if it is empty.
+    """
 
     triangles: np.ndarray
     colours: np.ndarray
@@ -82,7 +110,7 @@ class Faces:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """A word at a place (3,) in metres, always readable."""
+    """A text at a position `at`, of shape (3,) in metres; no other part hides it."""
 
     at: np.ndarray
     text: str
@@ -94,18 +122,18 @@ Part = Points | Segments | Faces | Label
 
 
 class Drawable(Protocol):
-    """All that whatever draws wants of a `utils.scene3d.Scene`.
+    """The attributes of a `utils.scene3d.Scene` that a renderer uses.
 
     Attributes
     ----------
     title, caption : str
-        Written above the picture, and below it.
+        Text above the picture, and text below it.
     alt : str
-        What the picture shows, in words; empty where its parts say it.
+        Text alternative of the picture; if empty, it is made from the names of the parts.
     switches : dict of str to bool
-        Which layers are on.
+        For each layer, whether it is on.
     all_parts, parts : tuple of Part
-        Everything, and what is switched on.
+        All parts, and those whose layers are on.
     """
 
     title: str
@@ -117,24 +145,24 @@ class Drawable(Protocol):
 
 
 def bytes_of(colour: str) -> np.ndarray:
-    """The colour "#0072B2" as three bytes."""
+    """Return a colour such as "#0072B2" as three bytes: red, green and blue."""
     return np.round(np.multiply(to_rgb(colour), 255)).astype(np.uint8)
 
 
 def dot_size(count: int) -> float:
-    """Pixels of a dot that suit a cloud of `count` points: large for few, small for many."""
+    """Return the size of a dot in pixels, which is smaller for a cloud of more points."""
     return float(np.clip(round(30 / max(count, 1) ** 0.25), 2, 6))
 
 
 def dashed(ends: np.ndarray, dash: float = 0.25) -> np.ndarray:
-    """Cut segments (m, 2, 3) into dashes of about `dash` metres with gaps between, (k, 2, 3).
+    """Cut segments (m, 2, 3) into dashes (k, 2, 3) of about `dash` metres, with equal gaps.
 
-    Not every renderer knows dashed lines; all of them know short ones.
+    Some renderers cannot draw dashed lines, but all of them can draw short segments.
     """
     if not len(ends):
         return ends
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    # An odd number of pieces, so that a dash lies at either end; a bound for a wild box.
+    # An odd number of pieces puts a dash at either end. The limit is for boxes of absurd size.
     pieces = np.clip(np.nan_to_num(lengths / dash), 1, 400).astype(int) // 2 * 2 + 1
     rows = np.repeat(np.arange(len(ends)), (pieces + 1) // 2)
     first = np.concatenate([np.arange(0, count, 2) for count in pieces])

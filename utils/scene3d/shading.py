@@ -1,4 +1,4 @@
-"""Eye-dome lighting: edges in depth made visible, which gives a bare cloud its shape.
+"""Eye-dome lighting, which shows the shape of a cloud by darkening edges in depth.
 
 C. Boucheny, "Interactive scientific visualization of large datasets: towards a
 perceptive-based approach", PhD thesis, Université Joseph Fourier, 2009.
@@ -10,29 +10,29 @@ import numpy as np
 
 STRENGTH = 1.1
 DARKEST = 0.5
-"""What a colour keeps of its brightness: colours carry meaning."""
+"""Lowest share of its brightness that a colour keeps, so that its meaning remains clear."""
 
 NEIGHBOURS = ((0, 1), (1, 0), (0, 2), (2, 0))
 
 
 def eye_dome(image: np.ndarray, depth: np.ndarray, strength: float = STRENGTH) -> np.ndarray:
-    """Darken what lies right behind something nearer.
+    """Darken pixels that are next to a nearer pixel.
 
-    VTK has this as a render pass, but on paper white that draws a black rim around every single
-    point: here the empty background is no neighbour.
+    VTK has a render pass for this, but on a white background it draws a black rim around every
+    single point. Here, empty background does not count as a neighbour.
 
     Parameters
     ----------
     image : ndarray of uint8, shape (height, width, 3)
     depth : ndarray, shape (height, width)
-        Metres in front of the camera; infinite where there is nothing.
+        Distance from the camera in metres; infinite for empty background.
     strength : float
-        0 leaves the image as it is.
+        Strength of the effect; 0 leaves the image unchanged.
 
     Returns
     -------
     ndarray of uint8, shape (height, width, 3)
-        Another image.
+        A new image.
     """
     covered = np.isfinite(depth)
     steps = np.log2(np.where(covered, depth, 1.0), dtype=np.float32)
