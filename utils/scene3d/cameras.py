@@ -76,7 +76,7 @@ CAMERAS: dict[str, Camera] = {
     "Side": Camera((0.0, -16.0, 0.0), (0.0, 0.0, 1.0), seen_from="from the right-hand side"),
     "FPS": Camera((-10.0, 0.0, 0.0), (0.0, 0.0, 1.0), seen_from="along the road from behind"),
 }
-"""The four cameras of the Udacity course, which show cars within about 16 m."""
+"""The four cameras of the Udacity course, which are near the sensor and show only nearby cars."""
 
 
 def as_camera(camera: str | Camera) -> Camera:

@@ -1,4 +1,4 @@
-"""The scene: what is in it, which of it is switched on, and how it is shown."""
+"""The class `Scene`: parts of a street, layers to turn on and off, and ways to show them."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ if TYPE_CHECKING:
     from utils.visits import Node
 
 EGO_MINIMUM, EGO_MAXIMUM = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-"""Where the roof of the ego car returns echoes to a 64-beam sensor above it, in metres."""
+"""Two opposite corners of the region, in metres, where a 64-beam sensor hits the ego car's roof."""
 
 SIZE = (960, 540)
 
 
 class Scene:
-    """A street in three dimensions, put together part by part.
+    """A street in three dimensions, built part by part.
 
-    Every ``add_...`` returns the scene, so that calls can be chained, and puts its part on a
-    layer that `switch` turns on and off. Coordinates are those of the cloud: metres, x forward,
-    y left, z up, the sensor at the origin.
+    Each method ``add_...`` returns the scene, so that calls can be chained. It adds parts on a
+    layer that `switch` turns on and off. Coordinates are those of the cloud: in metres, with x
+    forward, y left, z up and the sensor at the origin.
 
     Parameters
     ----------
     title : str
         Written above the picture.
     alt : str
-        What the picture shows, for those who cannot see it; made from the parts when empty.
+        Text alternative for readers who cannot see the picture; by default made from the parts.
 
     Attributes
     ----------
     caption : str
-        A line below the picture: what changes from frame to frame.
+        Text below the picture, such as the number of the frame.
     switches : dict of str to bool
-        Which layers are on.
+        For each layer, whether it is on.
 
     Examples
     --------
     >>> scene = Scene("The street").add_cloud(cloud).add_boxes(corners, names=True)
     >>> scene.show()                   # a picture
-    >>> scene.show(interactive=True)   # one to turn and zoom
+    >>> scene.show(interactive=True)   # a view to rotate and zoom
     """
 
     def __init__(self, title: str = "", *, alt: str = "") -> None:
@@ -62,12 +62,12 @@ class Scene:
 
     @property
     def all_parts(self) -> tuple[Part, ...]:
-        """What was added, in that order."""
+        """All parts, in the order in which they were added."""
         return tuple(self._parts)
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """What was added and is switched on."""
+        """The parts whose layers are on."""
         return tuple(part for part in self._parts if self.switches[part.layer])
 
     def switch(self, **layers: bool) -> Scene:
@@ -76,7 +76,7 @@ class Scene:
         Raises
         ------
         ValueError
-            There is no such layer; the message names them all.
+            A layer does not exist; the message lists all layers.
         """
         for name in layers:
             _check_layer(name)
@@ -87,7 +87,7 @@ class Scene:
         """Turn these layers on and all others off; see `switch`."""
         return self.switch(**dict.fromkeys(LAYERS, False) | dict.fromkeys(layers, True))
 
-    # What can be added ---------------------------------------------------------------------
+    # Adding parts --------------------------------------------------------------------------
 
     def add_cloud(
         self,
@@ -106,15 +106,15 @@ class Scene:
         cloud : (n, 3) or (n, 4) array_like of float
             In metres. Rows with a non-finite coordinate are left out.
         values : (n,) array_like of float, optional
-            What the colour shows; the height by default.
+            Values that the colours show; by default the height.
         colour : str, optional
             One colour for all points, such as "#0072B2".
         size : float, optional
-            Pixels of a dot; by default smaller the more points there are.
+            Width of a dot in pixels; by default smaller for more points.
         layer : str
-            "data_points", "filtered_cloud" or another of the scene's layers.
+            Name of a layer, such as "data_points" or "filtered_cloud".
         name : str
-            For the legend, where the number of points is added.
+            Entry in the legend; the number of points is added.
         """
         _check_layer(layer)
         return self._add(builders.cloud_parts(cloud, values, colour, size, layer, name))
@@ -122,21 +122,22 @@ class Scene:
     def add_plane(
         self, cloud: ArrayLike, plane: Sequence[float] | np.ndarray | None = None
     ) -> Scene:
-        """Add the points of the road (green) and, given (a, b, c, d), a piece of that plane."""
+        """Add the points of a plane (green) and, given (a, b, c, d), a patch of the plane."""
         return self._add(builders.plane_parts(cloud, plane))
 
     def add_obstacles(self, cloud: ArrayLike) -> Scene:
-        """Add the points of what stands on the road (red)."""
+        """Add the points of obstacles on the road (red)."""
         return self._add(
             builders.cloud_parts(cloud, None, builders.VERMILION, None, "obstacle_cloud", "")
         )
 
     def add_clusters(self, cloud: ArrayLike, labels: ArrayLike, *, names: bool = True) -> Scene:
-        """Add points in the colour of their cluster; the twelve biggest also carry their label.
+        """Add points in the colours of their clusters, with labels at the twelve biggest clusters.
 
         Parameters
         ----------
         cloud : (n, 3) or (n, 4) array_like of float
+            In metres.
         labels : (n,) array_like of int
             1 and above for clusters; 0 (or less) for noise, which is pale and small.
         names : bool
@@ -152,16 +153,17 @@ class Scene:
         *,
         depth: int = 3,
     ) -> Scene:
-        """Add the planes in which the first levels of a kd-tree cut a region.
+        """Add the planes along which the first levels of a kd-tree cut a region.
 
         Parameters
         ----------
         root : node or None
-            With `point`, `left` and `right`; two or three dimensions.
+            An object with `point`, `left` and `right`; points have two or three coordinates.
         minimum, maximum : (3,) array_like of float, optional
-            The region in metres; by default what holds the points added so far.
+            Two opposite corners of the region in metres; by default the region of the points added
+            so far.
         depth : int
-            Levels to draw; each has twice as many planes as the one before.
+            Number of levels to draw; each has up to twice as many planes as the previous one.
         """
         low, high = self._extent()
         low = low if minimum is None else minimum
@@ -171,7 +173,7 @@ class Scene:
     def add_rays(
         self, cloud: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, most: int = 1_000
     ) -> Scene:
-        """Add the rays from the sensor to its returns, at most `most` of them."""
+        """Add the rays from the sensor at `origin` to its returns, at most `most` of them."""
         return self._add(builders.ray_parts(cloud, origin, most))
 
     def add_boxes(
@@ -182,19 +184,19 @@ class Scene:
         reference: bool = False,
         name: str = "",
     ) -> Scene:
-        """Add regular boxes.
+        """Add axis-aligned boxes (red).
 
         Parameters
         ----------
         corners : (N, 8, 3) array_like of float
-            Eight corners of each box in metres, in any order. Boxes with a non-finite corner are
-            left out.
+            The eight corners of each box in metres, in any order. Boxes with a non-finite corner
+            are left out.
         names : bool or sequence of str or int
-            Written above each box; True for its row number.
+            Names to write above the boxes; True for the row numbers.
         reference : bool
-            Dashed and grey, for true boxes or those of the frame before.
+            Draw dashed grey lines, for true boxes or those of the previous frame.
         name : str
-            For the legend, where the number of boxes is added.
+            Entry in the legend; the number of boxes is added.
         """
         return self._add(builders.box_parts(corners, names, reference, name, "boxes"))
 
@@ -206,11 +208,11 @@ class Scene:
         reference: bool = False,
         name: str = "",
     ) -> Scene:
-        """Add boxes turned about z, with thicker lines; see `add_boxes`."""
+        """Add boxes that are rotated about z (blue, with thicker lines); see `add_boxes`."""
         return self._add(builders.box_parts(corners, names, reference, name, "oriented_boxes"))
 
     def add_trails(self, trails: Iterable[ArrayLike]) -> Scene:
-        """Add the way that each thing came: for each its places (m, 3), oldest first, in metres."""
+        """Add one line per object, through its past positions (m, 3) in metres, oldest first."""
         return self._add(builders.trail_parts(trails))
 
     def add_ego_car(
@@ -224,7 +226,10 @@ class Scene:
         return self._add(builders.road_parts(height, length, width))
 
     def add_cars(self, corners: ArrayLike, *, colour: str = BLUE) -> Scene:
-        """Add a block car into each box (N, 8, 3), its length along the longer side."""
+        """Add a car made of blocks into each box (N, 8, 3), with its length along the longer side.
+
+        The corners are in metres.
+        """
         return self._add(builders.car_parts(corners, colour))
 
     def add_lines(self, ends: ArrayLike, *, colour: str, width: float = 2.0, name: str) -> Scene:
@@ -232,7 +237,7 @@ class Scene:
         ends = np.asarray(ends, dtype=float)
         return self._add([Segments(ends, colour, width, "scene", name)])
 
-    # How it is shown -----------------------------------------------------------------------
+    # Showing and saving --------------------------------------------------------------------
 
     def picture(
         self,
@@ -241,7 +246,7 @@ class Scene:
         size: tuple[int, int] = SIZE,
         renderer: str | None = None,
     ) -> np.ndarray:
-        """Draw the scene.
+        """Draw the scene into an image.
 
         Parameters
         ----------
@@ -249,7 +254,7 @@ class Scene:
         size : (int, int)
             Width and height in pixels.
         renderer : {"pyvista", "matplotlib"}, optional
-            By default PyVista where it can draw, else matplotlib.
+            By default PyVista if it can draw, or else matplotlib.
 
         Returns
         -------
@@ -267,34 +272,37 @@ class Scene:
         renderer: str | None = None,
         alt: str = "",
     ) -> None:
-        """Show the scene in the notebook; outside of one, in a window where there is a screen.
+        """Show the scene in a notebook or, outside notebooks, in a window on the screen.
 
         Parameters
         ----------
         camera, size, renderer
             See `picture`.
         interactive : bool
-            A view to turn and zoom, by mouse, finger or keyboard. It holds at most 20 000 points
-            and works without a server, in a saved notebook too.
+            In a notebook, show a view to rotate and zoom by mouse, finger or keyboard. It contains
+            about 20 000 points at most. It needs no server and also works in a saved notebook.
         alt : str
-            What the picture shows, for those who cannot see it.
+            Text alternative for readers who cannot see the picture; by default that of `describe`.
         """
         output.show(self, camera, interactive, size, renderer, alt)
 
     def save(
         self, path: str | os.PathLike, camera: str | Camera = "XY", *, size: tuple[int, int] = SIZE
     ) -> Path:
-        """Write a picture (.png, .jpg, .webp) or the interactive view (.html)."""
+        """Save a picture (.png, .jpg, .jpeg, .webp) or the interactive view (.html).
+
+        `size` is the width and height of a picture in pixels. The path is returned.
+        """
         return output.save(self, path, camera, size)
 
     def draw(self, camera: str | Camera = "XY", *, axes: Axes | None = None) -> Axes:
-        """Draw with matplotlib into `axes`, or into a new figure, and return the axes."""
+        """Draw with matplotlib into `axes` or into a new figure, and return the axes."""
         from utils.scene3d.with_matplotlib import draw
 
         return draw(self, camera, axes)
 
     def describe(self, camera: str | Camera = "XY") -> str:
-        """Say in a sentence what a picture shows: the scene's `alt`, or what its parts are."""
+        """Return a text alternative for a picture: `alt`, or else a list of the visible parts."""
         return output.describe(self, camera)
 
     def _repr_mimebundle_(

@@ -1,8 +1,9 @@
-"""The interactive view: one page of HTML that holds the scene and draws it by itself.
+"""The interactive view: one HTML page that contains the scene and the code to draw it.
 
-It needs no server, no network, no graphics card and no PyVista, so it works in JupyterLab,
-VS Code and Colab and in a notebook that was saved and sent on. PyVista's own export needs
-trame and twenty packages with it, 1.6 MB and one of the browser's few WebGL contexts per view.
+It needs no server, network, graphics card or PyVista. So it works in JupyterLab, VS Code and
+Colab, and in a notebook that was saved and sent to another reader. PyVista's own export needs
+trame and twenty further packages. Each view of it takes 1.6 MB and one of the browser's few WebGL
+contexts.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from utils.scene3d.lettering import legend_of
 from utils.scene3d.parts import LAYERS, Drawable, Faces, Label, Points, Segments, dot_size
 
 MOST_POINTS = 20_000
-STEPS = 65_535  # places along each axis: 3 mm in a cloud of 200 m
+STEPS = 65_535  # per axis, as 16-bit integers allow: 3 mm in a cloud of 200 m
 
 OWN = "Chosen"
 
@@ -29,10 +30,10 @@ OWN = "Chosen"
 def frame(
     scene: Drawable, camera: Camera, size: tuple[int, int], alt: str, instead: str = ""
 ) -> str:
-    """The view for a notebook: a page within the page, so that neither disturbs the other.
+    """Return the view for a notebook as an iframe, so that view and notebook are isolated.
 
-    `instead` is HTML for readers that run no scripts, such as a notebook that is not trusted or
-    one shown on GitHub. Where the view runs, it hides what stands instead of it.
+    `instead` is HTML for places without scripts, such as GitHub or a notebook that is not trusted.
+    When the view runs, it hides this HTML.
     """
     width, height = size
     return (
@@ -43,9 +44,9 @@ def frame(
 
 
 def page(scene: Drawable, camera: Camera, alt: str) -> str:
-    """The view as a page of its own."""
+    """Return the view as a complete HTML page."""
     content = json.dumps(_content(scene, camera, alt), separators=(",", ":"), allow_nan=False)
-    # Within a page "</script>" ends the script, wherever it stands.
+    # The text "</script>" ends a script even inside a string.
     return _template().replace("SCENE", content.replace("<", "\\u003c"))
 
 
@@ -55,10 +56,10 @@ def _template() -> str:
 
 
 def _content(scene: Drawable, camera: Camera, alt: str) -> dict:
-    """All that the page has to know, as JSON takes it."""
+    """Return the data of the page as values that JSON can represent."""
     parts = scene.all_parts
     cameras = dict(CAMERAS)
-    chosen = next((name for name, known in CAMERAS.items() if known == camera), OWN)
+    chosen = next((name for name, preset in CAMERAS.items() if preset == camera), OWN)
     if chosen == OWN:
         cameras[OWN] = camera
     total = sum(len(part.xyz) for part in parts if isinstance(part, Points))
@@ -68,7 +69,7 @@ def _content(scene: Drawable, camera: Camera, alt: str) -> dict:
         "alt": alt,
         "note": f"{total:,} points, {share:.0%} of them shown." if share < 1 else "",
         "camera": chosen,
-        "cameras": {name: _camera(known) for name, known in cameras.items()},
+        "cameras": {name: _camera(preset) for name, preset in cameras.items()},
         "layers": list(_layers(scene)),
         "points": [_points(part, share) for part in parts if isinstance(part, Points)],
         "lines": [
@@ -111,7 +112,7 @@ def _camera(camera: Camera) -> dict:
 
 
 def _layers(scene: Drawable) -> Iterator[dict]:
-    """The layers that hold something, with what their parts are called."""
+    """Yield the layers that have parts, with the names of the parts as title."""
     for name, on in scene.switches.items():
         parts = [part for part in scene.all_parts if part.layer == name]
         if not parts:
@@ -123,10 +124,13 @@ def _layers(scene: Drawable) -> Iterator[dict]:
 
 
 def _points(part: Points, share: float) -> dict:
-    """Points as whole steps from the lowest corner, which take half the room of floats."""
+    """Return points as 16-bit steps from the lowest corner, which are half as large as floats.
+
+    `share` is the proportion of the points to include, from 0 to 1.
+    """
     xyz, colours = part.xyz, part.colours
     if share < 1 and len(xyz):
-        # At random, as every k-th would fall in step with the beams of the scan.
+        # A random choice: every k-th point could fall in step with the beams of the scan.
         count = max(int(share * len(xyz)), 1)
         rows = np.sort(np.random.default_rng(0).choice(len(xyz), count, replace=False))
         xyz, colours = xyz[rows], colours[rows]

@@ -1,7 +1,8 @@
-"""Drawing with matplotlib, for machines without PyVista: the same cameras, the same parts.
+"""Renderer based on matplotlib, for machines without PyVista; it draws the same scenes.
 
-The points become an image with the nearest one on top; edges and faces are drawn over it, as
-matplotlib knows no depth. Its own 3-D axes cannot stand in the middle of a cloud, as here.
+Points become an image in which the nearest point is on top. Transparent faces and most edges are
+drawn over it, because matplotlib has no depth buffer. Its own 3D axes are not used, as their
+camera cannot be inside a cloud.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ DOTS_PER_INCH = 100
 
 
 def picture(scene: Drawable, camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """Draw a scene: uint8, (height, width, 3)."""
+    """Draw a scene and return the picture as a uint8 array (height, width, 3)."""
     width, height = size
     figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
     screen = FigureCanvasAgg(figure)
@@ -60,11 +61,11 @@ def draw(scene: Drawable, camera: str | Camera, axes: Axes | None = None) -> Axe
 
 
 def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) -> None:
-    """Draw all that is no text, in coordinates of pixels."""
+    """Draw all parts except labels, in pixel coordinates."""
     axes.set_axis_off()
     parts = scene.parts
     opaque = [part for part in parts if isinstance(part, Faces) and part.opacity == 1.0]
-    glassy = [part for part in parts if isinstance(part, Faces) and part.opacity < 1.0]
+    transparent = [part for part in parts if isinstance(part, Faces) and part.opacity < 1.0]
     _add_faces(axes, opaque, camera, size, 1)
     axes.imshow(
         _dotted(parts, camera, size),
@@ -73,7 +74,7 @@ def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) ->
         interpolation="nearest",
         aspect="auto",
     )
-    _add_faces(axes, glassy, camera, size, 3)
+    _add_faces(axes, transparent, camera, size, 3)
     for part in parts:
         if isinstance(part, Segments) and len(part.ends):
             lines = camera.placed(cut_off(camera.seen(part.ends)), size)
@@ -94,7 +95,7 @@ def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) ->
 def _add_faces(
     axes: Axes, parts: list[Faces], camera: Camera, size: tuple[int, int], zorder: float
 ) -> None:
-    """Draw triangles, the farthest first; those that reach behind the camera are left out."""
+    """Draw triangles, the farthest first, and leave out those that reach behind the camera."""
     kept = [part for part in parts if len(part.triangles)]
     if not kept:
         return
@@ -120,7 +121,7 @@ def _add_faces(
 
 
 def _dotted(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """All points as an image (height, width, 4) that is transparent between them."""
+    """Return an image (height, width, 4) of all points, with a transparent background."""
     width, height = size
     image = np.zeros((height, width, 3), dtype=np.uint8)
     depth = np.full((height, width), np.inf, dtype=np.float32)
@@ -130,7 +131,7 @@ def _dotted(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.
         seen = camera.seen(part.xyz)
         rows = np.flatnonzero(seen[:, 2] > NEAREST)
         places = camera.placed(seen[rows], size)
-        # The nearest last: of several values for one pixel the last one stays.
+        # The nearest points come last, because the last value assigned to a pixel remains.
         order = np.argsort(-seen[rows, 2], kind="stable")
         rows, places = rows[order], np.floor(places[order] - (part.size - 1) / 2).astype(int)
         ahead = seen[rows, 2].astype(np.float32)

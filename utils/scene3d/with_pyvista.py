@@ -1,4 +1,4 @@
-"""Drawing with PyVista: pictures without a screen, and a window where there is one."""
+"""Renderer based on PyVista: pictures without a screen, and windows on a screen."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     import pyvista
 
 SMOOTHED = 2
-"""How much wider dots and lines are drawn where super-sampling makes them thinner again."""
+"""Factor by which dots and lines are widened, since supersampling makes them thinner."""
 
 
 class Studio:
-    """A place without a screen where pictures are taken, one after the other.
+    """An off-screen renderer for any number of pictures.
 
-    To be closed after use, or used in a ``with`` statement.
+    Close it after use, or use it in a ``with`` statement.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Studio:
         self.size = size
 
     def picture(self, scene: Drawable, camera: Camera) -> np.ndarray:
-        """Draw a scene: uint8, (height, width, 3)."""
+        """Draw a scene and return the picture as a uint8 array (height, width, 3)."""
         self.plotter.clear_actors()
         for part in scene.parts:
             add(self.plotter, part, SMOOTHED)
@@ -56,7 +56,10 @@ class Studio:
         return write(image, scene.parts, camera, scene.title, scene.caption)
 
     def _depth(self) -> np.ndarray:
-        """Metres ahead of the camera at each pixel; infinite where nothing was drawn."""
+        """Return the distance from the camera in metres per pixel; infinite for empty background.
+
+        The shape is (height, width).
+        """
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkFloatArray
 
@@ -69,7 +72,7 @@ class Studio:
         return np.where(fractions < 1.0, depth, np.inf)
 
     def close(self) -> None:
-        """Give the memory back."""
+        """Free the memory."""
         with quiet():
             self.plotter.close()
 
@@ -81,9 +84,17 @@ class Studio:
 
 
 class Window:
-    """A window on the screen that shows one scene after the other.
+    """A window on the screen that shows a series of scenes.
 
-    The mouse turns and zooms; F1 to F4 choose a camera, space halts, q closes the window.
+    The mouse rotates and zooms. F1 to F4 choose a camera, the space bar pauses or continues, and
+    q closes the window.
+
+    Attributes
+    ----------
+    halted : bool
+        Whether the reader has paused.
+    open : bool
+        Whether the window is still open.
     """
 
     def __init__(self, size: tuple[int, int], camera: Camera) -> None:
@@ -92,15 +103,15 @@ class Window:
         self.plotter = pyvista.Plotter(window_size=list(size), lighting="none", notebook=False)
         self.plotter.set_background(PAPER)
         self.halted, self.open = False, True
-        for number, known in enumerate(CAMERAS.values(), start=1):
-            # Not 1 to 4: VTK has a meaning for 3 already, pictures in red and blue.
-            self.plotter.add_key_event(f"F{number}", _aiming(self.plotter, known))
+        for number, preset in enumerate(CAMERAS.values(), start=1):
+            # The digits 1 to 4 are not used, because 3 toggles VTK's red and blue stereo view.
+            self.plotter.add_key_event(f"F{number}", _camera_setter(self.plotter, preset))
         self.plotter.add_key_event("space", self._halt)
-        self.plotter.iren.add_observer("ExitEvent", self._leave)  # q, or the window's own cross
+        self.plotter.iren.add_observer("ExitEvent", self._leave)  # q or the close button
         aim(self.plotter, camera)
 
     def put(self, scene: Drawable) -> None:
-        """Show a scene in place of the one before; the reader's view stays."""
+        """Replace the scene; the view that the reader has chosen remains."""
         self.plotter.clear_actors()
         for part in scene.parts:
             add(self.plotter, part)
@@ -111,12 +122,12 @@ class Window:
         self.refresh()
 
     def refresh(self) -> None:
-        """React to mouse and keyboard."""
+        """Process events of mouse and keyboard."""
         if self.open:
             self.plotter.update()
 
     def stay(self) -> None:
-        """Leave the window to the reader until it is closed."""
+        """Keep the window open until the reader closes it."""
         if self.open:
             self.plotter.iren.start()
 
@@ -133,14 +144,17 @@ class Window:
 
 
 def aim(plotter: pyvista.Plotter, camera: Camera) -> None:
-    """Put the plotter's camera in place."""
+    """Apply a camera to the plotter."""
     plotter.camera_position = [camera.position, camera.target, camera.up]
     plotter.camera.view_angle = camera.view_angle
     plotter.reset_camera_clipping_range()
 
 
 def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
-    """Add a part that is no text; dots and lines `widening` times as wide."""
+    """Add a part other than a label to the plotter, with dots and lines `widening` times as wide.
+
+    Labels are skipped.
+    """
     import pyvista
 
     if isinstance(part, Label):
@@ -180,7 +194,7 @@ def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
 
 
 def _add_labels(plotter: pyvista.Plotter, scene: Drawable) -> None:
-    """Add text that follows the camera: in a window the reader turns the scene."""
+    """Add title, caption, and labels that keep facing the camera when the reader rotates it."""
     labels = [part for part in scene.parts if isinstance(part, Label)]
     if labels:
         plotter.add_point_labels(
@@ -200,5 +214,5 @@ def _add_labels(plotter: pyvista.Plotter, scene: Drawable) -> None:
         plotter.add_text(text, position="upper_left", font_size=10, color=INK, render=False)
 
 
-def _aiming(plotter: pyvista.Plotter, camera: Camera) -> Callable[[], None]:
+def _camera_setter(plotter: pyvista.Plotter, camera: Camera) -> Callable[[], None]:
     return lambda: aim(plotter, camera)
