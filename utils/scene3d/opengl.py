@@ -67,7 +67,7 @@ def has_screen() -> bool:
 
 
 def _kind_of_window() -> str:
-    """Return the class name of the render window that VTK chooses after testing what works."""
+    """Return the class name of the render window that VTK chooses after its own tests."""
     from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the windows)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
