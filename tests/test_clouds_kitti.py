@@ -1,4 +1,4 @@
-"""KITTI's labels, calibration and raw drives, from small folders made here."""
+"""Labels, calibration and raw drives of KITTI, read from small folders that the tests write."""
 
 import csv
 import os
@@ -20,16 +20,16 @@ from utils.recordings import (
 
 REAL = Path(os.environ.get("REAL_CLOUDS", "/nowhere"))
 
-# A camera 27 cm ahead of and 8 cm below the scanner, looking straight ahead:
-# its x is our -y, its y our -z, its z our x.
+# A camera 27 cm ahead of and 8 cm below the scanner, looking straight ahead.
+# Its x axis is our -y, its y axis our -z, and its z axis our x.
 MOUNTING = "0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27"
 IDENTITY = "1 0 0 0 1 0 0 0 1"
 P2 = "700 0 600 45 0 700 180 -0.3 0 0 1 0.005"
 OBJECT_CALIBRATION = f"P2: {P2}\nR0_rect: {IDENTITY}\nTr_velo_to_cam: {MOUNTING}\n\n"
 TRACKING_CALIBRATION = f"P2: {P2}\nR_rect {IDENTITY}\nTr_velo_cam {MOUNTING}\n"
 
-# A car 4 x 1.6 x 1.5 m, middle of the floor 10 m ahead of the scanner, 2 m to the left,
-# 1.73 m below it, seen from behind (KITTI's rotation -pi/2 looks along the camera's z).
+# A car of 4 x 1.6 x 1.5 m, seen from behind (at KITTI's rotation -pi/2 a car points along the
+# camera's z). The centre of its floor is 10 m ahead of the scanner, 2 m to its left, 1.73 m below.
 CAR = "Car 0.00 0 1.9 500 150 600 250 1.5 1.6 4.0 -2.0 1.65 9.73 -1.5707963"
 WALKER = "Pedestrian 0.00 0 0 500 150 600 250 1.8 0.6 0.5 3.0 1.65 19.73 0"
 IGNORED = "DontCare -1 -1 -10 503 169 590 190 -1 -1 -1 -1000 -1000 -1000 -10"
@@ -41,7 +41,7 @@ def calibration(tmp_path):
     return read_calibration(tmp_path / "calib.txt")
 
 
-def message_of(call, *arguments):
+def error_message(call, *arguments):
     with pytest.raises(CloudFileError) as caught:
         call(*arguments)
     return str(caught.value)
@@ -64,15 +64,15 @@ def test_all_three_kinds_of_calibration_agree(tmp_path, calibration):
 
 def test_bad_calibration_is_explained(tmp_path):
     path = tmp_path / "calib.txt"
-    assert "calib.txt" in message_of(read_calibration, path)
+    assert "calib.txt" in error_message(read_calibration, path)
     path.write_text(TRACKING_CALIBRATION.replace("R_rect", "Q_rect"))
-    assert "no line R0_rect or R_rect" in message_of(read_calibration, path)
+    assert "no line R0_rect or R_rect" in error_message(read_calibration, path)
     path.write_text(OBJECT_CALIBRATION.replace("-0.27", ""))
-    assert "line 3" in message_of(read_calibration, path)
+    assert "line 3" in error_message(read_calibration, path)
     for nonsense in ("0", "nan", "inf", "1e9991", "-1e300"):
         path.write_text(OBJECT_CALIBRATION.replace("1 0 0", f"{nonsense} 0 0", 1))
-        assert "rotation" in message_of(read_calibration, path)
-    assert "calib_velo_to_cam.txt" in message_of(read_calibration, tmp_path)
+        assert "rotation" in error_message(read_calibration, path)
+    assert "calib_velo_to_cam.txt" in error_message(read_calibration, tmp_path)
 
 
 def test_object_labels_become_boxes_in_sensor_coordinates(tmp_path, calibration):
@@ -90,7 +90,7 @@ def test_object_labels_become_boxes_in_sensor_coordinates(tmp_path, calibration)
 
 
 @pytest.mark.parametrize("rotation", [-3.0, -1.5, -0.3, 0.0, 0.7, 2.2])
-def test_yaw_turns_the_other_way_round_the_upward_axis(tmp_path, calibration, rotation):
+def test_yaw_has_the_opposite_sign_of_kitti_rotation(tmp_path, calibration, rotation):
     path = tmp_path / "000000.txt"
     path.write_text(CAR.replace("-1.5707963", str(rotation)))
     (car,) = read_object_labels(path, calibration)
@@ -98,7 +98,7 @@ def test_yaw_turns_the_other_way_round_the_upward_axis(tmp_path, calibration, ro
     assert np.cos(difference) == pytest.approx(1)
 
 
-def test_tracking_labels_come_by_frame_with_their_track(tmp_path, calibration):
+def test_tracking_labels_are_grouped_by_frame_with_track_ids(tmp_path, calibration):
     path = tmp_path / "0000.txt"
     path.write_text(f"0 4 {CAR}\n0 -1 {IGNORED}\n2 4 {CAR}\n2 7 {WALKER}\n")
     frames = read_tracking_labels(path, calibration)
@@ -121,7 +121,7 @@ def test_tracking_labels_come_by_frame_with_their_track(tmp_path, calibration):
 def test_bad_labels_are_explained(tmp_path, calibration, text, part):
     path = tmp_path / "000008.txt"
     path.write_text(text)
-    message = message_of(read_object_labels, path, calibration)
+    message = error_message(read_object_labels, path, calibration)
     assert "000008.txt" in message and part in message
 
 
@@ -148,8 +148,8 @@ def drive(tmp_path):
     folder = tmp_path / "2011_09_26_drive_0005_sync"
     data = folder / "velodyne_points" / "data"
     data.mkdir(parents=True)
-    for frame in (0, 1, 3):  # KITTI's drives lack a scan here and there
-        points = [(5.9, 1, -1, 0.5), (5.9, 1, 0.1, 0.5), (0, 0, 0, 0)]  # in it, above it, invalid
+    for frame in (0, 1, 3):  # some scans are missing in KITTI's drives
+        points = [(5.9, 1, -1, 0.5), (5.9, 1, 0.1, 0.5), (0, 0, 0, 0)]  # in, above, invalid
         write_cloud(data / f"{frame:010d}.bin", points)
     (folder / "velodyne_points" / "timestamps.txt").write_text(
         "".join(f"2011-09-26 13:02:{59.9 + k / 10 - 60 * (k > 0):012.9f}\n".replace(":02:", minute)
@@ -159,7 +159,7 @@ def drive(tmp_path):
     return folder
 
 
-def test_a_drive_gives_frames_with_boxes_and_times(drive):
+def test_a_drive_has_frames_with_boxes_and_times(drive):
     recording = read_kitti_raw(drive)
     assert len(recording) == 3
     np.testing.assert_allclose(recording.times, [0, 0.1, 0.3], atol=1e-6)
@@ -181,21 +181,21 @@ def test_a_drive_without_tracklets_and_times(drive):
 
 
 def test_bad_drives_are_explained(drive):
-    assert "2011_09_26_drive_0005_sync" in message_of(read_kitti_raw, drive.parent)
-    assert "no files" in message_of(read_kitti_raw, drive / "none")
-    odd = drive / "velodyne_points" / "data" / "first.bin"
-    odd.touch()
-    assert "frame number" in message_of(read_kitti_raw, drive)
-    odd.unlink()
+    assert "2011_09_26_drive_0005_sync" in error_message(read_kitti_raw, drive.parent)
+    assert "no files" in error_message(read_kitti_raw, drive / "none")
+    unnumbered = drive / "velodyne_points" / "data" / "first.bin"
+    unnumbered.touch()
+    assert "frame number" in error_message(read_kitti_raw, drive)
+    unnumbered.unlink()
     times = drive / "velodyne_points" / "timestamps.txt"
     times.write_text("2011-09-26 13:02:59.9\nnoon\n")
-    assert "timestamps.txt, line 2" in message_of(read_kitti_raw, drive)
+    assert "timestamps.txt, line 2" in error_message(read_kitti_raw, drive)
     tracklets = drive / "tracklet_labels.xml"
     for text in ("", "<a>", TRACKLETS[:600], TRACKLETS.replace("5.5", "far"),
                  TRACKLETS.replace("5.5", "nan"), TRACKLETS.replace("<l>1.8</l>", ""),
                  TRACKLETS.replace("boost_serialization>", 'b [<!ENTITY a "b">]>', 1)):  # fmt: skip
         tracklets.write_text(text)
-        assert "tracklet_labels.xml" in message_of(read_tracklets, tracklets)
+        assert "tracklet_labels.xml" in error_message(read_tracklets, tracklets)
 
 
 def test_inside_includes_the_faces_and_turns_with_the_box():
@@ -206,7 +206,7 @@ def test_inside_includes_the_faces_and_turns_with_the_box():
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason=RECORDINGS)
-def test_real_boxes_hold_the_points_their_table_says():
+def test_real_boxes_contain_as_many_points_as_their_table_states():
     frame = read_cloud(REAL / "kitti_000008.bin")
     with open(REAL / "kitti_000008_boxes.csv", newline="") as file:
         for row in csv.DictReader(file):
@@ -216,5 +216,5 @@ def test_real_boxes_hold_the_points_their_table_says():
                 size=(value["l"], value["w"], value["h"]),
                 yaw=value["yaw"], kind="car", identity=0,
             )  # fmt: skip
-            # the table gives centre and yaw to the millimetre and milliradian only
+            # The table rounds centre and yaw to millimetres and milliradians.
             assert inside(frame, box).sum() == pytest.approx(value["npts"], rel=0.02, abs=2)

@@ -1,4 +1,4 @@
-"""PCD files, written here by hand, in every shape the format allows and some it does not."""
+"""PCD files written by hand: layouts that the format allows, and some that it does not."""
 
 import os
 import struct
@@ -19,9 +19,9 @@ REAL = Path(os.environ.get("REAL_CLOUDS", "/nowhere"))
 POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (np.nan, 0.0, 0.0, 1.0)]
 
 
-def head(points=3, encoding="binary", fields="x y z intensity", size="4 4 4 4", kind="F F F F",
+def header(points=3, encoding="binary", fields="x y z intensity", size="4 4 4 4", kind="F F F F",
          count="1 1 1 1", width=None, height=1, **lines):  # fmt: skip
-    """The head of a PCD file; a keyword replaces a whole line, None leaves it out."""
+    """Return the header of a PCD file; a keyword replaces a line, and None omits it."""
     entries = {
         "VERSION": "0.7",
         "FIELDS": fields,
@@ -43,7 +43,7 @@ def records(layout="<4f", points=POINTS):
 
 
 def literals(data: bytes) -> bytes:
-    """An LZF stream of literal runs only."""
+    """Return an LZF stream that has only literal runs."""
     runs = [data[start : start + 32] for start in range(0, len(data), 32)]
     return b"".join(bytes([len(run) - 1]) + run for run in runs)
 
@@ -53,7 +53,7 @@ def compressed(raw: bytes) -> bytes:
     return struct.pack("<II", len(packed), len(raw)) + packed
 
 
-def message_of(data: bytes) -> str:
+def error_message(data: bytes) -> str:
     with pytest.raises(CloudFileError) as caught:
         decode_pcd(data, "a.pcd")
     assert str(caught.value).startswith("a.pcd")
@@ -61,19 +61,19 @@ def message_of(data: bytes) -> str:
 
 
 def test_binary():
-    cloud = decode_pcd(head() + records())
+    cloud = decode_pcd(header() + records())
     np.testing.assert_array_equal(cloud, POINTS)
     assert cloud.dtype == np.float32 and cloud.flags.writeable
 
 
 def test_ascii():
     rows = b"1.5 -2.25 0.125 0.5\n-30 4 -1.75 0\r\nnan 0 0 1\n\n"
-    np.testing.assert_array_equal(decode_pcd(head(encoding="ascii") + rows), POINTS)
+    np.testing.assert_array_equal(decode_pcd(header(encoding="ascii") + rows), POINTS)
 
 
 def test_compressed():
     by_field = np.array(POINTS, "<f4").T.tobytes()
-    data = head(encoding="binary_compressed") + compressed(by_field)
+    data = header(encoding="binary_compressed") + compressed(by_field)
     np.testing.assert_array_equal(decode_pcd(data), POINTS)
 
 
@@ -105,13 +105,13 @@ def test_any_field_order_padding_counts_and_kinds(encoding):
             )
         ),
     }[encoding]
-    cloud = decode_pcd(head(**layout) + body)
+    cloud = decode_pcd(header(**layout) + body)
     assert cloud.dtype == np.float64
     np.testing.assert_array_equal(cloud, np.array(POINTS) * [1, 1, 1, 2])
 
 
-def test_missing_intensity_integers_and_old_spelling():
-    data = head(fields=None, COLUMNS=None, size="2 2 2", kind="I I I", count=None)
+def test_integers_without_intensity_and_old_field_names():
+    data = header(fields=None, COLUMNS=None, size="2 2 2", kind="I I I", count=None)
     data = data.replace(b"SIZE", b"FIELDS X Y Z\nSIZE") + struct.pack("<9h", *range(-4, 5))
     np.testing.assert_array_equal(decode_pcd(data), np.arange(-4, 5).reshape(3, 3))
 
@@ -122,15 +122,15 @@ def test_missing_intensity_integers_and_old_spelling():
      {"WIDTH": 1, "HEIGHT": 3}, {"HEIGHT": None}],
 )  # fmt: skip
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_the_body_decides_between_disagreeing_counts(counts, encoding):
+def test_the_body_decides_if_counts_disagree(counts, encoding):
     cloud = np.array(POINTS, np.float32)
     body = encode_pcd(cloud, encoding).split(f"DATA {encoding}\n".encode(), 1)[1]
-    np.testing.assert_array_equal(decode_pcd(head(encoding=encoding, **counts) + body), POINTS)
+    np.testing.assert_array_equal(decode_pcd(header(encoding=encoding, **counts) + body), POINTS)
 
 
-def test_padding_behind_the_points_is_ignored():
-    np.testing.assert_array_equal(decode_pcd(head() + records() + bytes(3906)), POINTS)
-    np.testing.assert_array_equal(decode_pcd(head() + records() + b"\n"), POINTS)
+def test_padding_after_the_points_is_ignored():
+    np.testing.assert_array_equal(decode_pcd(header() + records() + bytes(3906)), POINTS)
+    np.testing.assert_array_equal(decode_pcd(header() + records() + b"\n"), POINTS)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -138,12 +138,12 @@ def test_padding_behind_the_points_is_ignored():
 @pytest.mark.parametrize("shape", [(0, 3), (0, 4), (1, 3), (500, 4)])
 def test_round_trip(encoding, dtype, shape):
     cloud = np.random.default_rng(2).normal(scale=20, size=shape).astype(dtype)
-    again = decode_pcd(encode_pcd(cloud, encoding))
-    assert again.dtype == dtype and again.shape == shape
-    np.testing.assert_array_equal(again, cloud)
+    decoded = decode_pcd(encode_pcd(cloud, encoding))
+    assert decoded.dtype == dtype and decoded.shape == shape
+    np.testing.assert_array_equal(decoded, cloud)
 
 
-def test_unknown_encoding_is_refused_when_writing():
+def test_writing_refuses_an_unknown_encoding():
     with pytest.raises(ValueError, match="binary_compressed"):
         encode_pcd(np.zeros((1, 3)), "zip")
 
@@ -154,44 +154,44 @@ def test_unknown_encoding_is_refused_when_writing():
         (b"", ["header", "FIELDS"]),
         (bytes(range(256)) * 40, ["header", "FIELDS"]),
         (b"1 2 3\n4 5 6\n", ["header", "FIELDS"]),
-        (head(encoding="binary_lz4"), ["line 11", "'binary_lz4'", "binary_compressed"]),
-        (head(fields="x y intensity w"), ["line 3", "field 'z'"]),
-        (head(width="nan"), ["line 7", "WIDTH 'nan'", "whole number"]),
-        (head(points=-3), ["line 10", "POINTS '-3'"]),
-        (head(POINTS="3 3"), ["POINTS '3 3'", "1 whole number"]),
-        (head(POINTS="9" * 5000), ["whole number"]),
-        (head(size="4 4 4"), ["line 4", "4 whole numbers"]),
-        (head(size="4 4 4 3"), ["line 5", "TYPE"]),
-        (head(kind="F F F"), ["line 5", "TYPE"]),
-        (head(kind="F F F Q"), ["line 5", "TYPE"]),
-        (head(count="2 1 1 1"), ["line 6", "COUNT"]),
-        (head(count="1 1 1 0"), ["line 6", "COUNT"]),
-        (head(POINTS=None, WIDTH=None), ["neither POINTS nor WIDTH"]),
-        (head() + records()[:-1], ["byte", "3 points of 16 bytes", "47 bytes follow"]),
-        (head(points=2) + records(), ["2 points", "48 bytes follow"]),
-        (head() + b"1.5 -2.25 0.125 0.5\n" * 3, ["60 bytes follow"]),
-        (head(points=10**12) + records(), ["1000000000000 points"]),
-        (head(points=10**12, encoding="ascii") + b"1 2 3 4\n", ["1000000000000 points, 1 lines"]),
-        (head(count=f"1 1 1 {10**12}") + records(), ["4000000000012 bytes"]),
-        (head(encoding="ascii") + b"1 2 3 4\n1 2 3\n1 2 3 4\n", ["line 13", "'1 2 3'", "4 num"]),
-        (head(encoding="ascii") + b"1 2 3 4\n1 2 3 x\n1 2 3 4\n", ["line 13", "'1 2 3 x'"]),
-        (head(encoding="ascii") + b"1 2 3 4\n", ["announces 3", "1 lines"]),
-        (head(encoding="ascii") + records(), ["line"]),
-        (head(encoding="binary_compressed") + b"\1\0", ["2 bytes follow"]),
-        (head(encoding="binary_compressed") + struct.pack("<II", 99, 48) + bytes(9),
+        (header(encoding="binary_lz4"), ["line 11", "'binary_lz4'", "binary_compressed"]),
+        (header(fields="x y intensity w"), ["line 3", "field 'z'"]),
+        (header(width="nan"), ["line 7", "WIDTH 'nan'", "whole number"]),
+        (header(points=-3), ["line 10", "POINTS '-3'"]),
+        (header(POINTS="3 3"), ["POINTS '3 3'", "1 whole number"]),
+        (header(POINTS="9" * 5000), ["whole number"]),
+        (header(size="4 4 4"), ["line 4", "4 whole numbers"]),
+        (header(size="4 4 4 3"), ["line 5", "TYPE"]),
+        (header(kind="F F F"), ["line 5", "TYPE"]),
+        (header(kind="F F F Q"), ["line 5", "TYPE"]),
+        (header(count="2 1 1 1"), ["line 6", "COUNT"]),
+        (header(count="1 1 1 0"), ["line 6", "COUNT"]),
+        (header(POINTS=None, WIDTH=None), ["neither POINTS nor WIDTH"]),
+        (header() + records()[:-1], ["byte", "3 points of 16 bytes", "47 bytes follow"]),
+        (header(points=2) + records(), ["2 points", "48 bytes follow"]),
+        (header() + b"1.5 -2.25 0.125 0.5\n" * 3, ["60 bytes follow"]),
+        (header(points=10**12) + records(), ["1000000000000 points"]),
+        (header(points=10**12, encoding="ascii") + b"1 2 3 4\n", ["1000000000000 points, 1 lines"]),
+        (header(count=f"1 1 1 {10**12}") + records(), ["4000000000012 bytes"]),
+        (header(encoding="ascii") + b"1 2 3 4\n1 2 3\n1 2 3 4\n", ["line 13", "'1 2 3'", "4 num"]),
+        (header(encoding="ascii") + b"1 2 3 4\n1 2 3 x\n1 2 3 4\n", ["line 13", "'1 2 3 x'"]),
+        (header(encoding="ascii") + b"1 2 3 4\n", ["announces 3", "1 lines"]),
+        (header(encoding="ascii") + records(), ["line"]),
+        (header(encoding="binary_compressed") + b"\1\0", ["2 bytes follow"]),
+        (header(encoding="binary_compressed") + struct.pack("<II", 99, 48) + bytes(9),
          ["99 compressed bytes", "9 follow"]),
-        (head(encoding="binary_compressed") + struct.pack("<II", 9, 47) + bytes(9),
+        (header(encoding="binary_compressed") + struct.pack("<II", 9, 47) + bytes(9),
          ["3 points", "unpack to 47"]),
-        (head(encoding="binary_compressed") + struct.pack("<II", 9, 48) + bytes(9), ["damaged"]),
-        (head(encoding="binary_compressed") + struct.pack("<II", 3, 48) + b"\x20\x09\x00",
+        (header(encoding="binary_compressed") + struct.pack("<II", 9, 48) + bytes(9), ["damaged"]),
+        (header(encoding="binary_compressed") + struct.pack("<II", 3, 48) + b"\x20\x09\x00",
          ["damaged", "before the beginning"]),
-        (head(points=2**28 - 1, encoding="binary_compressed")
+        (header(points=2**28 - 1, encoding="binary_compressed")
          + struct.pack("<II", 9, 2**32 - 16) + bytes(9), ["unpack to 4294967280"]),
     ],
 )  # fmt: skip
-def test_a_bad_file_is_explained_with_its_place(data, parts):
+def test_errors_name_the_line_or_the_sizes(data, parts):
     tracemalloc.start()
-    message = message_of(data)
+    message = error_message(data)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     for part in parts:
@@ -205,8 +205,8 @@ class TestLzf:
         [
             (b"", b""),
             (b"\x02abc", b"abc"),
-            (b"\x02abc\x20\x02", b"abcabc"),  # three bytes from three back
-            (b"\x00a\xe0\xff\x00", b"a" * 265),  # the longest reference, overlapping itself
+            (b"\x02abc\x20\x02", b"abcabc"),  # three bytes, copied from three bytes earlier
+            (b"\x00a\xe0\xff\x00", b"a" * 265),  # the longest reference, which overlaps itself
             (b"\x01ab\x80\x01", b"abababab"),
         ],
     )
@@ -214,18 +214,18 @@ class TestLzf:
         assert lzf.decompress(packed, len(raw)) == raw
 
     @pytest.mark.parametrize("packed", [b"\x02ab", b"\x20", b"\xe0\x01", b"\x20\x00", b"\x00a"])
-    def test_damaged_streams(self, packed):
+    def test_damaged_streams_raise(self, packed):
         with pytest.raises(ValueError):
             lzf.decompress(packed, 3)
 
     @given(st.lists(st.sampled_from([b"abc", b"a", b"\0" * 40, bytes(range(60))]), max_size=60))
-    def test_packing_is_undone(self, pieces):
+    def test_decompressing_reverses_compressing(self, pieces):
         raw = b"".join(pieces)
         packed = lzf.compress(raw)
         assert lzf.decompress(packed, len(raw)) == raw
         assert len(packed) <= len(raw) * 33 // 32 + 1
 
-    def test_repetition_packs_well_and_far_matches_are_left(self):
+    def test_repetition_compresses_well_but_distant_matches_are_ignored(self):
         block = bytes(np.random.default_rng(0).integers(0, 256, 9000, dtype=np.uint8))
         assert len(lzf.compress(bytes(100_000))) < 1500
         assert lzf.decompress(lzf.compress(block * 2), 18_000) == block * 2

@@ -1,4 +1,4 @@
-"""ROS recordings: small ones are recorded here with rosbags' writers, then read and damaged."""
+"""Small ROS recordings, written with rosbags' writers, then read intact and damaged."""
 
 from types import SimpleNamespace
 
@@ -28,7 +28,7 @@ def layout(names="x y z intensity", offsets=(0, 4, 8, 12), datatypes=(7, 7, 7, 7
 
 
 def message(data, fields=None, height=1, width=None, point_step=16, row_step=None, big=False):
-    """A PointCloud2 message; its data as bytes."""
+    """Return a PointCloud2 message with the given bytes as its data."""
     width = len(data) // point_step if width is None else width
     return SimpleNamespace(
         fields=layout() if fields is None else fields, height=height, width=width,
@@ -38,7 +38,7 @@ def message(data, fields=None, height=1, width=None, point_step=16, row_step=Non
 
 
 def record(path, kind: str, topics=("/velodyne_points",)):
-    """Record four clouds per topic, and a topic of texts, as one of the kinds of bags."""
+    """Record four clouds per topic, and a topic of strings, in a bag of the given kind."""
     store = get_typestore(Stores.ROS1_NOETIC if kind == "bag" else Stores.ROS2_HUMBLE)
     types = store.types
     if kind == "bag":
@@ -70,16 +70,16 @@ def bag(request, tmp_path):
     return path if folder or kind == "bag" else next(path.glob(f"*.{kind}"))
 
 
-def test_clouds_come_lazily_with_their_times(bag):
+def test_clouds_are_read_by_index_with_their_times(bag):
     clouds = read_bag(bag)
     assert clouds.topic == "/velodyne_points" and len(clouds) == 4
     assert clouds.timestamps.tolist() == TIMES
     np.testing.assert_allclose(clouds.times, [0, 0.1, 0.1, 0.3])
-    for frame in [2, 0, 3, 1]:  # 1 and 2 have the same time
+    for frame in [2, 0, 3, 1]:  # frames 1 and 2 have the same time
         np.testing.assert_array_equal(clouds[frame], cloud(frame))
     np.testing.assert_array_equal(clouds[-1], cloud(3))
-    for frame, each in enumerate(clouds):
-        np.testing.assert_array_equal(each, cloud(frame))
+    for frame, read in enumerate(clouds):
+        np.testing.assert_array_equal(read, cloud(frame))
     late = clouds[2:]
     assert len(late) == 2 and late.timestamps.tolist() == TIMES[2:]
     np.testing.assert_array_equal(late[0], cloud(2))

@@ -1,4 +1,4 @@
-"""Folders of clouds: natural order, laziness, and what is said about odd folders."""
+"""Folders of clouds: natural order, lazy reading, and errors about unsuitable folders."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ def fill(folder: Path, names) -> Path:
     return folder
 
 
-def test_frames_come_in_the_order_people_count(tmp_path):
+def test_frames_are_in_natural_order(tmp_path):
     fill(tmp_path, ["frame10.txt", "frame2.txt", "Frame1.txt", "._frame1.txt"])
     (tmp_path / "readme.md").write_text("hello")
     (tmp_path / "frame3.txt").mkdir()
@@ -38,7 +38,7 @@ def test_natural_order_of_mixed_names():
     ]  # fmt: skip
 
 
-def test_files_are_read_only_when_asked_for(tmp_path):
+def test_files_are_read_only_when_indexed(tmp_path):
     fill(tmp_path, ["1.txt", "2.txt"])
     (tmp_path / "2.txt").write_text("broken")
     frames = read_sequence(tmp_path)
@@ -47,7 +47,7 @@ def test_files_are_read_only_when_asked_for(tmp_path):
         frames[1]
 
 
-def test_odd_folders_are_explained(tmp_path):
+def test_unsuitable_folders_are_explained(tmp_path):
     def message(*arguments, **options):
         with pytest.raises(CloudFileError) as caught:
             read_sequence(*arguments, **options)

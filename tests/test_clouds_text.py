@@ -1,4 +1,4 @@
-"""Clouds as text: what people and programs write is read, what is no cloud is explained."""
+"""Clouds as text: every usual notation is read, and errors explain files that are not clouds."""
 
 import time
 
@@ -35,7 +35,7 @@ FOUR = [[1.0, 2.0, 3.0, 0.25], [-4.0, 5.5, 6e-3, 1.0]]
         ("VERSION 0.7\nFIELDS x y z\nDATA ascii\n1 2 3\n-4 5.5 6e-3\n", THREE),
     ],
 )
-def test_every_usual_way_of_writing_is_read(text, expected):
+def test_every_usual_notation_is_read(text, expected):
     cloud = decode_text(text.encode())
     assert cloud.dtype == np.float64
     np.testing.assert_array_equal(cloud, expected)
@@ -84,7 +84,7 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ("1 2 3\n\0\0\0\n", ["binary", "text"]),
     ],
 )
-def test_a_bad_file_is_explained_with_its_line(text, parts):
+def test_errors_name_the_line(text, parts):
     with pytest.raises(CloudFileError) as caught:
         decode_text(text.encode(), "street.txt")
     message = str(caught.value)
@@ -97,15 +97,15 @@ def test_a_bad_file_is_explained_with_its_line(text, parts):
 @pytest.mark.parametrize("columns", [3, 4])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("rows", [0, 1, 50])
-def test_what_is_written_is_read_back_exactly(tmp_path, rng, suffix, columns, dtype, rows):
+def test_written_clouds_are_read_back_exactly(tmp_path, rng, suffix, columns, dtype, rows):
     cloud = rng.normal(scale=30, size=(rows, columns)).astype(dtype)
     write_cloud(tmp_path / f"cloud{suffix}", cloud)
-    again = read_cloud(tmp_path / f"cloud{suffix}")
-    assert again.shape == cloud.shape
-    np.testing.assert_array_equal(again.astype(dtype), cloud)
+    read = read_cloud(tmp_path / f"cloud{suffix}")
+    assert read.shape == cloud.shape
+    np.testing.assert_array_equal(read.astype(dtype), cloud)
 
 
-def test_decimals_give_millimetres():
+def test_three_decimals_round_to_millimetres():
     text = encode_text(np.array([[1.23456, -2, 3e-9, 0.5]]), decimals=3)
     assert text == b"1.235 -2.000 0.000 0.500\n"
 
@@ -114,9 +114,9 @@ def test_a_full_scan_is_read_quickly(tmp_path, rng):
     cloud = rng.normal(scale=30, size=(120_000, 4)).round(3)
     (tmp_path / "cloud.txt").write_bytes(encode_text(cloud, decimals=3))
     started = time.process_time()
-    again = read_cloud(tmp_path / "cloud.txt")
-    assert time.process_time() - started < 10  # ours takes a tenth of a second, a loop a minute
-    np.testing.assert_array_equal(again, cloud)
+    read = read_cloud(tmp_path / "cloud.txt")
+    assert time.process_time() - started < 10  # normally 0.1 s, but a minute with a loop over lines
+    np.testing.assert_array_equal(read, cloud)
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
-"""A class judged on a Dask cluster: whatever happens there, the same gradebook or a resumable stop.
+"""Grading on a Dask cluster: the same gradebook as here, or a stop from which a run can resume.
 
-Schedulers and workers are started as anybody would, in an empty folder, knowing nothing of us.
+Schedulers and workers are started with Dask's own command, in an empty folder without the course.
 """
 
 import contextlib
@@ -35,17 +35,17 @@ from tests.test_course import rows
 from tests.test_faults import Inline
 from tests.test_grade import LESSON, SEED, answer, make_course, quiet, rehearsed
 
-# One cluster at a time: each takes all processors.
+# Only one cluster runs at a time, because each uses all processors.
 pytestmark = pytest.mark.xdist_group("cluster")
 PATIENCE = 240
 
 
-# ---- A class, and what is right about it -------------------------------------------------------
+# ---- A class and its expected results ----------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def local(tmp_path_factory, sandbox):
-    """A class, graded here: its course, and all that its gradebook holds."""
+    """Grade a class on this machine; return its root, its verdicts and its gradebook's content."""
     texts = {
         "broken": answer()[:5000],
         "half": answer("filter_ground"),
@@ -60,7 +60,7 @@ def local(tmp_path_factory, sandbox):
 
 @pytest.fixture
 def course(tmp_path, local):
-    """The same class, not graded."""
+    """Return a copy of the class that is not yet graded."""
     made = Course(tmp_path / "course")
     shutil.copytree(local.root, made.root)
     for folder in ("verdicts", "autograded", "report"):
@@ -72,7 +72,7 @@ def course(tmp_path, local):
 
 
 def verdicts_of(course):
-    """Each student's verdict, but for how long it took."""
+    """Return the verdict of each student, with the run time set to zero."""
     paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
     return {path.parts[-3]: dataclasses.replace(read_verdict(path), seconds=0.0) for path in paths}
 
@@ -82,11 +82,11 @@ def marks(course):
     return found, comments
 
 
-def complete(course, local):
+def is_complete(course, local):
     return verdicts_of(course) == local.verdicts and marks(course) == local.rows
 
 
-def graded_on(address, course, sandbox):
+def grade_on(address, course, sandbox):
     return commands.grade_course(course, (), SEED, sandbox, 1, scheduler=address)
 
 
@@ -95,17 +95,17 @@ def graded_on(address, course, sandbox):
 
 @pytest.fixture
 def start(tmp_path):
-    """Start schedulers and workers in an empty folder, with the environment of a stranger."""
+    """Return functions that start schedulers and workers in an empty folder and environment."""
     started = []
-    nowhere = tmp_path / "nowhere"
-    nowhere.mkdir()
+    home = tmp_path / "nowhere"
+    home.mkdir()
 
-    def begin(*words, **environment):
+    def start_process(*words, **environment):
         log = open(tmp_path / f"log{len(started)}.txt", "w")  # noqa: SIM115
         process = subprocess.Popen(
             [sys.executable, "-m", "dask", *words, "--no-dashboard"],
-            cwd=nowhere,
-            env={"PATH": os.environ["PATH"], "HOME": str(nowhere), **environment},
+            cwd=home,
+            env={"PATH": os.environ["PATH"], "HOME": str(home), **environment},
             stdout=log,
             stderr=log,
         )
@@ -114,15 +114,15 @@ def start(tmp_path):
 
     def scheduler():
         file = tmp_path / f"scheduler{len(started)}.json"
-        where = ("--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
-        process = begin("scheduler", *where)
+        network = ("--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
+        process = start_process("scheduler", *network)
         wait_for(file.exists)
         wait_for(lambda: file.read_text().strip().endswith("}"))
         return json.loads(file.read_text())["address"], process
 
     def worker(address, *words, threads=1, **environment):
         options = ("--nthreads", str(threads), "--local-directory", str(tmp_path / "scratch"))
-        return begin("worker", address, *options, *words, **environment)
+        return start_process("worker", address, *options, *words, **environment)
 
     yield SimpleNamespace(scheduler=scheduler, worker=worker)
     for process, log in started:
@@ -141,25 +141,25 @@ def wait_for(condition):
         time.sleep(0.1)
 
 
-def workers_at(address, count):
-    """Wait until so many workers have joined a scheduler."""
+def wait_for_workers(address, count):
+    """Wait until `count` workers have joined a scheduler."""
     with distributed.Client(address, set_as_default=False) as client:
         client.wait_for_workers(count, timeout=PATIENCE)
 
 
 @pytest.fixture
 def after_first_verdict(monkeypatch):
-    """Do something in the middle: when the first verdict has been written."""
+    """Return a function that schedules an action for when the first verdict is written."""
 
-    def when(action):
-        def write(verdict, path, right=grade.write_verdict):
-            right(verdict, path)
-            monkeypatch.setattr(grade, "write_verdict", right)
+    def schedule(action):
+        def write(verdict, path, original=grade.write_verdict):
+            original(verdict, path)
+            monkeypatch.setattr(grade, "write_verdict", original)
             action()
 
         monkeypatch.setattr(grade, "write_verdict", write)
 
-    return when
+    return schedule
 
 
 # ---- Whole runs --------------------------------------------------------------------------------
@@ -167,19 +167,19 @@ def after_first_verdict(monkeypatch):
 
 @pytest.mark.slow
 def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox, start, capsys):
-    """With two threads, and Dask's nanny; and a second run does not need them any more."""
+    """A worker has two threads and Dask's nanny; a second run works without the cluster."""
     address, process = start.scheduler()
     start.worker(address, threads=2)
-    assert graded_on(address, course, sandbox) == commands.GOOD
-    assert complete(course, local)
+    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert is_complete(course, local)
     assert "5 notebooks: 5 judged" in capsys.readouterr().out
     process.kill()
-    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.GOOD
     assert "5 as before" in capsys.readouterr().out
 
 
-# A hostile class. What differs there: the process that judges is a worker's, the file that is read
-# apart came over the network, two notebooks share what that worker started, and words travel back.
+# Attacks that a cluster might handle differently: a worker's process judges, submissions come over
+# the network, two notebooks share the processes of a worker, and messages are sent back.
 LOCKS = """
 import fcntl, glob, os, numpy, time
 FILES = sorted(glob.glob(os.path.dirname(numpy.__file__) + "/*/tests/*.py"))[:64]
@@ -215,12 +215,12 @@ def with_brackets(text):
 
 @pytest.mark.slow
 @pytest.mark.proof
-def test_a_hostile_class_fares_there_as_here(tmp_path, sandbox, start):
+def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
     right = "return cloud[cloud[:, 2] >= ground_level]"
     texts = {
         "brackets": with_brackets(answer()),
         **{name.replace(" ", "_"): hostile(body) for name, body in HOSTILE.items()},
-        # Neighbours in the alphabet, so judged side by side.
+        # These two are neighbours in the alphabet, so they are judged at the same time.
         "tells": hostile(right, f"{LOCKS}\nHELD = taken(True), time.sleep(3)"),
         "tells_hears": hostile(
             right.replace("return", "if HEARD: return"),
@@ -232,20 +232,20 @@ def test_a_hostile_class_fares_there_as_here(tmp_path, sandbox, start):
     there = make_course(tmp_path / "there" / "course", LESSON, texts, sandbox)
     address, _ = start.scheduler()
     start.worker(address, threads=2)
-    assert graded_on(address, there, sandbox) == commands.GOOD
+    assert grade_on(address, there, sandbox) == commands.GOOD
     assert commands.grade_course(here, (), SEED, sandbox, 1) == commands.GOOD
     assert verdicts_of(there) == verdicts_of(here)
     assert marks(there) == marks(here)
     scores = {student: verdict.score for student, verdict in verdicts_of(there).items()}
     full = {student for student, score in scores.items() if score == 30}
     assert full == {"brackets", "tells", "zoe"}
-    told = "".join(path.read_text() for path in there.verdicts.rglob("*.json"))
-    assert "code cell" in told and "LEAKED" not in told
+    verdicts = "".join(path.read_text() for path in there.verdicts.rglob("*.json"))
+    assert "code cell" in verdicts and "LEAKED" not in verdicts
 
 
 @pytest.mark.slow
 def test_a_local_cluster_of_processes(course, local, sandbox, monkeypatch):
-    """Also: a judge that dies costs one job, and a changed course goes to workers that have one."""
+    """If a judge dies, one job fails; a changed course is sent to workers that have an old one."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
@@ -268,10 +268,10 @@ def test_a_local_cluster_of_processes(course, local, sandbox, monkeypatch):
         with zipfile.ZipFile(changed, "a") as archive:
             archive.writestr("grader/version.txt", "another")
         monkeypatch.setattr(cluster, "packed_course", changed.getvalue)
-        look = "__import__('os').path.exists('grader/version.txt')"
+        has_file = "__import__('os').path.exists('grader/version.txt')"
         with cluster.connect(there.scheduler_address, sandbox.name, print) as another:
-            assert another.submit(eval, look).result() is True
-            assert executor.submit(eval, look).result() is False
+            assert another.submit(eval, has_file).result() is True
+            assert executor.submit(eval, has_file).result() is False
         assert executor.submit(max, 1, 2).result() == 2
 
 
@@ -282,18 +282,18 @@ def test_a_worker_is_killed_and_another_joins_later(
     address, _ = start.scheduler()
     first = start.worker(address, "--no-nanny", threads=2)
 
-    def exchange():
+    def replace_worker():
         first.send_signal(signal.SIGKILL)
         start.worker(address)
 
-    after_first_verdict(exchange)
-    assert graded_on(address, course, sandbox) == commands.GOOD
-    assert complete(course, local)
+    after_first_verdict(replace_worker)
+    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert is_complete(course, local)
 
 
 @pytest.mark.slow
 def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
-    """Without a fit one nobody is graded; with one beside them the class is complete."""
+    """Without a suitable worker no student is graded; one next to them grades the class."""
     numpy = tmp_path / "stub" / "numpy-1.26.4.dist-info"
     numpy.mkdir(parents=True)
     (numpy / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.26.4\n")
@@ -310,21 +310,21 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
     if sandbox.name == "bubblewrap":
         start.worker(address, "--no-nanny", **without_bubblewrap(empty))
         count = 3
-    workers_at(address, count)
+    wait_for_workers(address, count)
 
-    assert graded_on(address, course, sandbox) == commands.FAULT
-    said = capfd.readouterr().err
-    assert len(re.findall(r"Worker tcp://\S+ on \S+ judges nothing", said)) == count
-    assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", said)
-    assert "It cannot run the course's code: ImportError: no traitlets here." in said
-    assert ("bubblewrap is not installed" in said) == (count == 3)
-    assert f"No worker of {address} can judge" in said
+    assert grade_on(address, course, sandbox) == commands.FAULT
+    errors = capfd.readouterr().err
+    assert len(re.findall(r"Worker tcp://\S+ on \S+ judges nothing", errors)) == count
+    assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", errors)
+    assert "It cannot run the course's code: ImportError: no traitlets here." in errors
+    assert ("bubblewrap is not installed" in errors) == (count == 3)
+    assert f"No worker of {address} can judge" in errors
     assert not verdicts_of(course)
 
     start.worker(address)
-    workers_at(address, count + 1)
-    assert graded_on(address, course, sandbox) == commands.GOOD
-    assert complete(course, local)
+    wait_for_workers(address, count + 1)
+    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert is_complete(course, local)
     assert len(re.findall("judges nothing", capfd.readouterr().err)) == count
 
 
@@ -335,18 +335,20 @@ def test_the_scheduler_is_lost_and_nothing_is_judged_twice(
     address, process = start.scheduler()
     start.worker(address)
     after_first_verdict(process.kill)
-    assert graded_on(address, course, sandbox) == commands.FAULT
-    said = capfd.readouterr().err
-    assert f"The scheduler {address} does not answer any more. What has been judged is kept" in said
-    assert "Traceback" not in said
+    assert grade_on(address, course, sandbox) == commands.FAULT
+    errors = capfd.readouterr().err
+    assert (
+        f"The scheduler {address} does not answer any more. What has been judged is kept" in errors
+    )
+    assert "Traceback" not in errors
     kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
     assert 1 <= len(verdicts_of(course)) < 5
 
     address, _ = start.scheduler()
     start.worker(address)
-    assert graded_on(address, course, sandbox) == commands.GOOD
-    assert complete(course, local)
-    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert is_complete(course, local)
+    assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
 
 
 RUN = """
@@ -362,36 +364,38 @@ sys.exit(cli.main(["grade", "--seed", sys.argv[2], "--sandbox", sys.argv[3],
 
 @pytest.mark.slow
 def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, start):
-    """By Ctrl-C with a sentence, and by SIGKILL; workers stay as they were."""
+    """The run ends by Ctrl-C with a message, then by SIGKILL; the workers keep running."""
     address, _ = start.scheduler()
     start.worker(address)
     command = [sys.executable, "-c", RUN, str(course.root), str(SEED), sandbox.name, address]
     kept = {}
-    for number, status in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL), (0, 0)):
+    for signal_number, status in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL), (0, 0)):
         running = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
-        if number:
+        if signal_number:
             more = len(kept) + 1
             wait_for(lambda more=more: len(verdicts_of(course)) >= more)
-            running.send_signal(number)
-        _, said = running.communicate(timeout=PATIENCE)
-        assert running.returncode == status, said
-        assert (b"Stopped. What has been judged is kept" in said) == (number == signal.SIGINT)
-        assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+            running.send_signal(signal_number)
+        _, errors = running.communicate(timeout=PATIENCE)
+        assert running.returncode == status, errors
+        assert (b"Stopped. What has been judged is kept" in errors) == (
+            signal_number == signal.SIGINT
+        )
+        assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
         paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
         kept = {path: path.stat().st_mtime_ns for path in paths}
-    assert complete(course, local)
+    assert is_complete(course, local)
 
 
 # ---- Parts -------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_nobody_answers(course, sandbox, monkeypatch, capsys):
+def test_a_scheduler_that_does_not_answer_is_a_fault(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(cluster, "CONNECT", 1)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
-        assert graded_on(address, course, sandbox) == commands.FAULT
+        assert grade_on(address, course, sandbox) == commands.FAULT
         assert f"No scheduler answers at {address}" in capsys.readouterr().err
-    assert graded_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
+    assert grade_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
     assert "names none" in capsys.readouterr().err
     with only_one(course):  # the lock is free
         pass
@@ -424,22 +428,22 @@ def test_workers_and_a_scheduler_exclude_each_other(capsys):
     assert "Name one of the two" in capsys.readouterr().err
 
 
-def test_what_travels_is_what_judging_reads():
+def test_the_packed_course_has_only_files_that_judging_reads():
     packed = cluster.packed_course()
     assert packed == cluster.packed_course()
     names = set(zipfile.ZipFile(BytesIO(packed)).namelist())
     lesson = "solutions/stage3_obstacles/06_filter_ground"
     assert {"data/cloud.txt", f"{lesson}.ipynb"} < names
-    read = {name for name in names if name.startswith(f"{lesson}/")}
-    assert read == {f"{lesson}/lesson.py", f"{lesson}/hidden_tests.py"}
+    packed_for_lesson = {name for name in names if name.startswith(f"{lesson}/")}
+    assert packed_for_lesson == {f"{lesson}/lesson.py", f"{lesson}/hidden_tests.py"}
     assert {name.split("/")[0] for name in names} == set(TRAVELS)
     assert not [name for name in names if "/." in name or "pycache" in name]
     assert len(packed) < 5e6
 
 
 @pytest.mark.slow
-def test_only_so_many_notebooks_are_read_ahead(course, sandbox, monkeypatch):
-    """And what has been judged is written before the next is read."""
+def test_no_notebook_is_read_ahead_of_free_room(course, sandbox, monkeypatch):
+    """Each verdict is written before the next notebook is read."""
     monkeypatch.setattr(Inline, "room", 1, raising=False)
     rehearsed(course, LESSON)
     events = []

@@ -1,4 +1,4 @@
-"""In Colab a notebook runs alone, with Colab's own versions."""
+"""Notebooks in Colab, where each runs alone and with Colab's versions of the packages."""
 
 import io
 import json
@@ -28,7 +28,7 @@ from utils.scene3d import opengl
 
 REPOSITORY, REVISION = "owner/lab", "v1.2"
 ARCHIVE = f"/{REPOSITORY}/archive/{REVISION}.tar.gz"
-# The smallest course that the setup cell can look over.
+# The smallest course that the setup cell accepts.
 COURSE = {
     "README.md": b"",
     "utils/__init__.py": b"def begin(number): print('Ready: a course.')",
@@ -41,13 +41,13 @@ only_like_colab = pytest.mark.skipif(bool(why_not()), reason=why_not())
 
 
 def setup_cell(address):
-    """The setup cell of a course that is published at `address`."""
+    """Return the setup cell of a course that is published at `address`."""
     origin = build.Origin(address and f"{address}/{REPOSITORY}", REVISION)
     return build.common_cell("setup", all_lessons()[0], origin)
 
 
 def run_setup(folder, address, in_colab=True):
-    """Run the setup cell in `folder`; what it printed, and the last line of what went wrong."""
+    """Run the setup cell in `folder`; return its output and the last line of its error."""
     program = f"{MARK if in_colab else ''}\n{setup_cell(address)}"
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
@@ -71,7 +71,7 @@ def test_setup_fetches_the_matching_version_once(tmp_path):
 
 
 @only_like_colab
-def test_setup_says_what_to_do_without_a_connection(tmp_path):
+def test_setup_without_a_connection_suggests_a_fix(tmp_path):
     with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
         pass
     printed, problem = run_setup(tmp_path, address)
@@ -81,7 +81,7 @@ def test_setup_says_what_to_do_without_a_connection(tmp_path):
 
 @only_like_colab
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
-def test_setup_leaves_nothing_half_done(tmp_path, share):
+def test_setup_leaves_nothing_after_a_broken_download(tmp_path, share):
     pages = {ARCHIVE: archive_of(COURSE)}
     whole = pages[ARCHIVE]
     with served(pages) as (address, asked):
@@ -94,7 +94,7 @@ def test_setup_leaves_nothing_half_done(tmp_path, share):
 
 @only_like_colab
 @pytest.mark.parametrize("path", ["utils/../../../evil.txt", "/../../evil.txt"])
-def test_setup_writes_nowhere_else(tmp_path, path):
+def test_setup_writes_only_into_its_folder(tmp_path, path):
     folder = tmp_path / "a" / "b"
     folder.mkdir(parents=True)
     with served({ARCHIVE: archive_of(COURSE | {path: b""})}) as (address, asked):
@@ -103,7 +103,7 @@ def test_setup_writes_nowhere_else(tmp_path, path):
 
 
 @only_like_colab
-def test_setup_follows_no_link_out_of_the_folder(tmp_path):
+def test_setup_does_not_follow_links_out_of_the_folder(tmp_path):
     folder, outside = tmp_path / "content", tmp_path / "outside"
     folder.mkdir()
     outside.mkdir()
@@ -120,19 +120,19 @@ def test_setup_follows_no_link_out_of_the_folder(tmp_path):
 
 @pytest.mark.parametrize("in_colab", [True, False])
 @pytest.mark.parametrize("published", [True, False])
-def test_setup_finds_the_course_in_a_folder_above(tmp_path, in_colab, published):
+def test_setup_finds_the_course_in_a_parent_folder(tmp_path, in_colab, published):
     for path, content in COURSE.items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_bytes(content)
     folder = tmp_path / "notebooks" / "stage"
     folder.mkdir(parents=True)
     with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
-        found = run_setup(folder, address if published else "", in_colab)
-    assert found == ("Ready: a course.", "") and asked == [] and names_in(folder) == []
+        result = run_setup(folder, address if published else "", in_colab)
+    assert result == ("Ready: a course.", "") and asked == [] and names_in(folder) == []
 
 
 @pytest.mark.parametrize(("published", "in_colab"), [(False, True), (False, False), (True, False)])
-def test_setup_fetches_nothing_elsewhere_or_without_an_address(tmp_path, published, in_colab):
+def test_setup_fetches_only_in_colab_and_with_an_address(tmp_path, published, in_colab):
     with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
         printed, problem = run_setup(tmp_path, address if published else "", in_colab)
     assert printed == "" and "unzip the whole course" in problem
@@ -166,7 +166,7 @@ def test_badges_open_this_notebook_at_this_revision():
         ("https://github.com/owner/lab", "main; rm -r x"),
     ],
 )
-def test_a_wrong_setting_is_named(repository, revision):
+def test_wrong_origins_name_the_settings_file(repository, revision):
     with pytest.raises(ValueError, match="pyproject.toml"):
         build.Origin(repository, revision)
 
@@ -200,15 +200,15 @@ def test_matplotlib_draws_in_colab_when_pyvista_cannot_be_installed(monkeypatch,
 
 @pytest.fixture(scope="session")
 def place(pytestconfig):
-    """Folder of an environment with Colab's versions."""
+    """Return the folder of an environment with Colab's versions."""
     return environment(pytestconfig.cache.mkdir("colab"))
 
 
 @pytest.fixture
 def colab_kernel(place, monkeypatch):
-    """Let Jupyter know the kernel "colab", in which PyVista cannot be installed.
+    """Register the kernel "colab" with Jupyter; PyVista cannot be installed in it.
 
-    The environment is shared, and a notebook has to run without PyVista, too.
+    The environment is shared, and a notebook must also run without PyVista.
     """
     monkeypatch.setenv("JUPYTER_PATH", str(place))
     monkeypatch.setenv("PIP_NO_INDEX", "1")
@@ -216,7 +216,7 @@ def colab_kernel(place, monkeypatch):
 
 @pytest.fixture(scope="session")
 def course():
-    """The course as it is published: the notebooks, by path, and whence they fetch the rest."""
+    """Serve a published course; yield its notebooks by path, which fetch the rest from there."""
     with served({ARCHIVE: archive_of(course_files())}) as (address, asked):
         yield build.build_all(build.Origin(f"{address}/{REPOSITORY}", REVISION))
 
@@ -237,7 +237,7 @@ def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab
     assert "Ready:" in written(notebook, "stdout")
 
 
-# No address can be looked up, and none but our own machine be reached: Jupyter talks to its kernel.
+# Name look-ups and new connections fail, but Jupyter can still reach its kernel on this machine.
 NO_NETWORK = """
 import socket
 def unreachable(*anything, **more): raise OSError("no network")
@@ -271,7 +271,7 @@ def test_untouched_standalone_notebook_runs_to_its_end(lesson, colab_kernel, tmp
 
 @only_like_colab
 @pytest.mark.colab
-def test_pyvista_changes_nothing_that_colab_has(place, tmp_path):
+def test_installing_pyvista_changes_no_package_of_colab(place, tmp_path):
     def in_colab(program):
         return subprocess.run(
             [place / "bin" / "python", "-c", program],
@@ -291,11 +291,11 @@ def test_pyvista_changes_nothing_that_colab_has(place, tmp_path):
         [*command, "--dry-run", "--report", "-"], capture_output=True, text=True, check=True
     ).stdout
     new = {entry["metadata"]["name"].lower() for entry in json.loads(report)["install"]}
-    there = set(
+    installed = set(
         in_colab(
             "from importlib import metadata;"
             "print(*(found.name.lower() for found in metadata.distributions()))"
         ).split()
     )
-    assert {"pyvista", "vtk"} <= new and {"numpy", "ipython"} <= there
-    assert not new & there
+    assert {"pyvista", "vtk"} <= new and {"numpy", "ipython"} <= installed
+    assert not new & installed
