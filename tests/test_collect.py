@@ -1,4 +1,4 @@
-"""What a class handed in, from the archives of learning platforms to ``submitted/``."""
+"""The submissions of a class, collected from archives of learning platforms into ``submitted/``."""
 
 import csv
 import errno
@@ -82,7 +82,7 @@ def states(outcome):
 
 
 def placed(course, student, stage=STAGE):
-    """Names and contents of the files that lie in a student's folder, and are not hidden."""
+    """Return the names and contents of the files in a student's folder that are not hidden."""
     folder = course.submitted / student / stage
     return {path.name: path.read_bytes() for path in folder.glob("[!.]*")}
 
@@ -93,7 +93,7 @@ def older(course, student, stage=STAGE):
     )
 
 
-def asked(outcome):
+def question_texts(outcome):
     return {question.name: question.text for question in outcome.questions}
 
 
@@ -101,7 +101,7 @@ def asked(outcome):
 
 
 def test_canvas_one_attempt_with_four_lessons_has_four_attachments(course):
-    """The highest number counts for each lesson, and not for each student."""
+    """The attachment with the highest number counts, for each lesson separately."""
     files = canvas_files(
         "Lovelace, Ada",
         4001,
@@ -125,7 +125,7 @@ def test_canvas_one_attempt_with_four_lessons_has_four_attachments(course):
     assert outcome.archives[0][1:] == ("Canvas", 6)
 
 
-def test_canvas_marks_late_work_and_gives_no_time(course):
+def test_canvas_marks_late_work_without_a_time(course):
     files = [
         *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True),
         *canvas_files("Müller, Björn", 4002, [(2, f"{SIX}.ipynb", notebook())]),
@@ -142,18 +142,18 @@ def test_canvas_marks_late_work_and_gives_no_time(course):
     assert submission_time(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
 
 
-def test_who_is_late_no_more_is_not(course):
-    """Somebody moved the date in Canvas, and downloaded again."""
-    for late, when in ((True, MONDAY), (False, TUESDAY)):
+def test_a_late_mark_is_removed_with_the_next_archive(course):
+    """The due date was moved in Canvas before the second download."""
+    for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
-        outcome = collect(course, archive(course, files, when=when))
+        outcome = collect(course, archive(course, files, when=modified))
         assert outcome.late == ["ada"] * late
 
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
 @pytest.mark.parametrize("flagged", [True, False], ids=["marked as UTF-8", "not marked"])
 def test_canvas_names_are_found_without_a_number(course, form, flagged):
-    """`cy` has none on the roster; Canvas leaves no apostrophe, blank or capital."""
+    """`cy` has no number on the roster; Canvas removes apostrophes, blanks and capitals."""
     files = canvas_files("O'Neil, Cy", 4711, [(1, f"{SIX}.ipynb", notebook())])
     files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
     path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
@@ -163,30 +163,30 @@ def test_canvas_names_are_found_without_a_number(course, form, flagged):
 
 
 def forget_utf8(path):
-    """Clear the bit that says in which encoding a zip's names are, as Canvas's writer does."""
+    """Clear the bits of a zip that mark names as UTF-8, because Canvas does not set them."""
     data = bytearray(path.read_bytes())
-    for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
-        at = data.find(signature)
-        while at >= 0:
-            flags = struct.unpack_from("<H", data, at + place)[0]
-            struct.pack_into("<H", data, at + place, flags & ~0x800)
-            at = data.find(signature, at + 4)
+    for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        position = data.find(signature)
+        while position >= 0:
+            flags = struct.unpack_from("<H", data, position + offset)[0]
+            struct.pack_into("<H", data, position + offset, flags & ~0x800)
+            position = data.find(signature, position + 4)
     path.write_bytes(data)
 
 
-def test_canvas_texts_and_links_are_told_and_not_dropped(course):
+def test_canvas_texts_and_links_become_questions(course):
     files = [
         (canvas_prefix("Lovelace, Ada", 4001) + "_text.html", b"<p>my code</p>"),
         (canvas_prefix("Müller, Björn", 4002, late=True) + "_link.html", b"<a>"),
         *canvas_files("O'Neil, Cy", 4003, [(1, f"{SIX}.ipynb", notebook())]),
     ]
     outcome = collect(course, archive(course, files))
-    said = asked(outcome)
-    assert said["lovelaceada_4001/lovelaceada_4001_text.html"].startswith("was typed")
-    assert said["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
+    texts = question_texts(outcome)
+    assert texts["lovelaceada_4001/lovelaceada_4001_text.html"].startswith("was typed")
+    assert texts["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
 
 
-def test_canvas_anonymous_work_is_asked_about(course, anonymous_course):
+def test_canvas_anonymous_work_is_collected_under_its_code(course, anonymous_course):
     files = canvas_files("", 1, [(5, f"{SIX}.ipynb", notebook())], late=True, anonymous="aB3x9")
     assert files[0][0] == f"LATE_anon_aB3x9_5_{SIX}.ipynb"
     path = archive(anonymous_course, files)
@@ -195,19 +195,19 @@ def test_canvas_anonymous_work_is_asked_about(course, anonymous_course):
     assert outcome.late == ["anon_aB3x9"]
 
 
-def test_canvas_group_came_once_and_the_rest_of_it_is_asked_for(course):
+def test_canvas_group_submits_once_and_its_members_are_asked_for(course):
     files = canvas_files("Team Rot", 4001, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {"ada": {"06": "new"}}
-    assert "--who teamrot_4001=ada,ID" in asked(outcome)["teamrot_4001"]
+    assert "--who teamrot_4001=ada,ID" in question_texts(outcome)["teamrot_4001"]
     outcome = collect(course, path, who={"teamrot_4001": "ada,cy"})
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "new"}}
     assert outcome.questions == []
 
 
-def test_names_with_which_nobody_reckoned(course, anonymous_course):
-    """Canvas makes `_` of what no name of a file may hold; blanks and umlauts stay."""
+def test_unusual_file_names(course, anonymous_course):
+    """Canvas replaces characters that are not allowed in file names by `_`."""
     name = f'a/b\\c:d*e?"f<g>h|{SIX} (1) Übung.ipynb'
     (made,) = canvas_files("Jr., Cy 2", 77, [(3, name, notebook())])
     assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
@@ -241,11 +241,11 @@ def test_moodle_keeps_folders(course):
 
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
-def test_moodle_texts_are_told(course, folders):
+def test_moodle_texts_become_questions(course, folders):
     files = moodle_files(
         "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
     )
-    (text,) = asked(collect(course, archive(course, files))).values()
+    (text,) = question_texts(collect(course, archive(course, files))).values()
     assert text.startswith("was typed into Moodle")
 
 
@@ -256,8 +256,8 @@ TIMES = {
 
 
 @pytest.mark.parametrize("language", TIMES)
-def test_moodle_worksheet_joins_participants_and_tells_when(course, language):
-    """Its titles and dates are in the language of whoever downloads; here UTC is the zone."""
+def test_moodle_worksheet_has_names_and_times(course, language):
+    """Its titles and dates are in the language of the teacher; this course uses UTC."""
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = [
         *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),
@@ -273,7 +273,7 @@ def test_moodle_worksheet_joins_participants_and_tells_when(course, language):
         "utf-8",
     )
     path = archive(course, files)
-    assert set(asked(collect(course, path))) == {"A. L._5001", "B. M._5002"}
+    assert set(question_texts(collect(course, path))) == {"A. L._5001", "B. M._5002"}
     outcome = collect(course, path, times=table)
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     stamps = {
@@ -284,7 +284,7 @@ def test_moodle_worksheet_joins_participants_and_tells_when(course, language):
 
 
 @pytest.mark.parametrize("said", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"])
-def test_an_unreadable_time_is_undecided_and_not_free(course, said):
+def test_an_unreadable_time_leaves_lateness_undecided(course, said):
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     table = course.root / "worksheet.csv"
     table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", said)]), "utf-8")
@@ -294,7 +294,7 @@ def test_an_unreadable_time_is_undecided_and_not_free(course, said):
     assert why_untimed(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
-def test_times_of_ones_own_stand_beside_ids(course):
+def test_times_in_a_table_by_id(course):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
@@ -303,8 +303,8 @@ def test_times_of_ones_own_stand_beside_ids(course):
     assert not outcome.late and not outcome.undecided
 
 
-def test_a_table_of_the_late_ones_is_enough_where_the_platform_marks_them(course):
-    """Canvas says of the others that they are in time; a folder says nothing."""
+def test_a_table_of_late_students_is_enough_if_the_platform_marks_them(course):
+    """Canvas marks late submissions, so the others are in time; folders have no marks."""
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = [
@@ -320,7 +320,7 @@ def test_a_table_of_the_late_ones_is_enough_where_the_platform_marks_them(course
     assert set(outcome.undecided) == {"bjorn"}
 
 
-def test_a_table_without_times_is_refused_with_its_columns(course):
+def test_the_error_about_a_table_without_times_lists_its_columns(course):
     table = course.root / "times.csv"
     table.write_text("id,Abgabezeit\nada,2026-10-14 14:14\n")
     with pytest.raises(CollectTrouble, match="They are: id, Abgabezeit"):
@@ -328,7 +328,10 @@ def test_a_table_without_times_is_refused_with_its_columns(course):
 
 
 def test_moodle_teams(course):
-    """Of the worksheet's column, or by an answer; the default team has no number."""
+    """An option or a column of the worksheet names a team's members.
+
+    The default group has no number.
+    """
     path = archive(
         course,
         [
@@ -337,7 +340,7 @@ def test_moodle_teams(course):
         ],
     )
     outcome = collect(course, path)
-    assert set(asked(outcome)) == {"Team Rot_77", "Default group"}
+    assert set(question_texts(outcome)) == {"Team Rot_77", "Default group"}
     outcome = collect(course, path, who={"Team Rot_77": "ada,cy", "Default group": "bjorn"})
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}, "bjorn": {"07": "new"}}
     table = course.root / "worksheet.csv"
@@ -359,14 +362,16 @@ def checkout(root, name, files):
 
 def test_github_checkouts_are_found_by_login(course, tmp_path):
     root = tmp_path / "stage-3-submissions"
-    mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
-    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
-    checkout(root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"})
-    checkout(root, "stage-3-someone", mine)
+    worked_in = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
+    unchanged = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
+    checkout(
+        root, "stage-3-ada-l", worked_in | unchanged | {".git/objects/06_filter_ground.ipynb": b"x"}
+    )
+    checkout(root, "stage-3-someone", worked_in)
     outcome = collect(course, root)
     assert outcome.archives[0][1] == "GitHub Classroom"
     assert states(outcome) == {"ada": {"06": "new"}}, "what nobody worked in was not handed in"
-    assert "column github" in asked(outcome)["stage-3-someone"]
+    assert "column github" in question_texts(outcome)["stage-3-someone"]
     (root / "classroom_roster.csv").write_text(
         '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
     )
@@ -402,11 +407,11 @@ def test_a_folder_of_zips_and_a_single_file(course, tmp_path):
     assert states(collect(course, folder)) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     single = tmp_path / "8.ipynb"
     single.write_bytes(notebook(EIGHT))
-    assert "--who 8=ID" in asked(collect(course, single))["8"]
+    assert "--who 8=ID" in question_texts(collect(course, single))["8"]
     assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
 
 
-def test_without_a_roster_folders_are_called_as_the_archive_does(anonymous_course):
+def test_without_a_roster_folders_have_the_names_in_the_archive(anonymous_course):
     path = archive(
         anonymous_course,
         [(f"{name}/{SIX}.ipynb", notebook()) for name in ("mary jane", "aux", "Ærø: Ö")],
@@ -433,53 +438,53 @@ def test_without_a_roster_folders_are_called_as_the_archive_does(anonymous_cours
         ("x" * 300, "x" * 80),
     ],
 )
-def test_a_folder_is_safe_on_every_system(given, made):
+def test_folder_names_are_safe_on_every_system(given, made):
     assert safe_folder(given) == made
 
 
-# ---- what a file is for -------------------------------------------------------------------------
+# ---- lesson of a file ---------------------------------------------------------------------------
 
 
-def test_what_is_inside_decides_where_the_name_says_nothing(course):
+def test_the_content_decides_if_the_name_has_no_lesson(course):
     files = [("ada/8.ipynb", notebook(EIGHT)), ("ada/x/final.ipynb", notebook(NINE))]
     assert states(collect(course, archive(course, files))) == {"ada": {"08": "new", "09": "new"}}
 
 
-def test_graded_cells_tell_the_lesson_where_nothing_else_does(course):
+def test_graded_cells_show_the_lesson_if_nothing_else_does(course):
     unnamed = released(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
     path = archive(course, [("ada/x.ipynb", unnamed)])
     assert states(collect(course, path)) == {"ada": {"08": "new"}}
 
 
-def test_where_name_and_inside_disagree_it_asks(course):
+def test_name_and_content_that_disagree_become_a_question(course):
     files = [(f"ada/{SIX}.ipynb", notebook(EIGHT)), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome)["ada"] == {"06": "?", "07": "new", "08": "?"}
     name = f"ada/{SIX}.ipynb"
-    assert f"--lesson {name}=08 or --lesson {name}=06" in asked(outcome)[name]
+    assert f"--lesson {name}=08 or --lesson {name}=06" in question_texts(outcome)[name]
     assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
     outcome = collect(course, path, lessons={name: "06"})
     assert states(outcome)["ada"] == {"06": "new", "07": "same"}
     assert collect(course, path).questions == [], "what was answered is not asked again"
 
 
-def test_a_file_of_another_stage_is_placed_where_it_belongs_when_asked_to(course):
+def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("ada/01_point_clouds.ipynb", notebook("01_point_clouds")),
     ]
     path = archive(course, files)
     outcome = collect(course, path)
-    assert "--stage stage1_ransac" in asked(outcome)["ada/01_point_clouds.ipynb"]
+    assert "--stage stage1_ransac" in question_texts(outcome)["ada/01_point_clouds.ipynb"]
     outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
     assert states(outcome)["ada"] == {"01": "new", "06": "same"}
     assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
     assert collect(course, path).questions == []
 
 
-def test_the_whole_course_was_handed_in(course):
-    """Who zips all of it hands in what they worked in; the rest came with it."""
+def test_only_changed_notebooks_of_a_whole_course_count(course):
+    """Only changed notebooks count if a student submits a zip of the whole course."""
     files = [
         (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
         ("ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb", released("01_point_clouds")),
@@ -493,7 +498,7 @@ def test_the_whole_course_was_handed_in(course):
     assert outcome.questions == []
 
 
-def test_modules_beside_a_notebook_come_with_it(course):
+def test_modules_next_to_a_notebook_are_collected(course):
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("ada/helper.py", b"x = 1"),
@@ -503,11 +508,11 @@ def test_modules_beside_a_notebook_come_with_it(course):
     ]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
-    assert asked(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
+    assert question_texts(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
 
 
-def test_a_module_that_was_handed_in_again_has_its_own_name(course):
-    """Canvas numbers it, and then nobody can import it."""
+def test_a_resubmitted_module_gets_its_original_name(course):
+    """Canvas adds a number to the name, with which the module cannot be imported."""
     files = [
         (1, "helper.py", b"x = 1"),
         (2, "helper-1.py", b"x = 2"),
@@ -517,41 +522,44 @@ def test_a_module_that_was_handed_in_again_has_its_own_name(course):
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
 
 
-def test_no_lesson_gets_the_module_of_another(course):
+def test_modules_of_another_lesson_are_not_collected(course):
     files = [(f"ada/{lesson}/{lesson}.ipynb", notebook(lesson)) for lesson in (SIX, SEVEN)]
     files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada")["helper.py"] == SIX.encode()
-    assert "beside another notebook" in asked(outcome)[f"ada/{SEVEN}/helper.py"]
+    assert "beside another notebook" in question_texts(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
-def test_what_may_be_meant_is_asked_about_only_while_a_lesson_is_missing(course):
+def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
     files = [("ada/scratch.ipynb", notebook(named=False)), ("ada/report.pdf", b"%PDF")]
-    one = collect(course, archive(course, files))
-    assert set(asked(one)) == {"ada/scratch.ipynb", "ada/report.pdf"}
-    assert "--lesson ada/scratch.ipynb=NN" in asked(one)["ada/scratch.ipynb"]
+    outcome_without_lessons = collect(course, archive(course, files))
+    assert set(question_texts(outcome_without_lessons)) == {"ada/scratch.ipynb", "ada/report.pdf"}
+    assert (
+        "--lesson ada/scratch.ipynb=NN"
+        in question_texts(outcome_without_lessons)["ada/scratch.ipynb"]
+    )
     files += [(f"ada/{lesson}.ipynb", notebook(lesson)) for lesson in STAGE3]
     outcome = collect(course, archive(course, files))
     assert outcome.questions == []
     assert {remark.name for remark in outcome.remarks} == {"ada/scratch.ipynb", "ada/report.pdf"}
 
 
-def test_what_is_no_notebook_is_asked_about_only_while_its_lesson_is_missing(course):
-    """A `.py` of a lesson that is there is not asked for, whatever else is missing."""
+def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(course):
+    """A `.py` file is only mentioned if the notebook of its lesson is there."""
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
-    assert set(asked(outcome)) == {f"ada/{SEVEN}.py"}
+    assert set(question_texts(outcome)) == {f"ada/{SEVEN}.py"}
     assert [remark.name for remark in outcome.remarks] == [f"ada/{SIX}.py"]
 
 
-def test_who_handed_in_a_picture_alone_is_named(course):
+def test_a_student_with_only_a_picture_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
-    assert asked(outcome) == {"ada": "handed in no notebook: photo.png"}
+    assert question_texts(outcome) == {"ada": "handed in no notebook: photo.png"}
 
 
-def test_two_are_not_one_student_unless_somebody_says_so(course):
-    """Else one's work would be judged as another's."""
+def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
+    """Otherwise the work of one student could be judged as that of another."""
     files = [
         *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook(text="ada"))]),
         *canvas_files("Byron, Annabella", 77, [(2, f"{SIX}.ipynb", notebook(text="bella"))]),
@@ -560,16 +568,16 @@ def test_two_are_not_one_student_unless_somebody_says_so(course):
     who = {"byronannabella_77": "ada"}
     outcome = collect(course, path, who=who)
     assert states(outcome) == {} and not list(course.submitted.glob("*/*"))
-    assert "--who lovelaceada_4001=ada" in asked(outcome)["lovelaceada_4001"]
+    assert "--who lovelaceada_4001=ada" in question_texts(outcome)["lovelaceada_4001"]
     collect(course, path, who={**who, "lovelaceada_4001": "ada"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
 
 
-# ---- which of several ---------------------------------------------------------------------------
+# ---- several copies of a notebook ---------------------------------------------------------------
 
 
-def test_an_untouched_copy_is_no_answer(course):
-    """A second download is called (1), and looks newer."""
+def test_an_untouched_copy_is_ignored(course):
+    """A second download has "(1)" in its name, and so looks newer."""
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
     collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
@@ -582,7 +590,7 @@ def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
 
 
-def test_copies_are_counted_and_zips_know_when(course):
+def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
     moodle = moodle_files(
         "Ada Lovelace",
         1,
@@ -602,8 +610,8 @@ def test_copies_are_counted_and_zips_know_when(course):
     }
 
 
-def test_where_nothing_tells_which_is_newer_it_asks(course):
-    """Moodle's times are those of the download."""
+def test_copies_without_an_order_become_a_question(course):
+    """The times in a zip from Moodle are those of the download."""
     names = (f"a/{SIX}.ipynb", f"b/{SIX}.ipynb")
     files = moodle_files("Ada Lovelace", 1, [(name, notebook(text=name)) for name in names])
     files[1] = (*files[1], (2027, 1, 1, 0, 0, 0))
@@ -614,14 +622,14 @@ def test_where_nothing_tells_which_is_newer_it_asks(course):
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
 
 
-# ---- a second time ------------------------------------------------------------------------------
+# ---- collecting again ---------------------------------------------------------------------------
 
 MONDAY, TUESDAY = (2026, 10, 12, 9, 0, 0), (2026, 10, 13, 9, 0, 0)
 
 
-def resubmission(course, one, two, **options):
-    first = archive(course, [(f"ada/{SIX}.ipynb", one)], "first.zip", when=MONDAY)
-    second = archive(course, [(f"ada/{SIX}.ipynb", two)], "second.zip", when=TUESDAY)
+def resubmission(course, first_content, second_content, **options):
+    first = archive(course, [(f"ada/{SIX}.ipynb", first_content)], "first.zip", when=MONDAY)
+    second = archive(course, [(f"ada/{SIX}.ipynb", second_content)], "second.zip", when=TUESDAY)
     return first, second
 
 
@@ -634,7 +642,7 @@ def test_the_same_bytes_are_left_alone(course):
     assert (path.stat().st_ino, path.stat().st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
 
 
-def test_what_is_handed_in_again_takes_the_place_and_the_older_is_kept(course):
+def test_a_newer_submission_replaces_the_older_which_is_kept(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, first)
     assert states(collect(course, second)) == {"ada": {"06": "newer"}}
@@ -645,23 +653,23 @@ def test_what_is_handed_in_again_takes_the_place_and_the_older_is_kept(course):
     assert unaccounted_files(course) == []
 
 
-def test_an_older_archive_takes_nothing_back(course):
+def test_an_older_archive_does_not_replace_newer_work(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, second)
     assert states(collect(course, first)) == {"ada": {"06": "kept"}}
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
 
 
-def test_canvas_numbers_go_before_the_time_of_the_download(course):
-    for number, name, when in ((9, "new", MONDAY), (8, "old", TUESDAY)):
+def test_canvas_numbers_take_precedence_over_the_time_of_the_download(course):
+    for number, name, modified in ((9, "new", MONDAY), (8, "old", TUESDAY)):
         files = canvas_files("L, Ada", 4001, [(number, f"{SIX}.ipynb", notebook(text=name))])
-        outcome = collect(course, archive(course, files, f"{name}.zip", when=when))
+        outcome = collect(course, archive(course, files, f"{name}.zip", when=modified))
     assert states(outcome) == {"ada": {"06": "kept"}}
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
 
 
 @pytest.mark.parametrize("hand", ["changed", "put there"])
-def test_what_a_person_did_is_never_overwritten(course, hand):
+def test_manual_changes_are_never_overwritten(course, hand):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     path = course.submitted / "ada" / STAGE / f"{SIX}.ipynb"
     if hand == "changed":
@@ -670,13 +678,13 @@ def test_what_a_person_did_is_never_overwritten(course, hand):
     path.write_bytes(b"by hand")
     outcome = collect(course, second)
     assert states(outcome) == {"ada": {"06": "?"}}
-    assert f"submitted/ada/{STAGE}/{SIX}.ipynb" in asked(outcome)[f"ada/{SIX}.ipynb"]
+    assert f"submitted/ada/{STAGE}/{SIX}.ipynb" in question_texts(outcome)[f"ada/{SIX}.ipynb"]
     assert path.read_bytes() == b"by hand"
     path.unlink()
     assert states(collect(course, second)) == {"ada": {"06": "new"}}
 
 
-def test_a_time_belongs_to_the_files_with_which_it_came(course):
+def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     table = course.root / "times.csv"
     head = "id,Last modified (submission)\n"
@@ -694,15 +702,15 @@ def test_a_time_belongs_to_the_files_with_which_it_came(course):
     assert read_record(course.submitted / "ada" / STAGE).undecided == ""
 
 
-# ---- what was answered ----
+# ---- stored decisions ---------------------------------------------------------------------------
 
 
-def remarked(outcome):
+def remark_texts(outcome):
     return {remark.name: remark.text for remark in outcome.remarks}
 
 
-def test_whose_it_is_is_asked_once_in_a_stage(course):
-    """Of the next archive the answer is known, and told; of another stage it is asked again."""
+def test_the_owner_is_asked_for_once_in_a_stage(course):
+    """The next archive of the stage uses the answer and says so; another stage asks again."""
     team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook())])
     first = archive(course, team, "first.zip", when=MONDAY)
     collect(course, first, who={"TEAM ROT_77": "ada,cy"})
@@ -710,12 +718,12 @@ def test_whose_it_is_is_asked_once_in_a_stage(course):
     outcome = collect(course, archive(course, team, "second.zip", when=TUESDAY))
     assert states(outcome) == {"ada": {"06": "newer"}, "cy": {"06": "newer"}}
     assert outcome.questions == []
-    assert remarked(outcome)["Team Rot_77"].startswith("taken for that of ada, cy")
+    assert remark_texts(outcome)["Team Rot_77"].startswith("taken for that of ada, cy")
     outcome = collect(course, first, stages=("stage1_ransac",))
-    assert "Team Rot_77" in asked(outcome), "members of a team change from stage to stage"
+    assert "Team Rot_77" in question_texts(outcome), "members of a team change from stage to stage"
 
 
-def test_another_answer_takes_the_place_of_the_first(course):
+def test_a_second_answer_replaces_the_first(course):
     path = archive(course, [(f"eve/{SIX}.ipynb", notebook())])
     collect(course, path, who={"eve": "ada,bjorn"})
     assert states(collect(course, path, who={"eve": "cy"})) == {"cy": {"06": "new"}}
@@ -723,8 +731,8 @@ def test_another_answer_takes_the_place_of_the_first(course):
 
 
 @pytest.mark.parametrize("inside", ["", "hw/", "a/b/"])
-def test_an_archive_of_one_student_is_theirs_whatever_folders_are_in_it(course, inside):
-    """As what nobody judges says of a zip that lies in a student's folder."""
+def test_an_archive_of_one_student_may_have_any_folders(course, inside):
+    """The reason why a zip in a student's folder is not judged suggests this option."""
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
@@ -736,34 +744,34 @@ def test_an_archive_of_one_student_is_theirs_whatever_folders_are_in_it(course, 
     assert outcome.questions == []
 
 
-def test_an_answer_for_a_loose_file_takes_nothing_from_the_others(course):
-    """It is called like the archive, which holds a class."""
+def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
+    """The file is called like the archive, which has the files of a class."""
     files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
-    assert set(asked(collect(course, path))) == {"submissions"}
+    assert set(question_texts(collect(course, path))) == {"submissions"}
     outcome = collect(course, path, who={"submissions": "cy"})
     assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
 
 
-def test_without_a_roster_a_packed_folder_is_whose_it_is_said_to_be(anonymous_course):
+def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
     path = archive(anonymous_course, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
     outcome = collect(anonymous_course, path, who={"homework": "cy"})
     assert states(outcome) == {"cy": {"06": "new"}}
 
 
-def test_who_is_nobody_is_left_out_from_then_on(course):
+def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
-    assert "of nobody on the course, -" in asked(collect(course, path))["eve"]
+    assert "of nobody on the course, -" in question_texts(collect(course, path))["eve"]
     for who in ({"eve": "-"}, {}):
         outcome = collect(course, path, who=who)
         assert outcome.questions == []
         assert set(states(outcome)) == {"ada"}
-    assert remarked(outcome)["eve"].startswith("left out")
+    assert remark_texts(outcome)["eve"].startswith("left out")
 
 
-def test_who_has_left_the_roster_is_asked_about_again(course):
-    """And the rest of the team keeps what the team handed in."""
+def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
+    """The other members of a team keep its submission."""
     files = [(f"eve/{SIX}.ipynb", notebook()), (f"team/{SIX}.ipynb", notebook(text="team"))]
     path = archive(course, files)
     collect(course, path, who={"eve": "ada", "team": "bjorn,cy"})
@@ -772,39 +780,39 @@ def test_who_has_left_the_roster_is_asked_about_again(course):
         "".join(line for line in roster.open() if not line.startswith(("ada", "bjorn")))
     )
     outcome = collect(course, path)
-    assert set(asked(outcome)) == {"eve"}
+    assert set(question_texts(outcome)) == {"eve"}
     assert states(outcome) == {"cy": {"06": "same"}}
 
 
-def test_answers_that_cannot_be_read_are_asked_for_again(course):
+def test_damaged_stored_answers_do_not_stop_collecting(course):
     path = archive(course, [(f"eve/{SIX}.ipynb", notebook())])
     collect(course, path, who={"eve": "cy"})
     (kept,) = course.submitted.glob(".*")
     kept.write_bytes(b'[]\n{"stage": 1}\n\xff\n' + kept.read_bytes())
-    assert set(asked(collect(course, path))) == {"eve"}
+    assert set(question_texts(collect(course, path))) == {"eve"}
 
 
-def test_which_of_two_counts_is_asked_once(course):
-    """Until something else comes."""
+def test_the_choice_between_two_copies_is_asked_for_once(course):
+    """A third notebook for the lesson asks the question again."""
     pair = [
         (f"ada/one/{SIX}.ipynb", notebook(text="one"), MONDAY),
         (f"ada/two/{SIX}.ipynb", notebook(text="two"), MONDAY),
         ("bjorn/photo.png", b"x"),
     ]
     path = archive(course, pair)
-    assert f"ada/one/{SIX}.ipynb" in asked(collect(course, path))
+    assert f"ada/one/{SIX}.ipynb" in question_texts(collect(course, path))
     collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
     outcome = collect(course, path)
-    assert set(asked(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
+    assert set(question_texts(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
     third = (f"ada/three/{SIX}.ipynb", notebook(text="three"), MONDAY)
     outcome = collect(course, archive(course, [*pair, third], "more.zip"))
-    assert f"ada/three/{SIX}.ipynb" in asked(outcome)[f"ada/two/{SIX}.ipynb"]
+    assert f"ada/three/{SIX}.ipynb" in question_texts(outcome)[f"ada/two/{SIX}.ipynb"]
     assert states(outcome)["ada"] == {"06": "?"}
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
 
 
-def test_what_names_no_lesson_is_asked_about_once(course):
+def test_the_lesson_of_an_unnamed_notebook_is_asked_for_once(course):
     path = archive(course, [("ada/scratch.ipynb", notebook(named=False))])
     collect(course, path, lessons={"ada/scratch.ipynb": "07"})
     outcome = collect(course, path)
@@ -814,7 +822,7 @@ def test_what_names_no_lesson_is_asked_about_once(course):
 # ---- hostile archives ---------------------------------------------------------------------------
 
 
-def everything_below(root):
+def files_below(root):
     return {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
 
 
@@ -832,16 +840,16 @@ def everything_below(root):
     ],
 )
 @pytest.mark.parametrize("within", ["", "homework.zip"])
-def test_no_name_leads_outside(course, name, within, tmp_path):
-    """And who meant no harm, and has an old zipper, loses nothing."""
+def test_names_cannot_lead_outside_the_folder(course, name, within, tmp_path):
+    """The notebook is still collected, because old zip programs write such names."""
     data = zipped([(name, notebook())])
     files = [("ada/homework.zip", data)] if within else [("ada/" + name, notebook())]
-    outside = everything_below(tmp_path)
+    files_before = files_below(tmp_path)
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}}
-    made = everything_below(tmp_path) - outside
+    created = files_below(tmp_path) - files_before
     folder = f"course/submitted/ada/{STAGE}/"
-    assert made == {
+    assert created == {
         "course/submissions.zip",
         f"{folder}{SIX}.ipynb",
         f"{folder}.collected.json",
@@ -855,19 +863,22 @@ def test_a_link_is_not_followed(course, tmp_path):
     info.external_attr = 0o120777 << 16
     with zipfile.ZipFile(course.root / "links.zip", "w") as file:
         file.writestr(info, str(secret))
-    assert "is a link" in asked(collect(course, course.root / "links.zip"))[f"ada/{SEVEN}.ipynb"]
+    assert (
+        "is a link"
+        in question_texts(collect(course, course.root / "links.zip"))[f"ada/{SEVEN}.ipynb"]
+    )
     folder = tmp_path / "class"
     (folder / "ada").mkdir(parents=True)
     (folder / "ada" / f"{SEVEN}.ipynb").symlink_to(secret)
     (folder / "bjorn").symlink_to(tmp_path)
     os.mkfifo(folder / "ada" / f"{EIGHT}.ipynb")
     outcome = collect(course, folder)
-    assert "link" in asked(outcome)[f"ada/{SEVEN}.ipynb"]
-    assert "ordinary" in asked(outcome)[f"ada/{EIGHT}.ipynb"]
+    assert "link" in question_texts(outcome)[f"ada/{SEVEN}.ipynb"]
+    assert "ordinary" in question_texts(outcome)[f"ada/{EIGHT}.ipynb"]
     assert not course.submitted.exists()
 
 
-def test_bombs_are_refused_with_a_sentence(course, monkeypatch):
+def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     zeros = b'{"cells": [], "x": "' + b"0" * (8 * 2**20) + b'"}'
     deep = notebook(NINE)
     for _ in range(4):
@@ -882,28 +893,28 @@ def test_bombs_are_refused_with_a_sentence(course, monkeypatch):
         ("bjorn/" + f"{SIX}.ipynb", notebook()),
     ]
     outcome = collect(course, archive(course, files))
-    said = asked(outcome)
-    assert "as bombs do" in said[f"ada/{SIX}.ipynb"]
-    assert "as bombs do" in said[f"ada/ratio.zip/{SEVEN}.ipynb"]
-    assert "holds 5,001 files" in said["ada/many.zip"]
-    assert "zips deep" in said["ada/deep.zip/more.zip/more.zip/more.zip"]
-    assert "cannot be opened as a zip" in said["ada/broken.zip"]
+    texts = question_texts(outcome)
+    assert "as bombs do" in texts[f"ada/{SIX}.ipynb"]
+    assert "as bombs do" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
+    assert "holds 5,001 files" in texts["ada/many.zip"]
+    assert "zips deep" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
+    assert "cannot be opened as a zip" in texts["ada/broken.zip"]
     assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "the class goes on"
 
 
-def test_much_in_one_zip_is_refused(course, monkeypatch):
+def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
-    assert "unpacks to more than" in asked(outcome)["ada/homework.zip"]
+    assert "unpacks to more than" in question_texts(outcome)["ada/homework.zip"]
 
 
-def test_a_zip_with_a_password_is_named(course, tmp_path):
+def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
     data = bytearray(zipped([(f"{SIX}.ipynb", notebook())]))
     for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         data[data.find(signature) + place] |= 1
     outcome = collect(course, archive(course, [("ada/homework.zip", bytes(data))]))
-    assert "password" in asked(outcome)[f"ada/homework.zip/{SIX}.ipynb"]
+    assert "password" in question_texts(outcome)[f"ada/homework.zip/{SIX}.ipynb"]
 
 
 # ---- the command --------------------------------------------------------------------------------
@@ -919,25 +930,25 @@ def command(course, monkeypatch):
     return run
 
 
-def test_what_waits_for_an_answer_is_the_exit_status(course, command, capsys):
+def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
     assert command(path) == 1
-    said = capsys.readouterr().out
-    assert "waiting for an answer" in said and "--who eve=ID" in said
-    assert "Nothing from 2 on the roster: bjorn, cy." in said and "xcused" not in said
+    output = capsys.readouterr().out
+    assert "waiting for an answer" in output and "--who eve=ID" in output
+    assert "Nothing from 2 on the roster: bjorn, cy." in output and "xcused" not in output
     assert command(path, "--who", "eve=cy") == 0
     assert "waiting" not in capsys.readouterr().out
 
 
-def test_from_who_is_excused_nothing_is_missing(course, command, capsys):
+def test_excused_students_are_not_reported_as_missing(course, command, capsys):
     (course.root / "deadlines.toml").write_text(
         f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'
         '[stage1_ransac.students]\nbjorn = "excused"\n'
     )
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "Nothing from 1 on the roster: bjorn." in said
-    assert "Excused, and nothing from them: cy." in said
+    output = " ".join(capsys.readouterr().out.split())
+    assert "Nothing from 1 on the roster: bjorn." in output
+    assert "Excused, and nothing from them: cy." in output
 
 
 @pytest.mark.parametrize(
@@ -952,7 +963,7 @@ def test_from_who_is_excused_nothing_is_missing(course, command, capsys):
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
 )
-def test_a_wrong_call_is_told(course, command, words, says, capsys, monkeypatch):
+def test_wrong_options_are_explained(course, command, words, says, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
     (course.root / "damaged.zip").write_bytes(b"")
     (course.root / "empty").mkdir()
@@ -960,7 +971,7 @@ def test_a_wrong_call_is_told(course, command, words, says, capsys, monkeypatch)
     assert says in capsys.readouterr().err
 
 
-def test_whose_time_is_undecided_is_named(course, command, capsys):
+def test_students_with_an_undecided_time_are_named(course, command, capsys):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,-\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
@@ -968,13 +979,13 @@ def test_whose_time_is_undecided_is_named(course, command, capsys):
     assert "Whether late is undecided: ada." in capsys.readouterr().out
 
 
-def test_an_answer_leads_nowhere_else(anonymous_course):
+def test_an_answer_cannot_lead_to_another_folder(anonymous_course):
     path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
     with pytest.raises(CollectTrouble, match="no folder can be called ../../x"):
         collect(anonymous_course, path, who={"ada": "../../x"})
 
 
-def test_what_is_graded_is_collected_later(course, command, capsys):
+def test_collecting_is_refused_while_the_course_is_graded(course, command, capsys):
     from grader.classroom.lock import only_one
 
     with only_one(course):
@@ -982,7 +993,7 @@ def test_what_is_graded_is_collected_later(course, command, capsys):
     assert "Another run is grading" in capsys.readouterr().err
 
 
-def test_stopped_it_goes_on_from_there(course):
+def test_a_stopped_run_is_resumed(course):
     path = archive(course, [(f"{name}/{SIX}.ipynb", notebook()) for name in ("ada", "bjorn", "cy")])
 
     def stop(done, total, what):
@@ -996,23 +1007,23 @@ def test_stopped_it_goes_on_from_there(course):
 
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
-def test_where_nothing_may_be_written_it_is_said(course, command, monkeypatch, capsys, number):
+def test_the_error_about_a_read_only_folder_names_it(course, command, monkeypatch, capsys, number):
     def refuse(*about, dir, **options):
         raise OSError(number, os.strerror(number), str(dir))
 
     monkeypatch.setattr("tempfile.mkstemp", refuse)
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
-    said = capsys.readouterr().err
-    assert str(course.submitted / "ada" / STAGE) in said and "same command again" in said
+    errors = capsys.readouterr().err
+    assert str(course.submitted / "ada" / STAGE) in errors and "same command again" in errors
 
 
-def test_a_file_in_the_place_of_a_folder_is_named(course, command, capsys):
+def test_the_error_about_a_file_in_place_of_a_folder_names_it(course, command, capsys):
     course.submitted.write_text("")
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert str(course.submitted) in capsys.readouterr().err
 
 
-def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):
+def test_a_full_disk_leaves_no_partial_files(course, monkeypatch):
     monkeypatch.setattr(os, "replace", lambda *about: (_ for _ in ()).throw(OSError(28, "full")))
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     with pytest.raises(OSError, match="full"):
@@ -1020,7 +1031,7 @@ def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):
     assert [path.name for path in course.submitted.rglob("*") if path.is_file()] == []
 
 
-# ---- whose it is not ----------------------------------------------------------------------------
+# ---- namesakes ----------------------------------------------------------------------------------
 
 
 def with_roster(course, *people):
@@ -1028,7 +1039,7 @@ def with_roster(course, *people):
     (course.root / "roster.csv").write_text("\n".join(lines) + "\n")
 
 
-def test_a_namesake_has_their_own_time(course):
+def test_namesakes_have_separate_times(course):
     with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     files = [
         *moodle_files("Yan Yip", 11, [(f"{SIX}.ipynb", notebook())]),
@@ -1045,7 +1056,7 @@ def test_a_namesake_has_their_own_time(course):
     assert placed(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
 
 
-def test_a_row_that_may_be_two_peoples_is_nobodys_time(course):
+def test_an_ambiguous_row_is_not_used(course):
     with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
@@ -1057,21 +1068,21 @@ def test_a_row_that_may_be_two_peoples_is_nobodys_time(course):
 @pytest.mark.parametrize(
     ("number", "email", "known"),
     [
-        (11, "ada@x.edu", False),  # her line, once more
-        (77, "ada@x.edu", True),  # she is known by her number
+        (11, "ada@x.edu", False),  # her line again
+        (77, "ada@x.edu", True),  # her number identifies her
         (77, "eve@x.edu", True),
     ],
 )
-def test_a_students_text_makes_nobody_late(course, number, email, known):
-    """Moodle ends no cell at the quotation mark behind a backslash; everybody else does."""
+def test_a_students_text_cannot_make_another_student_late(course, number, email, known):
+    """Moodle's writer continues a cell after a backslash and a quotation mark; readers end it."""
     with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
     table = course.root / "worksheet.csv"
     early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
-    hers = f'"Participant 11","Ada Lovelace","ada@x.edu","Submitted","","{early}"\n'
+    her_row = f'"Participant 11","Ada Lovelace","ada@x.edu","Submitted","","{early}"\n'
     forged = f'Participant {number},Ada Lovelace,{email},Submitted,,"{late}"\n'
     table.write_text(
         "Identifier,Full name,Email address,Status,Online text,Last modified (submission)\n"
-        f'{hers}"Participant 12","Eve Evil","eve@x.edu","Submitted","C:\\" ,-\n{forged}","-"\n'
+        f'{her_row}"Participant 12","Eve Evil","eve@x.edu","Submitted","C:\\" ,-\n{forged}","-"\n'
     )
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = moodle_files("Ada Lovelace", 11, [(f"{SIX}.ipynb", notebook())])
@@ -1082,44 +1093,44 @@ def test_a_students_text_makes_nobody_late(course, number, email, known):
         assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed(course, "ada")
 
 
-def test_a_namesake_of_another_number_is_asked_about(course):
+def test_a_namesake_with_another_number_becomes_a_question(course):
     with_roster(course, "yan,Yan,Yip,,126,")
     files = canvas_files("Yip, Yan", 999, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {}
-    assert "not the 126 of yan that the roster has" in asked(outcome)["yipyan_999"]
+    assert "not the 126 of yan that the roster has" in question_texts(outcome)["yipyan_999"]
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
-def test_the_end_of_a_login_is_another_ones(course, tmp_path):
+def test_a_login_that_is_the_end_of_another_login_is_not_matched(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
     root = tmp_path / "hw"
     for name in ("hw-3-mary-smith", "hw-3-zed"):
         checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
     outcome = collect(course, root)
     assert states(outcome) == {"zed": {"06": "new"}}
-    assert "column github" in asked(outcome)["hw-3-mary-smith"]
+    assert "column github" in question_texts(outcome)["hw-3-mary-smith"]
 
 
-def test_logins_that_begin_alike_are_found(course, tmp_path):
+def test_logins_with_the_same_beginning_are_found(course, tmp_path):
     with_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
     for name in ("hw-3-ann-a", "hw-3-ann-b"):
         checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
     assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
 
 
-def test_of_one_repository_alone_it_is_asked_where_the_login_begins(course, tmp_path):
+def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith")
     checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
-    question = asked(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
+    question = question_texts(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
     assert question.count("They may be sam: add --who hw-3-mary-smith=sam") == 1
 
 
-# ---- one student's file, and everybody else's ---------------------------------------------------
+# ---- damage to one student's file ---------------------------------------------------------------
 
 
-def test_a_name_of_nothing_in_a_zip_costs_nobody_anything(course):
+def test_an_empty_name_in_a_zip_does_not_affect_any_student(course):
     homework = zipped([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
@@ -1130,56 +1141,56 @@ def test_a_name_of_nothing_in_a_zip_costs_nobody_anything(course):
     assert states(outcome) == {name: {"06": "new"} for name in ("ada", "bjorn", "cy")}
 
 
-def test_what_cannot_be_opened_at_all_costs_nobody_else_anything(course, monkeypatch):
-    real = inspection._look
+def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, monkeypatch):
+    original = inspection._look
 
     def look(data, name):
         if data == b"PK!":
-            raise IndexError  # something that nobody has thought of
-        return real(data, name)
+            raise IndexError  # an unexpected error
+        return original(data, name)
 
     monkeypatch.setattr(inspection, "_look", look)
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
-    assert asked(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
+    assert question_texts(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
 
 
-def test_damage_in_a_zip_is_a_complaint_or_nothing():
-    """Bytes of its directory, above all, are changed; the seed is fixed."""
+def test_a_damaged_zip_is_read_or_reported():
+    """Most changed bytes are in the central directory; the seed is fixed."""
     whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
     contents.remember_what_was_released()
-    chance = random.Random(1)
+    rng = random.Random(1)
     seen = set()
     for _ in range(600):
         data = bytearray(whole)
-        for _ in range(chance.choice((1, 1, 2, 4))):
-            start = directory if chance.random() < 0.6 else 0
-            place = chance.randrange(start, len(data))
-            data[place] = chance.choice((0, 1, 0xFF, 0x80, 12, 93, chance.randrange(256)))
+        for _ in range(rng.choice((1, 1, 2, 4))):
+            start = directory if rng.random() < 0.6 else 0
+            position = rng.randrange(start, len(data))
+            data[position] = rng.choice((0, 1, 0xFF, 0x80, 12, 93, rng.randrange(256)))
         pieces = inspection._look(bytes(data), "h.zip")
         seen |= {piece.complaint.partition(":")[0] for piece in pieces}
     assert len(seen) > 3, "some of it was damage"
 
 
-def test_much_in_several_zips_is_refused(course, monkeypatch):
+def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
-    zips_of = [
+    archives = [
         zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)
     ]
-    files = [(f"ada/{n}.zip", data) for n, data in enumerate(zips_of)]
-    assert sum(map(len, zips_of)) < 4000
-    said = asked(collect(course, archive(course, files)))
-    assert "with what they handed in beside it is more than" in said["ada/1.zip"]
-    inner = zipped([(f"{n}.zip", data) for n, data in enumerate(zips_of)])
+    files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
+    assert sum(map(len, archives)) < 4000
+    texts = question_texts(collect(course, archive(course, files)))
+    assert "with what they handed in beside it is more than" in texts["ada/1.zip"]
+    inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
-    assert "unpacks to more than" in asked(outcome)["ada/all.zip"]
+    assert "unpacks to more than" in question_texts(outcome)["ada/all.zip"]
 
 
 def test_a_long_text_in_moodles_worksheet_is_read(course):
-    """Online texts stand in it."""
+    """The worksheet contains the online texts."""
     table = course.root / "worksheet.csv"
     rows = [(5001, "Ada Lovelace", "x" * 140_000, "ada@x.edu", "14 October 2026, 2:14 PM")]
     table.write_text(worksheet(rows), "utf-8")
@@ -1187,15 +1198,15 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
         "from grader.classroom.collect.worksheet import read_worksheet; "
         f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
-    )  # in a process of its own, in which nobody else has set a limit
-    found = subprocess.run(
+    )  # in its own process, in which other tests have not changed the limit
+    result = subprocess.run(
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True
     )
-    assert found.stdout == "1\n", found.stderr
+    assert result.stdout == "1\n", result.stderr
     assert states(collect(course, archive(course, files), times=table)) == {"ada": {"06": "new"}}
 
 
-def test_a_worksheet_that_is_no_table_is_refused(course):
+def test_a_worksheet_that_is_not_a_table_is_refused(course):
     table = course.root / "worksheet.csv"
     table.write_text("a,b\n" + "x" * 2**25)
     with pytest.raises(CollectTrouble, match="is not a CSV file"):

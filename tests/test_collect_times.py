@@ -1,4 +1,4 @@
-"""When work was handed in, whatever is collected in which order, and wherever one is stopped."""
+"""The time of a submission, for any order of archives and for runs stopped at any change."""
 
 import contextlib
 from datetime import UTC, datetime
@@ -26,7 +26,7 @@ def course(tmp_path):
     return make_course(tmp_path / "course")
 
 
-def at(text):
+def utc(text):
     return datetime.strptime(text, "%Y-%m-%d %H:%M:%S UTC").replace(tzinfo=UTC)
 
 
@@ -41,7 +41,7 @@ def folder(course):
 
 
 def time_of(course):
-    """The stage's time, or why nobody knows it."""
+    """Return the time of the stage, or the reason why it is unknown."""
     try:
         return submission_time([folder(course)])
     except SubmissionTimeUnknown as reason:
@@ -54,20 +54,20 @@ def lesson(course, name, text="x = 1", file=None):
 
 
 @pytest.mark.parametrize("times", [(LATE, EARLY), (EARLY, LATE)])
-def test_the_latest_time_of_all_lessons_counts_in_whatever_order_they_come(course, times):
-    for name, when in zip((EIGHT, SIX), times, strict=True):
-        collect(course, lesson(course, name), times=table(course, when))
+def test_the_latest_time_of_all_lessons_counts_in_any_order(course, times):
+    for name, time in zip((EIGHT, SIX), times, strict=True):
+        collect(course, lesson(course, name), times=table(course, time))
     assert placed(course, "ada")["timestamp.txt"].decode() == f"{LATE}\n"
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == at(LATE)
+    assert time_of(course) == utc(LATE)
 
 
-def test_the_time_of_a_lesson_goes_with_it(course):
-    for name, when in ((EIGHT, LATE), (SIX, EARLY)):
-        collect(course, lesson(course, name), times=table(course, when))
+def test_the_time_of_a_deleted_lesson_does_not_count(course):
+    for name, time in ((EIGHT, LATE), (SIX, EARLY)):
+        collect(course, lesson(course, name), times=table(course, time))
     (folder(course) / f"{EIGHT}.ipynb").unlink()
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == at(EARLY)
+    assert time_of(course) == utc(EARLY)
 
 
 def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
@@ -76,22 +76,22 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
     outcome = collect(course, lesson(course, SIX), times=table(course, LATE))
     assert time_of(course) == outcome.undecided["ada"] == f"no time is known of {EIGHT}.ipynb"
     collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
-    assert time_of(course) == at(LATE)
+    assert time_of(course) == utc(LATE)
 
 
-def test_what_a_person_wrote_counts_for_all_that_lay_there(course):
+def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     collect(course, archive(course, files))
     (folder(course) / "timestamp.txt").write_text(LATE)
     collect(course, archive(course, files))
     assert placed(course, "ada")["timestamp.txt"].decode() == LATE, "nothing has changed"
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == at(LATE)
+    assert time_of(course) == utc(LATE)
     assert LATE.encode() in older(course, "ada")
 
 
-def test_the_time_of_what_was_not_collected_counts(course):
-    """Such as by nbgrader, with its own time."""
+def test_the_time_of_files_that_were_not_collected_counts(course):
+    """A notebook may have come through nbgrader, with a time of its own."""
     folder(course).mkdir(parents=True)
     (folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
     (folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
@@ -101,7 +101,7 @@ def test_the_time_of_what_was_not_collected_counts(course):
     assert time_of(course) == datetime(2026, 10, 20, 12, tzinfo=UTC)
 
 
-def test_a_time_that_nobody_can_read_is_not_forgotten(course):
+def test_an_unreadable_time_stays_undecided(course):
     collect(course, lesson(course, SIX), times=table(course, EARLY))
     (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
@@ -109,18 +109,18 @@ def test_a_time_that_nobody_can_read_is_not_forgotten(course):
 
 
 class Stopped(BaseException):
-    """Somebody pressed Ctrl-C."""
+    """Raised in place of Ctrl-C."""
 
 
-def watched(change, count, number, after):
-    """Change something, unless it is stopped before or after the nth change."""
+def stop_at(change, calls, number, after):
+    """Return `change` with a counter that raises `Stopped` before or after the nth call."""
 
     def changing(*args, **kwargs):
-        count.append(change)
-        if len(count) == number and not after:
+        calls.append(change)
+        if len(calls) == number and not after:
             raise Stopped
         change(*args, **kwargs)
-        if len(count) == number:
+        if len(calls) == number:
             raise Stopped
 
     return changing
@@ -132,30 +132,30 @@ def watched(change, count, number, after):
 def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(
     tmp_path, monkeypatch, after, written_by
 ):
-    """And the same command again makes it good."""
+    """Running the same command again completes the work."""
     for number in range(1, 30):
-        place = make_course(tmp_path / str(number))
-        first, second = resubmission(place, notebook(text="first"), notebook(text="second"))
-        collect(place, first, times=table(place, EARLY) if written_by == "us" else None)
+        course = make_course(tmp_path / str(number))
+        first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+        collect(course, first, times=table(course, EARLY) if written_by == "us" else None)
         if written_by == "a person":
-            (folder(place) / "timestamp.txt").write_text(EARLY)
-        before = time_of(place)
-        about, count = table(place, LATE), []
+            (folder(course) / "timestamp.txt").write_text(EARLY)
+        before = time_of(course)
+        new_times, changes = table(course, LATE), []
         with monkeypatch.context() as patch, contextlib.suppress(Stopped):
             for owner, name in (
                 (storage, "write_atomically"),
                 (record, "write_atomically"),
                 (Path, "unlink"),
             ):
-                patch.setattr(owner, name, watched(getattr(owner, name), count, number, after))
-            collect(place, second, times=about)
-        is_new = placed(place, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
-        found = time_of(place)
-        assert isinstance(found, str) or found == (at(LATE) if is_new else before)
-        state = states(collect(place, second, times=about))["ada"]["06"]
+                patch.setattr(owner, name, stop_at(getattr(owner, name), changes, number, after))
+            collect(course, second, times=new_times)
+        is_new = placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        found = time_of(course)
+        assert isinstance(found, str) or found == (utc(LATE) if is_new else before)
+        state = states(collect(course, second, times=new_times))["ada"]["06"]
         assert state == ("same" if is_new else "newer")
-        assert placed(place, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
-        assert time_of(place) == at(LATE)
-        if len(count) < number:
+        assert placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        assert time_of(course) == utc(LATE)
+        if len(changes) < number:
             break
     assert 4 < number < 29, "it was stopped at each change, and then not at all"

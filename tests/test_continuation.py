@@ -1,4 +1,4 @@
-"""A wrong answer does not end the evening: a later cell that fails with it goes on, and says so."""
+"""After a wrong answer, later cells that fail with it run with stored answers and say so."""
 
 import json
 import random
@@ -22,7 +22,7 @@ def check(function):
     if not good:
         raise ChecksFailed("one check failed")
 """
-STORY = {
+CELLS = {
     "data": "import numpy as np\nnumbers = [3, 1, 2]\n"
     "rng = np.random.default_rng(1)\nrng.integers(9)",
     "look": "top = largest(numbers)\nprint(f'largest: {top + 1}')",
@@ -37,37 +37,37 @@ STORY = {
     "first": "print('first', numbers[0])",
     "wrong": "print('wrong', largest(numbers))\nraise ValueError('of the lesson')",
     "second check": "check(found_by)",
-    # As `interact` of ipywidgets does.
+    # `interact` of ipywidgets shows tracebacks in this way.
     "slider": "try:\n    print('shown', 1 + largest(numbers))\n"
     "except Exception:\n    get_ipython().showtraceback()",
 }
-EXPERIMENT = "def found(n):\n    return largest(list(range(n)))"
+DEFINE_FOUND = "def found(n):\n    return largest(list(range(n)))"
 RIGHT = "def largest(values):\n    return max(values)"
 NOTHING = "def largest(values):\n    max(values)"
 SPOILS = "def largest(values):\n    values.clear()\n    return 0"
 TWICE = "largest has not passed its check: this cell goes on with the course's answer."
 
 
-def stored():
-    """What the solved story answers."""
-    space = {}
-    exec(f"{RIGHT}\n{EXPERIMENT}", space)
-    recorder = lent.Recorder(["largest"], ["found"], space)
+def stored_answers():
+    """Return the stored answers that the solved story records."""
+    namespace = {}
+    exec(f"{RIGHT}\n{DEFINE_FOUND}", namespace)
+    recorder = lent.Recorder(["largest"], ["found"], namespace)
     recorder.look_round()
-    drawn = "np.random.default_rng(1)\nrng.integers(9)\n"
-    exec(f"import numpy as np\nrng = {drawn}some = rng.integers(9, size=3).tolist()", space)
-    for values in ([3, 1, 2], space["some"]):
-        space["largest"](values)
-    space["found"](4)
+    generator = "np.random.default_rng(1)\nrng.integers(9)\n"
+    exec(f"import numpy as np\nrng = {generator}some = rng.integers(9, size=3).tolist()", namespace)
+    for values in ([3, 1, 2], namespace["some"]):
+        namespace["largest"](values)
+    namespace["found"](4)
     answers = json.loads(recorder.text())
     assert answers.pop("faults") == []
     return answers
 
 
-def told(monkeypatch, tmp_path, *sources):
-    """Run cells of the story, by name, and others; see `evenings.evening`."""
-    cells = [key_of_cell(source) for source in (SETUP, EXPERIMENT, *STORY.values())]
-    (tmp_path / "lesson_99.json").write_text(json.dumps(stored()))
+def run_story(monkeypatch, tmp_path, *sources):
+    """Run cells, given as names in the story or as code, and return the events of each."""
+    cells = [key_of_cell(source) for source in (SETUP, DEFINE_FOUND, *CELLS.values())]
+    (tmp_path / "lesson_99.json").write_text(json.dumps(stored_answers()))
     (tmp_path / "cells.json").write_text(json.dumps({"99": cells}))
     monkeypatch.setattr(lent, "_HERE", tmp_path)
     monkeypatch.setattr(lent, "CELLS", tmp_path / "cells.json")
@@ -79,18 +79,20 @@ def told(monkeypatch, tmp_path, *sources):
         show_no_frames_of_ours()
         lent.lend_answers("99")
 
-    ran = evening([SETUP, EXPERIMENT, *(STORY.get(one, one) for one in sources)], begin)[2:]
+    ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(source, source) for source in sources)], begin)[
+        2:
+    ]
     assert not [text for cell in ran for text in cell.tracebacks if "/utils/" in text]
     return ran
 
 
 @pytest.fixture
-def tell(monkeypatch, tmp_path):
-    return lambda *sources: told(monkeypatch, tmp_path, *sources)
+def run_cells(monkeypatch, tmp_path):
+    return lambda *sources: run_story(monkeypatch, tmp_path, *sources)
 
 
-def test_a_cell_below_a_failed_check_goes_on_and_says_so(tell):
-    data, written, look, check, use = tell("data", NOTHING, "look", "check", "use")
+def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run_cells):
+    data, written, look, check, use = run_cells("data", NOTHING, "look", "check", "use")
     assert look.errors == ["TypeError: unsupported operand type(s) for +: 'NoneType' and 'int'"]
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
@@ -99,34 +101,37 @@ def test_a_cell_below_a_failed_check_goes_on_and_says_so(tell):
     ]
 
 
-def test_from_then_on_a_line_says_so_and_only_one(tell):
-    ran = tell("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
+def test_later_cells_show_one_short_line(run_cells):
+    ran = run_cells("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
     assert [cell.printed for cell in ran[5:]] == ["", "call 7\n", "found 4\n", "loop 4\n"]
     assert [cell.said for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
 
 
-def test_what_was_drawn_is_drawn_again(tell):
-    drawn = tell("data", NOTHING, "check", "draw")[-1]
-    right = tell("data", RIGHT, "check", "draw")[-1]
+def test_random_numbers_are_repeated(run_cells):
+    drawn = run_cells("data", NOTHING, "check", "draw")[-1]
+    right = run_cells("data", RIGHT, "check", "draw")[-1]
     assert drawn.printed == right.printed and drawn.succeeded
     assert drawn.banners and not right.banners
 
 
-def test_nobody_is_told_to_go_on_without_a_check(tell):
-    assert [cell.succeeded for cell in tell("data", NOTHING, "use", "call")][2:] == [False, False]
-    ran = tell("data", NOTHING, "look", "check", NOTHING, "define", "call")
+def test_without_a_failed_check_no_cell_is_repeated(run_cells):
+    assert [cell.succeeded for cell in run_cells("data", NOTHING, "use", "call")][2:] == [
+        False,
+        False,
+    ]
+    ran = run_cells("data", NOTHING, "look", "check", NOTHING, "define", "call")
     assert ran[-1].errors and not ran[-1].banners
 
 
-def test_a_cell_of_ones_own_has_ones_own_function(tell):
-    mine = "print('mine', 1 + largest(numbers))"
-    ran = tell("data", NOTHING, "look", "check", "use", mine, "look", "print(1 + top)")
+def test_a_students_cell_uses_the_students_function(run_cells):
+    own_cell = "print('mine', 1 + largest(numbers))"
+    ran = run_cells("data", NOTHING, "look", "check", "use", own_cell, "look", "print(1 + top)")
     assert [cell.succeeded for cell in ran[4:]] == [True, False, False, False]
     assert "1 + largest(numbers)" in ran[5].tracebacks[0]
 
 
-def test_a_name_of_the_courses_is_called_so_in_a_cell_of_ones_own(tell):
-    ran = tell("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
+def test_a_students_cell_says_which_names_come_from_the_course(run_cells):
+    ran = run_cells("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].said == [
         "top was made with the course's answer for largest. Run the cell that makes it again, and "
         "it is made with yours."
@@ -134,69 +139,71 @@ def test_a_name_of_the_courses_is_called_so_in_a_cell_of_ones_own(tell):
     assert ran[-1].said[0].startswith("mine was made with the course's answer for largest.")
 
 
-def test_a_passed_check_brings_ones_own_back(tell):
+def test_a_passed_check_restores_the_students_function(run_cells):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
-    ran = tell("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
+    ran = run_cells("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
     assert ran[6].said == ["largest has passed: from here on, the cells have yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
     assert not [cell for cell in ran[7:] if cell.said]
 
 
-def test_a_check_asks_ones_own_helper(tell):
-    helped = "def found_by(values):\n    return largest(values)"
-    ran = tell("data", NOTHING, "look", "check", "use", helped, "second check", "use")
+def test_a_check_uses_the_students_helper(run_cells):
+    caller = "def found_by(values):\n    return largest(values)"
+    ran = run_cells("data", NOTHING, "look", "check", "use", caller, "second check", "use")
     assert ran[-2].errors == ["ChecksFailed: one check failed"]
     assert ran[-1].banners
 
 
-def test_what_a_function_has_spoilt_is_made_anew(tell):
-    ran = tell("data", SPOILS, "look", "check", "first")
+def test_data_that_a_function_changed_is_restored(run_cells):
+    ran = run_cells("data", SPOILS, "look", "check", "first")
     assert ran[-1].printed == "first 3\n" and ran[-1].said == [
         "largest has not passed its check: this cell goes on with what it was given, made anew."
     ]
 
 
-def test_a_cell_that_fails_anyway_shows_how(tell):
-    ran = tell("data", NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
+def test_a_cell_that_fails_anyway_shows_its_error(run_cells):
+    ran = run_cells("data", NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
     assert ran[4].errors == ["ValueError: of the lesson"] and not ran[4].banners
     assert ran[5].succeeded and not ran[5].banners
 
 
-def test_ones_own_is_back_after_a_cell_that_fails_with_the_courses_answer(tell):
-    mine = "print('mine', largest([5]))"
-    ran = tell("data", NOTHING, "look", "check", "use", "wrong", mine, "check", "call")
+def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run_cells):
+    own_cell = "print('mine', largest([5]))"
+    ran = run_cells("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
     assert (ran[6].printed, ran[6].said, ran[6].errors) == ("mine None\n", [], [])
-    assert ran[7].errors == ["ChecksFailed: one check failed"]  # of one that is written
+    assert ran[7].errors == ["ChecksFailed: one check failed"]  # the answer is in the cell above
 
 
-def test_a_slider_that_fails_goes_on(tell):
-    slider = tell("data", NOTHING, "look", "check", "slider")[-1]
+def test_a_slider_that_fails_runs_with_the_courses_answer(run_cells):
+    slider = run_cells("data", NOTHING, "look", "check", "slider")[-1]
     assert (slider.errors, slider.printed, len(slider.banners)) == ([], "shown 4\n", 1)
 
 
-def test_a_right_answer_is_left_alone(tell):
-    ran = tell("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
+def test_a_right_answer_is_not_replaced(run_cells):
+    ran = run_cells("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
     assert all(cell.succeeded and not cell.said for cell in ran)
 
 
-def test_what_hangs_is_put_aside_before_the_next_cell(tell):
+def test_a_hanging_function_is_replaced_before_the_next_cell(run_cells):
     loop = "def largest(values):\n    raise SystemExit('it would not come back')"
-    use = tell("data", loop, "look", "stopped", "use")[-1]
+    use = run_cells("data", loop, "look", "stopped", "use")[-1]
     assert (use.printed, use.said) == ("use 6\n", [TWICE])
 
 
-def test_frames_of_ours_are_left_out_and_those_of_the_notebook_stay(tell):
-    mine = "def f(values):\n    return 1 / values[0]"
-    asked = "from utils.checks.run_cache import answer_to\nanswer_to(f, 'a', np.zeros(1, int)[:0])"
-    failed = tell("data", mine, asked)[-1]
+def test_tracebacks_have_frames_of_the_notebook_only(run_cells):
+    own_function = "def f(values):\n    return 1 / values[0]"
+    course_call = (
+        "from utils.checks.run_cache import answer_to\nanswer_to(f, 'a', np.zeros(1, int)[:0])"
+    )
+    failed = run_cells("data", own_function, course_call)[-1]
     assert failed.errors == ["IndexError: index 0 is out of bounds for axis 0 with size 0"]
     assert "answer_to(f, 'a'" in failed.tracebacks[0] and "1 / values[0]" in failed.tracebacks[0]
-    drawn = tell("data", "from utils import plots\nplots.boxes(numbers)")[-1]
+    drawn = run_cells("data", "from utils import plots\nplots.boxes(numbers)")[-1]
     assert "plots.boxes(numbers)" in drawn.tracebacks[0]
 
 
-def test_what_changes_a_kept_thing_finds_it_new():
+def test_a_statement_that_changes_an_object_finds_it_recreated():
     cells = ["found = []", "found.append(f(1))", "other = 2", "print(found)"]
     kept = plan(cells, {"f": ["f"]}, set()).statements
     assert [statement.cell for statement in kept] == [1, 2]
@@ -213,12 +220,12 @@ def test_what_changes_a_kept_thing_finds_it_new():
         ("for panel in panels:\n    axes[panel] = top", [1]),
     ],
 )
-def test_what_a_loop_makes_anew_each_time_it_does_not_find(loop, again):
+def test_names_that_a_loop_assigns_are_not_recreated(loop, again):
     cells = ["axes = f(0)", "panels = [1]\ntop = 2", loop]
     assert [statement.cell for statement in plan(cells, {"f": ["f"]}, set()).statements] == again
 
 
-def test_a_cell_that_uses_none_of_it_rests_on_nothing():
+def test_a_cell_without_course_names_needs_no_plan():
     found = plan(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
     assert not found.functions and not found.statements
 
@@ -236,18 +243,20 @@ def test_a_right_answer_to_a_lesson_shows_no_banner(name):
 
 @pytest.mark.slow
 def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
-    """Some kept wrong answers, in their lesson: no line of the course's code, and every later cell.
+    """After a wrong answer, no traceback shows course code and every later cell runs to its end.
 
-    A fixed draw of them: each runs a whole notebook.
+    Two answers are drawn for each exercise, because each runs a whole notebook.
     """
     for exercise in lesson.machine_graded:
         wrong = [answer for answer in answers_to(exercise.name) if not answer.right]
         wrong = random.Random(exercise.name).sample(wrong, 2)
-        for one, cells in zip(
-            wrong, evenings(lesson, exercise.name, [one.source for one in wrong]), strict=True
+        for answer, cells in zip(
+            wrong, evenings(lesson, exercise.name, [answer.source for answer in wrong]), strict=True
         ):
-            place = next(n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_"))
+            check_index = next(
+                n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_")
+            )
             for cell in cells:
-                assert not any("/utils/" in text for text in cell.tracebacks), (one.name, cell)
-            for cell in cells[place + 1 :]:
-                assert cell.checks or cell.succeeded, (one.name, cell)
+                assert not any("/utils/" in text for text in cell.tracebacks), (answer.name, cell)
+            for cell in cells[check_index + 1 :]:
+                assert cell.checks or cell.succeeded, (answer.name, cell)
