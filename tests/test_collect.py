@@ -93,7 +93,7 @@ def older(course, student, stage=STAGE):
     )
 
 
-def question_texts(outcome):
+def questions(outcome):
     return {question.name: question.text for question in outcome.questions}
 
 
@@ -181,7 +181,7 @@ def test_canvas_texts_and_links_become_questions(course):
         *canvas_files("O'Neil, Cy", 4003, [(1, f"{SIX}.ipynb", notebook())]),
     ]
     outcome = collect(course, archive(course, files))
-    texts = question_texts(outcome)
+    texts = questions(outcome)
     assert texts["lovelaceada_4001/lovelaceada_4001_text.html"].startswith("was typed")
     assert texts["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
 
@@ -200,7 +200,7 @@ def test_canvas_group_submits_once_and_its_members_are_asked_for(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {"ada": {"06": "new"}}
-    assert "--who teamrot_4001=ada,ID" in question_texts(outcome)["teamrot_4001"]
+    assert "--who teamrot_4001=ada,ID" in questions(outcome)["teamrot_4001"]
     outcome = collect(course, path, who={"teamrot_4001": "ada,cy"})
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "new"}}
     assert outcome.questions == []
@@ -245,7 +245,7 @@ def test_moodle_texts_become_questions(course, folders):
     files = moodle_files(
         "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
     )
-    (text,) = question_texts(collect(course, archive(course, files))).values()
+    (text,) = questions(collect(course, archive(course, files))).values()
     assert text.startswith("was typed into Moodle")
 
 
@@ -273,7 +273,7 @@ def test_moodle_worksheet_has_names_and_times(course, language):
         "utf-8",
     )
     path = archive(course, files)
-    assert set(question_texts(collect(course, path))) == {"A. L._5001", "B. M._5002"}
+    assert set(questions(collect(course, path))) == {"A. L._5001", "B. M._5002"}
     outcome = collect(course, path, times=table)
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     stamps = {
@@ -340,7 +340,7 @@ def test_moodle_teams(course):
         ],
     )
     outcome = collect(course, path)
-    assert set(question_texts(outcome)) == {"Team Rot_77", "Default group"}
+    assert set(questions(outcome)) == {"Team Rot_77", "Default group"}
     outcome = collect(course, path, who={"Team Rot_77": "ada,cy", "Default group": "bjorn"})
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}, "bjorn": {"07": "new"}}
     table = course.root / "worksheet.csv"
@@ -362,16 +362,14 @@ def checkout(root, name, files):
 
 def test_github_checkouts_are_found_by_login(course, tmp_path):
     root = tmp_path / "stage-3-submissions"
-    worked_in = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
-    unchanged = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
-    checkout(
-        root, "stage-3-ada-l", worked_in | unchanged | {".git/objects/06_filter_ground.ipynb": b"x"}
-    )
-    checkout(root, "stage-3-someone", worked_in)
+    mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
+    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
+    checkout(root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"})
+    checkout(root, "stage-3-someone", mine)
     outcome = collect(course, root)
     assert outcome.archives[0][1] == "GitHub Classroom"
     assert states(outcome) == {"ada": {"06": "new"}}, "what nobody worked in was not handed in"
-    assert "column github" in question_texts(outcome)["stage-3-someone"]
+    assert "column github" in questions(outcome)["stage-3-someone"]
     (root / "classroom_roster.csv").write_text(
         '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
     )
@@ -407,7 +405,7 @@ def test_a_folder_of_zips_and_a_single_file(course, tmp_path):
     assert states(collect(course, folder)) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     single = tmp_path / "8.ipynb"
     single.write_bytes(notebook(EIGHT))
-    assert "--who 8=ID" in question_texts(collect(course, single))["8"]
+    assert "--who 8=ID" in questions(collect(course, single))["8"]
     assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
 
 
@@ -462,7 +460,7 @@ def test_name_and_content_that_disagree_become_a_question(course):
     outcome = collect(course, path)
     assert states(outcome)["ada"] == {"06": "?", "07": "new", "08": "?"}
     name = f"ada/{SIX}.ipynb"
-    assert f"--lesson {name}=08 or --lesson {name}=06" in question_texts(outcome)[name]
+    assert f"--lesson {name}=08 or --lesson {name}=06" in questions(outcome)[name]
     assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
     outcome = collect(course, path, lessons={name: "06"})
     assert states(outcome)["ada"] == {"06": "new", "07": "same"}
@@ -476,7 +474,7 @@ def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
     ]
     path = archive(course, files)
     outcome = collect(course, path)
-    assert "--stage stage1_ransac" in question_texts(outcome)["ada/01_point_clouds.ipynb"]
+    assert "--stage stage1_ransac" in questions(outcome)["ada/01_point_clouds.ipynb"]
     outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
     assert states(outcome)["ada"] == {"01": "new", "06": "same"}
     assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
@@ -508,7 +506,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
     ]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
-    assert question_texts(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
+    assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
 
 
 def test_a_resubmitted_module_gets_its_original_name(course):
@@ -527,17 +525,14 @@ def test_modules_of_another_lesson_are_not_collected(course):
     files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada")["helper.py"] == SIX.encode()
-    assert "beside another notebook" in question_texts(outcome)[f"ada/{SEVEN}/helper.py"]
+    assert "beside another notebook" in questions(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
 def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
     files = [("ada/scratch.ipynb", notebook(named=False)), ("ada/report.pdf", b"%PDF")]
-    outcome_without_lessons = collect(course, archive(course, files))
-    assert set(question_texts(outcome_without_lessons)) == {"ada/scratch.ipynb", "ada/report.pdf"}
-    assert (
-        "--lesson ada/scratch.ipynb=NN"
-        in question_texts(outcome_without_lessons)["ada/scratch.ipynb"]
-    )
+    first = collect(course, archive(course, files))
+    assert set(questions(first)) == {"ada/scratch.ipynb", "ada/report.pdf"}
+    assert "--lesson ada/scratch.ipynb=NN" in questions(first)["ada/scratch.ipynb"]
     files += [(f"ada/{lesson}.ipynb", notebook(lesson)) for lesson in STAGE3]
     outcome = collect(course, archive(course, files))
     assert outcome.questions == []
@@ -549,13 +544,13 @@ def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(co
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
-    assert set(question_texts(outcome)) == {f"ada/{SEVEN}.py"}
+    assert set(questions(outcome)) == {f"ada/{SEVEN}.py"}
     assert [remark.name for remark in outcome.remarks] == [f"ada/{SIX}.py"]
 
 
 def test_a_student_with_only_a_picture_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
-    assert question_texts(outcome) == {"ada": "handed in no notebook: photo.png"}
+    assert questions(outcome) == {"ada": "handed in no notebook: photo.png"}
 
 
 def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
@@ -568,7 +563,7 @@ def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
     who = {"byronannabella_77": "ada"}
     outcome = collect(course, path, who=who)
     assert states(outcome) == {} and not list(course.submitted.glob("*/*"))
-    assert "--who lovelaceada_4001=ada" in question_texts(outcome)["lovelaceada_4001"]
+    assert "--who lovelaceada_4001=ada" in questions(outcome)["lovelaceada_4001"]
     collect(course, path, who={**who, "lovelaceada_4001": "ada"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
 
@@ -678,7 +673,7 @@ def test_manual_changes_are_never_overwritten(course, hand):
     path.write_bytes(b"by hand")
     outcome = collect(course, second)
     assert states(outcome) == {"ada": {"06": "?"}}
-    assert f"submitted/ada/{STAGE}/{SIX}.ipynb" in question_texts(outcome)[f"ada/{SIX}.ipynb"]
+    assert f"submitted/ada/{STAGE}/{SIX}.ipynb" in questions(outcome)[f"ada/{SIX}.ipynb"]
     assert path.read_bytes() == b"by hand"
     path.unlink()
     assert states(collect(course, second)) == {"ada": {"06": "new"}}
@@ -720,7 +715,7 @@ def test_the_owner_is_asked_for_once_in_a_stage(course):
     assert outcome.questions == []
     assert remark_texts(outcome)["Team Rot_77"].startswith("taken for that of ada, cy")
     outcome = collect(course, first, stages=("stage1_ransac",))
-    assert "Team Rot_77" in question_texts(outcome), "members of a team change from stage to stage"
+    assert "Team Rot_77" in questions(outcome), "members of a team change from stage to stage"
 
 
 def test_a_second_answer_replaces_the_first(course):
@@ -748,7 +743,7 @@ def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
     """The file is called like the archive, which has the files of a class."""
     files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
-    assert set(question_texts(collect(course, path))) == {"submissions"}
+    assert set(questions(collect(course, path))) == {"submissions"}
     outcome = collect(course, path, who={"submissions": "cy"})
     assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
 
@@ -762,7 +757,7 @@ def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
 def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
-    assert "of nobody on the course, -" in question_texts(collect(course, path))["eve"]
+    assert "of nobody on the course, -" in questions(collect(course, path))["eve"]
     for who in ({"eve": "-"}, {}):
         outcome = collect(course, path, who=who)
         assert outcome.questions == []
@@ -780,7 +775,7 @@ def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
         "".join(line for line in roster.open() if not line.startswith(("ada", "bjorn")))
     )
     outcome = collect(course, path)
-    assert set(question_texts(outcome)) == {"eve"}
+    assert set(questions(outcome)) == {"eve"}
     assert states(outcome) == {"cy": {"06": "same"}}
 
 
@@ -789,7 +784,7 @@ def test_damaged_stored_answers_do_not_stop_collecting(course):
     collect(course, path, who={"eve": "cy"})
     (kept,) = course.submitted.glob(".*")
     kept.write_bytes(b'[]\n{"stage": 1}\n\xff\n' + kept.read_bytes())
-    assert set(question_texts(collect(course, path))) == {"eve"}
+    assert set(questions(collect(course, path))) == {"eve"}
 
 
 def test_the_choice_between_two_copies_is_asked_for_once(course):
@@ -800,14 +795,14 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
         ("bjorn/photo.png", b"x"),
     ]
     path = archive(course, pair)
-    assert f"ada/one/{SIX}.ipynb" in question_texts(collect(course, path))
+    assert f"ada/one/{SIX}.ipynb" in questions(collect(course, path))
     collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
     outcome = collect(course, path)
-    assert set(question_texts(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
+    assert set(questions(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
     third = (f"ada/three/{SIX}.ipynb", notebook(text="three"), MONDAY)
     outcome = collect(course, archive(course, [*pair, third], "more.zip"))
-    assert f"ada/three/{SIX}.ipynb" in question_texts(outcome)[f"ada/two/{SIX}.ipynb"]
+    assert f"ada/three/{SIX}.ipynb" in questions(outcome)[f"ada/two/{SIX}.ipynb"]
     assert states(outcome)["ada"] == {"06": "?"}
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
 
@@ -864,8 +859,7 @@ def test_a_link_is_not_followed(course, tmp_path):
     with zipfile.ZipFile(course.root / "links.zip", "w") as file:
         file.writestr(info, str(secret))
     assert (
-        "is a link"
-        in question_texts(collect(course, course.root / "links.zip"))[f"ada/{SEVEN}.ipynb"]
+        "is a link" in questions(collect(course, course.root / "links.zip"))[f"ada/{SEVEN}.ipynb"]
     )
     folder = tmp_path / "class"
     (folder / "ada").mkdir(parents=True)
@@ -873,8 +867,8 @@ def test_a_link_is_not_followed(course, tmp_path):
     (folder / "bjorn").symlink_to(tmp_path)
     os.mkfifo(folder / "ada" / f"{EIGHT}.ipynb")
     outcome = collect(course, folder)
-    assert "link" in question_texts(outcome)[f"ada/{SEVEN}.ipynb"]
-    assert "ordinary" in question_texts(outcome)[f"ada/{EIGHT}.ipynb"]
+    assert "link" in questions(outcome)[f"ada/{SEVEN}.ipynb"]
+    assert "ordinary" in questions(outcome)[f"ada/{EIGHT}.ipynb"]
     assert not course.submitted.exists()
 
 
@@ -893,7 +887,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
         ("bjorn/" + f"{SIX}.ipynb", notebook()),
     ]
     outcome = collect(course, archive(course, files))
-    texts = question_texts(outcome)
+    texts = questions(outcome)
     assert "as bombs do" in texts[f"ada/{SIX}.ipynb"]
     assert "as bombs do" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
     assert "holds 5,001 files" in texts["ada/many.zip"]
@@ -906,7 +900,7 @@ def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
-    assert "unpacks to more than" in question_texts(outcome)["ada/homework.zip"]
+    assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
 
 
 def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
@@ -914,7 +908,7 @@ def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
     for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         data[data.find(signature) + place] |= 1
     outcome = collect(course, archive(course, [("ada/homework.zip", bytes(data))]))
-    assert "password" in question_texts(outcome)[f"ada/homework.zip/{SIX}.ipynb"]
+    assert "password" in questions(outcome)[f"ada/homework.zip/{SIX}.ipynb"]
 
 
 # ---- the command --------------------------------------------------------------------------------
@@ -1099,7 +1093,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {}
-    assert "not the 126 of yan that the roster has" in question_texts(outcome)["yipyan_999"]
+    assert "not the 126 of yan that the roster has" in questions(outcome)["yipyan_999"]
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
@@ -1110,7 +1104,7 @@ def test_a_login_that_is_the_end_of_another_login_is_not_matched(course, tmp_pat
         checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
     outcome = collect(course, root)
     assert states(outcome) == {"zed": {"06": "new"}}
-    assert "column github" in question_texts(outcome)["hw-3-mary-smith"]
+    assert "column github" in questions(outcome)["hw-3-mary-smith"]
 
 
 def test_logins_with_the_same_beginning_are_found(course, tmp_path):
@@ -1123,7 +1117,7 @@ def test_logins_with_the_same_beginning_are_found(course, tmp_path):
 def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith")
     checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
-    question = question_texts(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
+    question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
     assert question.count("They may be sam: add --who hw-3-mary-smith=sam") == 1
 
 
@@ -1153,7 +1147,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
-    assert question_texts(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
+    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
 
 
 def test_a_damaged_zip_is_read_or_reported():
@@ -1182,11 +1176,11 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     ]
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
-    texts = question_texts(collect(course, archive(course, files)))
+    texts = questions(collect(course, archive(course, files)))
     assert "with what they handed in beside it is more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
-    assert "unpacks to more than" in question_texts(outcome)["ada/all.zip"]
+    assert "unpacks to more than" in questions(outcome)["ada/all.zip"]
 
 
 def test_a_long_text_in_moodles_worksheet_is_read(course):

@@ -66,7 +66,7 @@ def stored_answers():
 
 def run_story(monkeypatch, tmp_path, *sources):
     """Run cells, given as names in the story or as code, and return the events of each."""
-    cells = [key_of_cell(source) for source in (SETUP, DEFINE_FOUND, *CELLS.values())]
+    cells = [key_of_cell(code) for code in (SETUP, DEFINE_FOUND, *CELLS.values())]
     (tmp_path / "lesson_99.json").write_text(json.dumps(stored_answers()))
     (tmp_path / "cells.json").write_text(json.dumps({"99": cells}))
     monkeypatch.setattr(lent, "_HERE", tmp_path)
@@ -79,20 +79,18 @@ def run_story(monkeypatch, tmp_path, *sources):
         show_no_frames_of_ours()
         lent.lend_answers("99")
 
-    ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(source, source) for source in sources)], begin)[
-        2:
-    ]
+    ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
     assert not [text for cell in ran for text in cell.tracebacks if "/utils/" in text]
     return ran
 
 
 @pytest.fixture
-def run_cells(monkeypatch, tmp_path):
+def run(monkeypatch, tmp_path):
     return lambda *sources: run_story(monkeypatch, tmp_path, *sources)
 
 
-def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run_cells):
-    data, written, look, check, use = run_cells("data", NOTHING, "look", "check", "use")
+def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
+    data, written, look, check, use = run("data", NOTHING, "look", "check", "use")
     assert look.errors == ["TypeError: unsupported operand type(s) for +: 'NoneType' and 'int'"]
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
@@ -101,37 +99,34 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run_cells):
     ]
 
 
-def test_later_cells_show_one_short_line(run_cells):
-    ran = run_cells("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
+def test_later_cells_show_one_short_line(run):
+    ran = run("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
     assert [cell.printed for cell in ran[5:]] == ["", "call 7\n", "found 4\n", "loop 4\n"]
     assert [cell.said for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
 
 
-def test_random_numbers_are_repeated(run_cells):
-    drawn = run_cells("data", NOTHING, "check", "draw")[-1]
-    right = run_cells("data", RIGHT, "check", "draw")[-1]
+def test_random_numbers_are_repeated(run):
+    drawn = run("data", NOTHING, "check", "draw")[-1]
+    right = run("data", RIGHT, "check", "draw")[-1]
     assert drawn.printed == right.printed and drawn.succeeded
     assert drawn.banners and not right.banners
 
 
-def test_without_a_failed_check_no_cell_is_repeated(run_cells):
-    assert [cell.succeeded for cell in run_cells("data", NOTHING, "use", "call")][2:] == [
-        False,
-        False,
-    ]
-    ran = run_cells("data", NOTHING, "look", "check", NOTHING, "define", "call")
+def test_without_a_failed_check_no_cell_is_repeated(run):
+    assert [cell.succeeded for cell in run("data", NOTHING, "use", "call")][2:] == [False, False]
+    ran = run("data", NOTHING, "look", "check", NOTHING, "define", "call")
     assert ran[-1].errors and not ran[-1].banners
 
 
-def test_a_students_cell_uses_the_students_function(run_cells):
+def test_a_students_cell_uses_the_students_function(run):
     own_cell = "print('mine', 1 + largest(numbers))"
-    ran = run_cells("data", NOTHING, "look", "check", "use", own_cell, "look", "print(1 + top)")
+    ran = run("data", NOTHING, "look", "check", "use", own_cell, "look", "print(1 + top)")
     assert [cell.succeeded for cell in ran[4:]] == [True, False, False, False]
     assert "1 + largest(numbers)" in ran[5].tracebacks[0]
 
 
-def test_a_students_cell_says_which_names_come_from_the_course(run_cells):
-    ran = run_cells("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
+def test_a_students_cell_says_which_names_come_from_the_course(run):
+    ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].said == [
         "top was made with the course's answer for largest. Run the cell that makes it again, and "
         "it is made with yours."
@@ -139,67 +134,65 @@ def test_a_students_cell_says_which_names_come_from_the_course(run_cells):
     assert ran[-1].said[0].startswith("mine was made with the course's answer for largest.")
 
 
-def test_a_passed_check_restores_the_students_function(run_cells):
+def test_a_passed_check_restores_the_students_function(run):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
-    ran = run_cells("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
+    ran = run("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
     assert ran[6].said == ["largest has passed: from here on, the cells have yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
     assert not [cell for cell in ran[7:] if cell.said]
 
 
-def test_a_check_uses_the_students_helper(run_cells):
+def test_a_check_uses_the_students_helper(run):
     caller = "def found_by(values):\n    return largest(values)"
-    ran = run_cells("data", NOTHING, "look", "check", "use", caller, "second check", "use")
+    ran = run("data", NOTHING, "look", "check", "use", caller, "second check", "use")
     assert ran[-2].errors == ["ChecksFailed: one check failed"]
     assert ran[-1].banners
 
 
-def test_data_that_a_function_changed_is_restored(run_cells):
-    ran = run_cells("data", SPOILS, "look", "check", "first")
+def test_data_that_a_function_changed_is_restored(run):
+    ran = run("data", SPOILS, "look", "check", "first")
     assert ran[-1].printed == "first 3\n" and ran[-1].said == [
         "largest has not passed its check: this cell goes on with what it was given, made anew."
     ]
 
 
-def test_a_cell_that_fails_anyway_shows_its_error(run_cells):
-    ran = run_cells("data", NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
+def test_a_cell_that_fails_anyway_shows_its_error(run):
+    ran = run("data", NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
     assert ran[4].errors == ["ValueError: of the lesson"] and not ran[4].banners
     assert ran[5].succeeded and not ran[5].banners
 
 
-def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run_cells):
+def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run):
     own_cell = "print('mine', largest([5]))"
-    ran = run_cells("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
+    ran = run("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
     assert (ran[6].printed, ran[6].said, ran[6].errors) == ("mine None\n", [], [])
-    assert ran[7].errors == ["ChecksFailed: one check failed"]  # the answer is in the cell above
+    assert ran[7].errors == ["ChecksFailed: one check failed"]  # largest is written but wrong
 
 
-def test_a_slider_that_fails_runs_with_the_courses_answer(run_cells):
-    slider = run_cells("data", NOTHING, "look", "check", "slider")[-1]
+def test_a_slider_that_fails_runs_with_the_courses_answer(run):
+    slider = run("data", NOTHING, "look", "check", "slider")[-1]
     assert (slider.errors, slider.printed, len(slider.banners)) == ([], "shown 4\n", 1)
 
 
-def test_a_right_answer_is_not_replaced(run_cells):
-    ran = run_cells("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
+def test_a_right_answer_is_not_replaced(run):
+    ran = run("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
     assert all(cell.succeeded and not cell.said for cell in ran)
 
 
-def test_a_hanging_function_is_replaced_before_the_next_cell(run_cells):
+def test_a_hanging_function_is_replaced_before_the_next_cell(run):
     loop = "def largest(values):\n    raise SystemExit('it would not come back')"
-    use = run_cells("data", loop, "look", "stopped", "use")[-1]
+    use = run("data", loop, "look", "stopped", "use")[-1]
     assert (use.printed, use.said) == ("use 6\n", [TWICE])
 
 
-def test_tracebacks_have_frames_of_the_notebook_only(run_cells):
+def test_tracebacks_have_frames_of_the_notebook_only(run):
     own_function = "def f(values):\n    return 1 / values[0]"
-    course_call = (
-        "from utils.checks.run_cache import answer_to\nanswer_to(f, 'a', np.zeros(1, int)[:0])"
-    )
-    failed = run_cells("data", own_function, course_call)[-1]
+    call = "from utils.checks.run_cache import answer_to\nanswer_to(f, 'a', np.zeros(1, int)[:0])"
+    failed = run("data", own_function, call)[-1]
     assert failed.errors == ["IndexError: index 0 is out of bounds for axis 0 with size 0"]
     assert "answer_to(f, 'a'" in failed.tracebacks[0] and "1 / values[0]" in failed.tracebacks[0]
-    drawn = run_cells("data", "from utils import plots\nplots.boxes(numbers)")[-1]
+    drawn = run("data", "from utils import plots\nplots.boxes(numbers)")[-1]
     assert "plots.boxes(numbers)" in drawn.tracebacks[0]
 
 
@@ -253,10 +246,8 @@ def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
         for answer, cells in zip(
             wrong, evenings(lesson, exercise.name, [answer.source for answer in wrong]), strict=True
         ):
-            check_index = next(
-                n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_")
-            )
+            first = next(n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_"))
             for cell in cells:
                 assert not any("/utils/" in text for text in cell.tracebacks), (answer.name, cell)
-            for cell in cells[check_index + 1 :]:
+            for cell in cells[first + 1 :]:
                 assert cell.checks or cell.succeeded, (answer.name, cell)

@@ -1,4 +1,4 @@
-"""A course played through by its commands, and everything that may go wrong on the way."""
+"""A course from release to export, run by its commands, and faults at every step."""
 
 import csv
 import errno
@@ -48,12 +48,12 @@ STAGES = (LESSON.stage, WRITTEN.stage)
 REPORT = "I widened the region to 18.5 m, because of the lorry."
 
 
-def matching():
+def right_match_boxes():
     return next(variant.source for variant in answers_to("match_boxes") if variant.right)
 
 
 def with_report(text):
-    return fill_in(WRITTEN, {"match_boxes": matching(), "write_up": text})
+    return fill_in(WRITTEN, {"match_boxes": right_match_boxes(), "write_up": text})
 
 
 def hand_in(course, student, lesson, text, when=None, name=None):
@@ -68,7 +68,7 @@ def hand_in(course, student, lesson, text, when=None, name=None):
 
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
-    """What was judged of these two; nothing tells one course's verdicts from another's."""
+    """Judge two students once; copies of a course can use the same verdicts."""
     texts = {"ada": answer(), "bob": answer("voxel_grid")}
     made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
     judge_it(made, sandbox)
@@ -77,7 +77,7 @@ def verdicts(tmp_path_factory, sandbox):
 
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch, verdicts):
-    """A course of two lessons; two students handed in, and were judged."""
+    """A course of two lessons, with verdicts for the submissions of two students."""
     made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
     for folder in ("solutions", "notebooks"):
         (made.root / folder / WRITTEN.stage).mkdir()
@@ -102,7 +102,7 @@ def configure(course, *lines):
 
 
 def rows(course):
-    """Everything that the gradebook holds, but for its own numbers."""
+    """Return the content of the gradebook, without its row numbers."""
     base = sqlite3.connect(course.root / "gradebook.db")
     query = """
         select student.id, assignment.name, notebook.name, base_cell.name, grade.auto_score,
@@ -139,10 +139,10 @@ def files(folder):
 
 
 def report_of(course):
-    """The report, but for what time it is and how long things took."""
+    """Return the report without times of day and durations."""
     page = (course.report / "index.html").read_text()
     page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
-    page = re.sub(r", of which [^·]*", "", page)  # what this run judged, and what was there before
+    page = re.sub(r", of which [^·]*", "", page)  # counts of this run and earlier runs
     return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
 
 
@@ -156,7 +156,7 @@ def set_due(course, stage, when):
 
 
 def by_hand(course, student, score):
-    """Give a mark as Formgrader does."""
+    """Enter a manual mark, as Formgrader does."""
     with book_of(course) as book:
         grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
         grade.manual_score, grade.needs_manual_grade = score, False
@@ -197,7 +197,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     scores = entered(course)
     for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:
         assert scores[student, LESSON.stage, LESSON.name] == 30, student
-    # Three days have begun, less half an hour: 30 % of 30 points.
+    # Carol is two days late, less half an hour of grace: she loses 20 % of 30 points.
     assert penalties(course) == {"carol": pytest.approx(2 * 3.0)}
     before = rows(course)
 
@@ -205,7 +205,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert "49 as before" in capsys.readouterr().out or rows(course) == before
     assert rows(course) == before
 
-    # One more chance for Carol, one regrade of Bob's, a mark for Erin.
+    # Carol's due date moves, Bob submits again, and Erin gets a mark.
     set_due(course, LESSON.stage, "2026-11-09 12:00:00 UTC")
     hand_in(course, "bob", LESSON, answer())
     by_hand(course, "erin", 8)
@@ -214,7 +214,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
 
-    # Code around it changes: the mark stays. The answer changes: somebody has to look.
+    # The mark stays if other text changes. If the answer changes, it must be graded again.
     hand_in(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
     assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
     assert mark_of(course, "erin") == (8, False)
@@ -222,7 +222,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
     assert mark_of(course, "erin") == (8, True)
 
-    # The points of a cell have been changed since: those of the release arrive.
+    # Grading restores the points of the release if they differ in the gradebook.
     base = sqlite3.connect(course.root / "gradebook.db")
     base.execute("update grade_cells set max_score = 7")
     base.commit()
@@ -256,7 +256,7 @@ def test_a_deleted_gradebook_is_written_again(course, sandbox):
 
 
 @pytest.mark.slow
-def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys):
+def test_withdrawn_work_is_removed_but_manual_marks_stay(course, sandbox, capsys):
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
     assert grade(course, sandbox) == commands.GOOD
     by_hand(course, "erin", 8)
@@ -271,7 +271,7 @@ def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys)
 
 
 @pytest.mark.slow
-def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monkeypatch, capsys):
+def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, monkeypatch, capsys):
     assert grade(course, sandbox) == commands.GOOD
     before = rows(course)
     base = sqlite3.connect(course.root / "gradebook.db")
@@ -283,24 +283,24 @@ def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monke
     monkeypatch.setattr(gradebook_writer, "_save", lambda *anything: None)
     (course.root / "gradebook.db").unlink()
     assert grade(course, sandbox) == commands.FAULT
-    said = capsys.readouterr().err
-    assert "ada, stage3_obstacles, 06_filter_ground: test_filter_ground has None points" in said
-    assert "judged were 20" in said
+    errors = capsys.readouterr().err
+    assert "ada, stage3_obstacles, 06_filter_ground: test_filter_ground has None points" in errors
+    assert "judged were 20" in errors
 
 
 @pytest.mark.slow
-def test_a_time_that_cannot_be_read_is_named(course, sandbox, capsys):
+def test_an_unreadable_time_is_named(course, sandbox, capsys):
     hand_in(course, "ada", LESSON, answer(), when="yesterday, I think")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
     assert grade(course, sandbox) == commands.GOOD
-    said = capsys.readouterr()
-    assert "The gradebook does not hold everything" not in said.err
-    assert "ada, stage3_obstacles: timestamp.txt does not say a time" in said.out
+    output = capsys.readouterr()
+    assert "The gradebook does not hold everything" not in output.err
+    assert "ada, stage3_obstacles: timestamp.txt does not say a time" in output.out
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
 @pytest.mark.slow
-def test_settings_of_the_course_count(course, sandbox):
+def test_settings_of_the_course_are_used(course, sandbox):
     configure(
         course,
         "c.CourseDirectory.db_url = 'sqlite:///" + str(course.root / "elsewhere.db") + "'",
@@ -317,7 +317,7 @@ def test_settings_of_the_course_count(course, sandbox):
 
 @pytest.fixture
 def postgresql():
-    """Address of an empty database on a server of its own; skips where there is none."""
+    """Yield the address of an empty database on a new server; skip without PostgreSQL."""
     try:
         with server() as address:
             yield address
@@ -343,24 +343,24 @@ def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
 @pytest.mark.parametrize(
     "late, points", [(0, 0), (60, 0), (601, 3), (86_400, 3), (86_401, 6), (10**8, 15)]
 )
-def test_penalty_by_the_day(late, points):
+def test_late_penalty_per_day(late, points):
     plugin = PercentPerDay(percent=10, grace_minutes=10, most_percent=50)
     assert (plugin.late_submission_penalty("ada", 30.0, late) or 0) == pytest.approx(points)
 
 
 @pytest.mark.slow
-def test_a_second_run_waits_for_its_turn(course, sandbox, capsys):
+def test_a_second_run_is_refused_while_the_first_runs(course, sandbox, capsys):
     with only_one(course):
         assert grade(course, sandbox) == commands.FAULT
-    said = capsys.readouterr().err
-    assert f"process {os.getpid()}" in said and "start this one again" in said
+    errors = capsys.readouterr().err
+    assert f"process {os.getpid()}" in errors and "start this one again" in errors
     assert grade(course, sandbox) == commands.GOOD
     with only_one(course), pytest.raises(AlreadyRunning), only_one(course):
         pass
 
 
 @pytest.mark.slow
-def test_nothing_half_done_stays(course, sandbox):
+def test_partial_files_of_an_earlier_run_are_removed(course, sandbox):
     for folder in (course.verdicts / "ada", course.report):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "x.part").write_text("half")
@@ -374,29 +374,29 @@ def test_nothing_half_done_stays(course, sandbox):
 @pytest.mark.slow
 @pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
 def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
-    """Full after so many files: verdicts, fingerprints of answers, the report."""
+    """The disk is full after `writes` files: verdicts, fingerprints of answers, the report."""
     left, replace = [writes], os.replace
 
-    def full(*arguments):
+    def replace_until_full(*arguments):
         left[0] -= 1
         if left[0] < 0:
             raise OSError(errno.ENOSPC, "No space left on device")
         return replace(*arguments)
 
-    shutil.rmtree(course.verdicts)  # what was rehearsed is written, too
+    shutil.rmtree(course.verdicts)  # then also the record of the rehearsal is written again
     monkeypatch.setattr(commands, "Course", lambda: course)
     call = ["grade", "--seed", str(SEED), "--sandbox", sandbox.name]
-    with monkeypatch.context() as until:
-        until.setattr(os, "replace", full)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", replace_until_full)
         assert cli.main(call) == commands.FAULT
-    assert "No space left" in (said := capsys.readouterr().err) or "The disk is full" in said
+    assert "No space left" in (errors := capsys.readouterr().err) or "The disk is full" in errors
     assert cli.main(call) == commands.GOOD
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
     assert not list(course.root.rglob("*.part"))
 
 
 @pytest.mark.slow
-def test_students_may_be_called_anything(course, sandbox):
+def test_students_may_have_unusual_names(course, sandbox):
     for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
         hand_in(course, name, LESSON, answer())
     deep = json.loads(answer())
@@ -414,11 +414,14 @@ def test_students_may_be_called_anything(course, sandbox):
     assert entered(course)["s*", LESSON.stage, LESSON.name] == 30
 
 
-# ---- Killed at any moment -----------------------------------------------------------------
+# ---- Killed at any time -------------------------------------------------------------------
 
 
 def run_in_a_child(course, sandbox, after, number):
-    """Grade in a process of its own, which gets a signal after so many seconds; how it ended."""
+    """Grade in a child process; return "ended", or "killed" if a signal stopped it after `after` s.
+
+    The signal is sent to the process only if it is still running.
+    """
     child = os.fork()
     if not child:
         code = 99
@@ -444,7 +447,7 @@ def run_in_a_child(course, sandbox, after, number):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
 @pytest.mark.parametrize("moments", [5, 50], ids=["five", "fifty"])
 def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, number, moments):
-    """While it judges, while it enters, while it reports."""
+    """The signal arrives while the run judges, writes the gradebook or writes the report."""
     for student in ("carol", "dave"):
         hand_in(course, student, LESSON, answer("voxel_grid"))
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
@@ -459,17 +462,17 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
     assert grade(course, sandbox) == commands.GOOD
     warm = time.monotonic() - begin
 
-    dice = random.Random(int(number))
+    rng = random.Random(int(number))
     killed = 0
     for turn in range(moments):
         judge = turn % 10 == 0
-        if judge:  # from the very beginning, judging included
+        if judge:  # without verdicts, so that the run judges again
             shutil.rmtree(course.verdicts)
             rehearsed(course, WRITTEN)
         if turn % 5 == 1:
             (course.root / "gradebook.db").unlink(missing_ok=True)
         shutil.rmtree(course.autograded / "ada", ignore_errors=True)
-        after = dice.uniform(0, cold if judge else warm)
+        after = rng.uniform(0, cold if judge else warm)
         killed += run_in_a_child(course, sandbox, after, number) == "killed"
         assert files(course.root / "notebooks") == released
         if turn % 5 == 4:
@@ -478,12 +481,12 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
             assert files(course.autograded) == copies
             assert report_of(course) == report
             assert not list(course.root.rglob("*.part"))
-    assert killed > 0.1 * moments  # beside other work the first run may take twice as long
+    assert killed > 0.1 * moments  # on a busy machine the first run may take twice as long
 
 
 @pytest.mark.death
 @pytest.mark.slow
-def test_workers_end_with_whoever_started_them(tmp_path):
+def test_workers_end_with_their_parent_process(tmp_path):
     code = (
         "import os, signal\n"
         "from grader.classroom.pool import Pool\n"
@@ -506,11 +509,11 @@ def test_workers_end_with_whoever_started_them(tmp_path):
         os.path.exists(f"/proc/{worker}") for worker in workers
     ):
         time.sleep(0.05)
-    assert not any(os.path.exists(f"/proc/{one}") for one in workers)
+    assert not any(os.path.exists(f"/proc/{worker}") for worker in workers)
 
 
 @pytest.mark.slow
-def test_two_runs_at_once_end_clean(course, sandbox):
+def test_two_runs_at_once_end_cleanly(course, sandbox):
     assert CONFIGURATION
     code = (
         "import sys; from pathlib import Path; from grader import commands;"
@@ -528,9 +531,9 @@ def test_two_runs_at_once_end_clean(course, sandbox):
         )
         for _ in range(2)
     ]
-    said = [run.communicate()[0] for run in runs]
-    assert sorted(run.returncode for run in runs) in ([0, 0], [0, 1]), said
-    for text, run in zip(said, runs, strict=True):
+    outputs = [run.communicate()[0] for run in runs]
+    assert sorted(run.returncode for run in runs) in ([0, 0], [0, 1]), outputs
+    for text, run in zip(outputs, runs, strict=True):
         assert run.returncode == 0 or "Another run is grading" in text
         assert "Traceback" not in text
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30

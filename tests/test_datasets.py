@@ -1,6 +1,6 @@
-"""Named samples: where files are looked for, what is cached, and downloads that break off.
+"""Named samples: search for files, the cache, and downloads that break off.
 
-The only server here listens on the loopback address.
+The only server in these tests listens on the loopback address.
 """
 
 import hashlib
@@ -29,7 +29,7 @@ def cache(tmp_path, monkeypatch):
 
 
 class TestLoadCloud:
-    def test_the_working_folder_comes_before_the_project(self, tmp_path, monkeypatch):
+    def test_the_working_folder_takes_precedence_over_the_project(self, tmp_path, monkeypatch):
         project = tmp_path / "project" / "data"
         work = tmp_path / "work"
         project.mkdir(parents=True)
@@ -45,7 +45,7 @@ class TestLoadCloud:
         assert datasets.load_cloud(project / "cloud.txt")[0, 0] == 1
         assert datasets.load_cloud("other.pcd")[0, 0] == 3
 
-    def test_a_missing_file_names_both_places(self, tmp_path, monkeypatch):
+    def test_the_error_about_a_missing_file_names_both_folders(self, tmp_path, monkeypatch):
         (tmp_path / "data").mkdir()
         monkeypatch.setattr(datasets, "DATA", tmp_path / "data")
         monkeypatch.chdir(tmp_path)
@@ -58,12 +58,12 @@ class TestLoadCloud:
 
 
 class TestLoadSequence:
-    def same(self, one, other):
+    def assert_same(self, first, second):
         for name in ("cloud", "classes", "objects", "beams", "times"):
-            left, right = getattr(one.scan, name), getattr(other.scan, name)
+            left, right = getattr(first.scan, name), getattr(second.scan, name)
             assert left.dtype == right.dtype
             np.testing.assert_array_equal(left, right)
-        assert one.boxes == other.boxes and one.time == other.time
+        assert first.boxes == second.boxes and first.time == second.time
 
     def test_frames_equal_the_scene_and_come_from_the_cache(self, cache, monkeypatch):
         expected = scenes.highway(seed=3)
@@ -72,15 +72,15 @@ class TestLoadSequence:
         assert len(list(cache.rglob("*.npz"))) == len(expected)
         monkeypatch.setattr(scenes, "highway", lambda seed: [None] * len(expected))
         frames = datasets.load_sequence("highway", seed=3)
-        self.same(frames[-1], expected[-1])
+        self.assert_same(frames[-1], expected[-1])
         late = frames[5:9]
         assert len(late) == 4
-        self.same(late[1], expected[6])
+        self.assert_same(late[1], expected[6])
         with pytest.raises(IndexError):
             frames[len(expected)]
 
     @pytest.mark.parametrize("damage", ["cut", "empty", "text", "other arrays", "missing"])
-    def test_a_damaged_cache_is_made_again(self, cache, damage):
+    def test_a_damaged_cache_is_rebuilt(self, cache, damage):
         frames = datasets.load_sequence("highway")
         path = frames.path(2)
         whole = path.read_bytes()
@@ -90,26 +90,29 @@ class TestLoadSequence:
             np.savez(path, cloud=np.zeros((1, 4)))
         else:
             path.write_bytes({"cut": whole[:-99], "empty": b"", "text": b"hello"}[damage])
-        self.same(frames[2], scenes.highway()[2])
+        self.assert_same(frames[2], scenes.highway()[2])
         assert path.read_bytes() == whole
         assert not [file for file in path.parent.iterdir() if file.suffix != ".npz"]
 
-    def test_without_a_writable_cache_frames_are_made(self, cache):
+    def test_without_a_writable_cache_frames_are_computed(self, cache):
         cache.write_text("a file where the folder should be")
-        self.same(datasets.load_sequence("highway")[1], scenes.highway()[1])
+        self.assert_same(datasets.load_sequence("highway")[1], scenes.highway()[1])
 
-    def test_nothing_is_printed_where_nobody_watches(self, capfd):
+    def test_progress_is_printed_only_in_notebooks(self, capfd):
         datasets.load_sequence("highway")
         printed, errors = capfd.readouterr()
         assert errors == "" and ("Making" in printed) == ("ipykernel" in __import__("sys").modules)
 
-    def test_an_unknown_name_lists_the_known(self):
+    def test_the_error_about_an_unknown_name_lists_known_names(self):
         with pytest.raises(ValueError, match="highway, city, cyclist"):
             datasets.load_sequence("motorway")
 
 
 class Server:
-    """Files over HTTP on the loopback address; `breaks` cut answers, in bytes, are used up."""
+    """HTTP server on the loopback address.
+
+    Each number in `breaks` cuts one answer after that many bytes.
+    """
 
     def __init__(self):
         self.files, self.breaks, self.requests, self.ranges = {}, [], [], True
@@ -156,7 +159,7 @@ def server():
 class TestDownload:
     data = np.random.default_rng(0).bytes(100_000)
 
-    def test_what_broke_off_goes_on(self, server, tmp_path):
+    def test_a_broken_download_is_resumed(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         server.breaks = [30_000, 50_000]
         checksum = hashlib.sha256(self.data).hexdigest()
@@ -167,7 +170,7 @@ class TestDownload:
         assert len(server.requests) == 3
         assert [path.name for path in tmp_path.iterdir()] == ["a.bin"]
 
-    def test_the_next_session_goes_on(self, server, tmp_path):
+    def test_the_next_session_resumes_a_download(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         server.breaks = [30_000, 0]
         with pytest.raises(DownloadError, match="what has arrived is kept"):
@@ -177,20 +180,20 @@ class TestDownload:
         assert (tmp_path / "a.bin").read_bytes() == self.data
         assert server.requests[-1] == ("/a.bin", "bytes=30000-")
 
-    def test_a_server_without_ranges_starts_again(self, server, tmp_path):
+    def test_a_download_without_ranges_starts_again(self, server, tmp_path):
         server.files["/a.bin"], server.ranges = self.data, False
         (tmp_path / "a.bin.part").write_bytes(b"x" * 500)
         download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin").read_bytes() == self.data
 
     @pytest.mark.parametrize("length", [100_000, 100_001])
-    def test_a_part_that_is_complete_or_too_long(self, server, tmp_path, length):
+    def test_a_partial_file_that_is_complete_or_too_long(self, server, tmp_path, length):
         server.files["/a.bin"] = self.data
         (tmp_path / "a.bin.part").write_bytes((self.data + b"x")[:length])
         download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin").read_bytes() == self.data
 
-    def test_errors_are_sentences(self, server, tmp_path):
+    def test_errors_are_single_sentences(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         with pytest.raises(DownloadError, match="404"):
             download(f"{server.address}/b.bin", tmp_path / "b.bin")
@@ -205,7 +208,7 @@ class TestDownload:
 
 
 def kitti_archives():
-    """The three zip archives of a drive of two frames."""
+    """Yield the address and content of each of the three zip archives of a drive of two frames."""
     scan = struct.pack("<4f", 5, 0, -1, 0.5)
     sync = "2011_09_26/2011_09_26_drive_0005_sync"
     files = {
@@ -231,7 +234,7 @@ def kitti_archives():
 class TestFetchRecording:
     @pytest.fixture
     def city(self, server, monkeypatch):
-        """A small recording on the loopback server in the place of udacity_city."""
+        """Replace udacity_city by a small recording on the loopback server."""
         clouds = [np.full((2, 4), number, np.float32) for number in range(12)]
         names = {f"{number}.pcd": None for number in range(12)}
         for name, cloud in zip(names, clouds, strict=True):
@@ -241,18 +244,18 @@ class TestFetchRecording:
         monkeypatch.setitem(sources.SOURCES, "udacity_city", source)
         return server
 
-    def test_fetched_once_with_its_licence(self, city, cache, capfd):
+    def test_a_recording_is_fetched_once_and_its_licence_is_printed(self, city, cache, capfd):
         recording = datasets.fetch_recording("udacity_city")
         printed, errors = capfd.readouterr()
         assert "CC BY-NC-SA 3.0" in printed and errors == ""
         assert [frame.cloud[0, 0] for frame in recording] == list(range(12))
         assert recording[3].time == pytest.approx(0.3) and recording[3].boxes == ()
         requests = len(city.requests)
-        again = datasets.fetch_recording("udacity_city")
-        assert len(again) == 12 and len(city.requests) == requests
+        recording_again = datasets.fetch_recording("udacity_city")
+        assert len(recording_again) == 12 and len(city.requests) == requests
         assert capfd.readouterr().out == ""
 
-    def test_an_interrupted_recording_goes_on(self, city, cache):
+    def test_an_interrupted_recording_is_resumed(self, city, cache):
         missing = city.files.pop("/7.pcd")
         with pytest.raises(DownloadError, match=r"7\.pcd"):
             datasets.fetch_recording("udacity_city")
@@ -277,7 +280,7 @@ class TestFetchRecording:
         assert not [name for name in names if name.endswith((".png", ".zip", ".part"))]
         assert not list(cache.parent.rglob("outside.txt"))
 
-    def test_an_unknown_name_lists_the_known(self):
+    def test_the_error_about_an_unknown_name_lists_known_names(self):
         with pytest.raises(ValueError, match="udacity_city.*kitti_0005"):
             datasets.fetch_recording("waymo")
 

@@ -1,4 +1,4 @@
-"""Dates of the file are the gradebook's, so that every penalty agrees with them."""
+"""Dates in deadlines.toml are copied to the gradebook, so that every penalty agrees with them."""
 
 import shutil
 from datetime import UTC, datetime, timedelta
@@ -21,7 +21,7 @@ from tests.test_gradebook import EARNED, LATE, STAGE, make_course, penalties, qu
 
 ROSTER = "id,section\nada,A\nbob,B\n"
 HEAD = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
-ALL = 30.0  # what Ada earned in two lessons: 10 % of it are 3 points
+ALL = 30.0  # Ada's points in two lessons; 10 % of them are 3 points
 
 
 @pytest.fixture(scope="module")
@@ -30,15 +30,15 @@ def entered_once(tmp_path_factory):
     (made.root / "nbgrader_config.py").write_text(LATE)
     (made.root / "roster.csv").write_text(ROSTER)
     for student in EARNED:  # 13:00 in Berlin
-        when = made.submitted / student / STAGE / "timestamp.txt"
-        when.write_text("2026-03-01 12:00:00 UTC")
+        path = made.submitted / student / STAGE / "timestamp.txt"
+        path.write_text("2026-03-01 12:00:00 UTC")
     enter_verdicts(made, verdicts(made), [STAGE], quiet)
     return made.root
 
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Ada and Bob handed in at 12:00 UTC; nothing is due yet."""
+    """Return a course to which Ada and Bob submitted at 12:00 UTC; it has no due dates yet."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
@@ -50,7 +50,7 @@ def grade_with(course, dates):
     return penalties(course)
 
 
-def late(course):
+def lateness(course):
     stages = class_results(course).stages
     return {stage.student: stage.late for stage in stages if stage.late}
 
@@ -60,40 +60,40 @@ def grant(course, student, **time):
         book.grant_extension(STAGE, student, **time)
 
 
-def told(course):
+def note_texts(course):
     return list(notes(course, class_results(course), read_deadlines(course)))
 
 
 @pytest.mark.end_to_end
-def test_the_date_of_everybody_is_the_gradebooks(course):
+def test_the_due_date_of_a_stage_is_copied_to_the_gradebook(course):
     assert penalties(course) == {}
     lost = grade_with(course, HEAD)
     assert lost == {"ada": pytest.approx(3.0), "bob": pytest.approx(2.075)}
     with gradebook.open_gradebook(course) as book:
         assert book.find_assignment(STAGE).duedate == datetime(2026, 3, 1, 11)
-    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=1))
-    assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # somebody is kind
+    assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=1))
+    assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # the due date moves
 
 
-def test_a_section_may_be_due_at_another_time(course):
+def test_a_section_may_have_another_due_date(course):
     lost = grade_with(course, HEAD + f"[{STAGE}.sections]\nB = 2026-03-01T13:00:00\n")
     assert lost == {"ada": pytest.approx(3.0)}
     earlier = HEAD.replace("T12", "T18") + f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
     assert grade_with(course, earlier) == {"bob": pytest.approx(2 * 2.075)}
-    assert late(course) == {"bob": timedelta(hours=25)}
-    assert told(course) == []
+    assert lateness(course) == {"bob": timedelta(hours=25)}
+    assert note_texts(course) == []
 
 
-def test_an_extension_counts_as_soon_as_something_is_handed_in(entered_once, tmp_path):
+def test_an_extension_counts_from_the_first_submission(entered_once, tmp_path):
     course = make_course(tmp_path / "course")
     (course.root / "nbgrader_config.py").write_text(LATE)
-    when = course.submitted / "ada" / STAGE / "timestamp.txt"
-    when.write_text("2026-03-03 12:00:00 UTC")
-    kept = course.submitted.rename(course.root / "later")
+    path = course.submitted / "ada" / STAGE / "timestamp.txt"
+    path.write_text("2026-03-03 12:00:00 UTC")
+    later = course.submitted.rename(course.root / "later")
     dates = HEAD + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n"
     (course.root / "deadlines.toml").write_text(dates)
-    enter_verdicts(course, [], [STAGE], quiet)  # nobody has handed in anything
-    kept.rename(course.submitted)
+    enter_verdicts(course, [], [STAGE], quiet)  # there are no submissions yet
+    later.rename(course.submitted)
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {}
     assert class_results(course).stage("ada", STAGE).due == datetime(2026, 3, 3, 12, tzinfo=UTC)
@@ -106,28 +106,26 @@ def hand_in_at(course, student, time):
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("due", "until", "last"),
-    [  # Berlin's clocks go back on 25 October 2026, and forth on 28 March 2027
+    [  # Berlin's clocks go back on 25 October 2026 and forward on 28 March 2027
         ("2026-10-24T23:59:00", "2026-10-26T23:59:00", "2026-10-26 22:59"),
         ("2027-03-27T23:59:00", "2027-03-29T23:59:00", "2027-03-29 21:59"),
     ],
 )
-def test_time_that_is_given_across_a_change_of_clocks_is_all_of_it_and_no_more(
-    course, due, until, last
-):
+def test_an_extension_across_a_change_of_clocks_ends_at_the_right_second(course, due, until, last):
     head = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}\n'
     dates = f"{head}[{STAGE}.sections]\nB = {until}\n[{STAGE}.students]\nada = {until}\n"
     for student in EARNED:
         hand_in_at(course, student, f"{last}:00")
     assert grade_with(course, dates) == {}
-    assert told(course) == []
+    assert note_texts(course) == []
     for student in EARNED:
         hand_in_at(course, student, f"{last}:01")
     assert set(grade_with(course, dates)) == set(EARNED)
-    assert late(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
+    assert lateness(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
 
 
 @pytest.mark.end_to_end
-def test_what_leaves_the_file_leaves_the_gradebook(course):
+def test_dates_removed_from_the_file_leave_the_gradebook(course):
     section = f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
     grade_with(course, HEAD.replace("-01T", "-02T"))  # another date in between
@@ -145,42 +143,40 @@ def test_what_leaves_the_file_leaves_the_gradebook(course):
 
 
 @pytest.mark.end_to_end
-def test_what_a_person_had_entered_comes_back_when_the_files_date_goes(course):
+def test_a_manual_date_returns_when_the_date_in_the_file_is_removed(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
-    for hour in ("18", "19"):  # nobody is late
+    for hour in ("18", "19"):  # no student is late
         assert grade_with(course, HEAD.replace("T12", f"T{hour}")) == {}
     grade_with(course, "")
-    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=2))
+    assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=2))
     grade_with(course, HEAD.replace("T12", "T18"))
-    with gradebook.open_gradebook(course) as book:  # and what they enter after us stays, too
+    with gradebook.open_gradebook(course) as book:  # a date entered after ours also stays
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 09:00:00")
     grade_with(course, "")
-    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=3))
+    assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=3))
 
 
 @pytest.mark.end_to_end
-def test_time_that_a_person_granted_outlives_the_files_date(course):
+def test_a_manual_extension_stays_when_the_date_in_the_file_is_removed(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
     assert "ada" in grade_with(course, HEAD)
     grant(course, "ada", days=3)
     assert "ada" not in grade_with(course, "")
-    with gradebook.open_gradebook(course) as book:  # of no date at all it is nothing
+    with gradebook.open_gradebook(course) as book:  # without a due date an extension has no effect
         book.find_assignment(STAGE).duedate = None
         book.db.commit()
     assert grade_with(course, "") == {}
 
 
-def test_stopped_between_remembering_and_entering_it_is_a_persons_date_that_stays(
-    course, monkeypatch
-):
+def test_a_run_stopped_between_its_writes_keeps_the_manual_date(course, monkeypatch):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
-    remember = dates_module.write_atomically
+    write = dates_module.write_atomically
 
     def stop(content, path):
-        remember(content, path)
+        write(content, path)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(dates_module, "write_atomically", stop)
@@ -188,17 +184,17 @@ def test_stopped_between_remembering_and_entering_it_is_a_persons_date_that_stay
         grade_with(course, HEAD.replace("T12", "T18"))
     monkeypatch.undo()
     grade_with(course, "")
-    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=2))
+    assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=2))
 
 
-def test_what_is_taken_back_in_the_file_is_taken_back(course):
+def test_an_extension_removed_from_the_file_is_revoked(course):
     extended = HEAD + f"[{STAGE}.students]\nada = 2026-03-09T12:00:00\n"
     assert "ada" not in grade_with(course, extended)
     assert "ada" in grade_with(course, HEAD)
-    assert told(course) == []
+    assert note_texts(course) == []
 
 
-def test_a_later_date_in_the_file_moves_who_has_their_own(course):
+def test_a_later_date_in_the_file_does_not_move_dates_of_sections(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)
     grade_with(course, HEAD.replace("-01T", "-06T") + section)
@@ -207,32 +203,32 @@ def test_a_later_date_in_the_file_moves_who_has_their_own(course):
         "ada": datetime(2026, 3, 6, 11, tzinfo=UTC),
         "bob": datetime(2026, 3, 8, 11, tzinfo=UTC),
     }
-    assert told(course) == []
+    assert note_texts(course) == []
 
 
 @pytest.mark.end_to_end
-def test_what_a_person_grants_in_the_gradebook_counts_until_the_file_names_the_student(course):
+def test_a_manual_extension_counts_until_the_file_names_the_student(course):
     assert "ada" in grade_with(course, HEAD)
     grant(course, "ada", days=3)
     assert "ada" not in grade_with(course, HEAD)
-    (sentence,) = told(course)
+    (sentence,) = note_texts(course)
     assert sentence.startswith(f"ada, {STAGE}: the gradebook grants more time than deadlines.toml")
     line = sentence.partition("students]: ")[2].partition(". Another")[0]
     assert line == '"ada" = 2026-03-04T11:00:00Z'
     assert "ada" not in grade_with(course, f"{HEAD}[{STAGE}.students]\n{line}\n")
-    assert told(course) == []
+    assert note_texts(course) == []
     assert "ada" in grade_with(course, f"{HEAD}[{STAGE}.students]\nada = 2026-03-01T12:00:00\n")
-    assert told(course) == []
+    assert note_texts(course) == []
 
 
-def test_less_time_in_the_gradebook_than_in_the_file_is_mended(course):
+def test_less_time_in_the_gradebook_than_in_the_file_is_corrected(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)
     grant(course, "bob", hours=-5)
     assert "bob" not in grade_with(course, HEAD + section)
 
 
-def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
+def test_a_stage_that_is_not_in_the_file_keeps_its_dates(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 11:00:00")
     grant(course, "ada", days=1)
@@ -241,7 +237,7 @@ def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
     (course.root / "deadlines.toml").unlink()
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {"bob": pytest.approx(2.075)}
-    assert told(course) == []
+    assert note_texts(course) == []
 
 
 def test_another_extension_is_a_difference(course):
@@ -249,10 +245,10 @@ def test_another_extension_is_a_difference(course):
     deadlines = read_deadlines(course)
     entry = StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     with gradebook.open_gradebook(course) as book:
-        about = (course, book, entry, load_penalty_plugin(course), deadlines)
-        assert differences(*about) == []
+        arguments = (course, book, entry, load_penalty_plugin(course), deadlines)
+        assert differences(*arguments) == []
         book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
-        found = differences(*about)
+        found = differences(*arguments)
     assert found[0] == f"ada, {STAGE}: the gradebook has another extension"
 
 
@@ -274,6 +270,6 @@ def test_on_a_server_dates_are_the_same(course, postgresql):
         f"[{STAGE}.students]\nada = 2026-03-09T12:00:00\n"
     )
     assert grade_with(course, dates) == {"bob": pytest.approx(2 * 2.075)}
-    assert late(course) == {"bob": timedelta(hours=25)}
+    assert lateness(course) == {"bob": timedelta(hours=25)}
     stage = class_results(course).stage("ada", STAGE)
     assert stage.due == datetime(2026, 3, 9, 11, tzinfo=UTC)

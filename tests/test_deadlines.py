@@ -1,4 +1,4 @@
-"""When work is due, for everybody, a section or one student; who may be late, who is excused."""
+"""Due dates of the class, of sections and of single students; extensions and excuses."""
 
 import os
 import time
@@ -41,14 +41,14 @@ def utc(*numbers):
     return datetime(*numbers, tzinfo=UTC)
 
 
-def test_two_ways_of_writing_a_letter_are_one_name(course):
-    composed, apart = "jörg", "jo\u0308rg"
+def test_composed_and_decomposed_letters_are_equal(course):
+    composed, decomposed = "jörg", "jo\u0308rg"
     (course.root / "roster.csv").write_text(f"id,section\n{composed},Übung\n", "utf-8")
     found = read(
         course,
         "[stage1_ransac]\ndue = 2026-10-12T23:59:00Z\n"
         '[stage1_ransac.sections]\n"U\u0308bung" = 2026-10-13T23:59:00Z\n'
-        f'[stage1_ransac.students]\n"{apart}" = 2026-10-14T23:59:00Z\n',
+        f'[stage1_ransac.students]\n"{decomposed}" = 2026-10-14T23:59:00Z\n',
     )
     assert found.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
 
@@ -57,10 +57,10 @@ def test_without_a_file_there_are_no_dates(course):
     assert read_deadlines(course) is None
 
 
-def test_a_student_goes_before_a_section_and_a_section_before_everybody(course):
+def test_dates_of_students_take_precedence_over_sections_and_the_class(course):
     found = read(course, DATES)
     due = {name: found.due(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
-    assert due == {  # summer time: two hours before
+    assert due == {  # UTC is two hours behind summer time
         "anna": utc(2026, 10, 19, 21, 59),
         "ben": utc(2026, 10, 13, 21, 59),
         "cleo": utc(2026, 10, 13, 10, 0),
@@ -70,27 +70,27 @@ def test_a_student_goes_before_a_section_and_a_section_before_everybody(course):
     assert found.due("somebody else", "stage1_ransac") == due["dora"]
 
 
-def test_a_date_may_say_its_own_zone_and_a_stage_may_have_none(course):
+def test_a_date_may_have_a_zone_and_a_stage_may_have_no_date(course):
     found = read(course, DATES)
     assert found.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
     assert found.due("anna", "stage3_obstacles") is None
     assert not found.excused("noshow", "stage2_clustering")
 
 
-def test_who_may_be_later_and_who_is_excused(course):
+def test_extensions_and_excuses(course):
     found = read(course, DATES)
     assert found.extended("stage1_ransac") == {"anna": utc(2026, 10, 19, 21, 59)}
     assert found.extended("stage2_clustering") == found.extended("stage3_obstacles") == {}
     assert found.excused("noshow", "stage1_ransac") and not found.excused("anna", "stage1_ransac")
 
 
-def test_who_may_be_later_than_their_own_section(course):
+def test_extensions_are_relative_to_the_section(course):
     text = DATES.replace("cleo = 2026-10-13T12:00:00", "cleo = 2026-10-14T00:00:00")
     assert set(read(course, text).extended("stage1_ransac")) == {"anna", "cleo"}
 
 
 @pytest.mark.skipif(not hasattr(time, "tzset"), reason="the zone of the machine cannot be set")
-def test_without_a_zone_it_is_this_machines(course, monkeypatch):
+def test_without_a_zone_dates_use_the_zone_of_the_machine(course, monkeypatch):
     monkeypatch.setenv("TZ", "America/New_York")
     time.tzset()
     try:
@@ -163,7 +163,7 @@ def test_without_a_roster_students_may_still_have_their_own_dates(course):
         ("timezone = 2", "knows no timezone 2."),
     ],
 )
-def test_what_cannot_be_read_is_a_sentence_with_the_place_and_what_to_do(course, written, says):
+def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
     with pytest.raises(DeadlinesTrouble) as trouble:
         read(course, written)
     assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
@@ -182,7 +182,7 @@ def test_sections_need_a_roster(course):
         read(course, DATES)
 
 
-def test_a_roster_that_cannot_be_read_is_named_as_such(course):
+def test_an_unreadable_roster_raises_a_roster_error(course):
     (course.root / "roster.csv").write_text("name\nx\n")
     with pytest.raises(RosterTrouble):
         read(course, DATES)

@@ -1,4 +1,4 @@
-"""A car that drives on what a detector boxes: the rules, one by one, and whole drives."""
+"""A car that a detector's boxes steer: the rules one by one, and whole drives."""
 
 import copy
 import importlib
@@ -41,7 +41,7 @@ NOTHING = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 
 
 def box(x, y, length=1.0, width=1.0):
-    """Corners (8, 3) of a box whose nearest face is at x, and whose middle is at y."""
+    """Return the corners (8, 3) of a box with its nearest face at x and its centre at y."""
     floor = [(x, y - width / 2), (x + length, y - width / 2)]
     floor += [(x + length, y + width / 2), (x, y + width / 2)]
     return np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor])
@@ -52,113 +52,114 @@ def thing(x, y=0.0, forward=0.0, left=0.0, seen=True, name=0, **size):
 
 
 def straight(**settings):
-    """A street with nothing in it."""
+    """Return an empty street."""
     return Street(99, "A made-up street", plan=NOTHING, **settings)
 
 
-def blind(cloud):
+def find_nothing(cloud):
     return np.empty((0, 8, 3))
 
 
 # The planner -------------------------------------------------------------------------------
 
 
-# 0.5 s at that speed, and its square over 14 m/s²: by hand.
+# Computed by hand: the distance in 0.5 s, plus the square of the speed over 14 m/s².
 @pytest.mark.parametrize(
     ("speed", "metres"), [(0, 0.0), (7, 3.5 + 3.5), (14, 7.0 + 14.0), (2.8, 1.4 + 0.56)]
 )
-def test_the_stopping_distance_is_that_of_lesson_07(speed, metres):
+def test_the_stopping_distance_agrees_with_lesson_07(speed, metres):
     assert stopping_distance(speed) == pytest.approx(metres)
 
 
-def test_a_free_road_is_driven_as_fast_as_is_allowed():
+def test_on_a_free_road_the_car_reaches_the_speed_limit():
     assert plan(5.0, 8.0, []).acceleration == 2.0
     assert plan(7.9, 8.0, []).acceleration == pytest.approx(0.2)
     assert plan(8.0, 8.0, []).acceleration == 0.0
     assert plan(9.0, 8.0, []).acceleration < 0
 
 
-# At 7 m/s it needs 7 m, and 2 m are left over; the bumper is at 2.6 m.
+# The bumper is at 2.6 m. At 7 m/s the car needs 7 m to stop, and it keeps 2 m of space.
 @pytest.mark.parametrize(("x", "brakes"), [(2.6 + 8.9, True), (2.6 + 9.1, False)])
-def test_it_brakes_for_what_stands_within_the_stopping_distance(x, brakes):
+def test_it_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
     decision = plan(7.0, 7.0, [thing(x)])
     assert (decision.acceleration <= -1) == brakes
     assert (decision.cause is not None) == brakes
     if brakes:
-        # v² / 2a over the 6.9 m that are left: 3.55 m/s².
+        # The deceleration v² / 2d over the remaining 6.9 m is 3.55 m/s².
         assert decision.acceleration == pytest.approx(-49 / (2 * 6.9))
         assert decision.gap == pytest.approx(8.9)
 
 
-def test_it_brakes_as_hard_as_it_can_for_what_is_too_near():
+def test_it_brakes_fully_for_obstacles_that_are_too_near():
     assert plan(7.0, 7.0, [thing(2.6 + 4.0)]).acceleration == -7.0
 
 
-# Half of the car and 0.4 m: 1.3 m to either side; the box is 1 m wide.
+# The corridor reaches 1.3 m to either side: half of the car and 0.4 m. The box is 1 m wide.
 @pytest.mark.parametrize("y", [1.79, -1.79])
-def test_what_reaches_into_the_corridor_counts(y):
+def test_boxes_that_reach_into_the_corridor_count(y):
     assert room(thing(10.0, y), 7.0) == pytest.approx(7.4)
 
 
 @pytest.mark.parametrize("y", [1.81, -1.81])
-def test_what_stands_beside_the_corridor_does_not(y):
+def test_boxes_next_to_the_corridor_do_not_count(y):
     assert room(thing(10.0, y), 7.0) == np.inf
     assert plan(7.0, 7.0, [thing(5.0, y)]).cause is None
 
 
-# A square stands on its corner, 10 m ahead; the corridor reaches 1.3 m to either side.
+# The nearest corner of a square, turned by 45 degrees, is 10 m ahead. The corridor reaches 1.3 m
+# to either side.
 @pytest.mark.parametrize(
     ("y", "metres"), [(0.0, 10 - 2.6), (3.3, 10 + 2.0 - 2.6), (-3.3, 10 + 2.0 - 2.6), (5.4, np.inf)]
 )
-def test_of_a_box_that_stands_askew_the_part_in_the_corridor_counts(y, metres):
+def test_only_the_part_of_a_turned_box_in_the_corridor_counts(y, metres):
     half = 4.0
     ring = [(10.0, y), (10.0 + half, y - half), (10.0 + 2 * half, y), (10.0 + half, y + half)]
     corners = np.array([(*corner, z) for z in (-1.7, 0.0) for corner in ring])
     assert room(Thing(corners), 7.0) == pytest.approx(metres)
 
 
-def test_what_will_be_in_the_corridor_counts_as_if_it_were():
-    # At 7 m/s we would stand after 1.5 s; from 4 m aside to within 1.8 m it is 2.2 m.
+def test_obstacles_that_will_be_in_the_corridor_count():
+    # At 7 m/s the ego car stops after 1.5 s. The obstacle has to move by 2.2 m, from 4 m to 1.8 m.
     assert room(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
     assert room(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
     assert room(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
 
 
-def test_what_is_behind_us_stops_nobody():
+def test_obstacles_behind_the_car_do_not_count():
     assert plan(7.0, 7.0, [thing(-3.0)]).cause is None
 
 
-def test_a_box_on_the_own_bonnet_stops_the_car_for_ever():
+def test_a_box_on_the_bonnet_stops_the_car_forever():
     decision = plan(7.0, 7.0, [thing(0.9, length=1.4)])
     assert decision.acceleration == -7.0
     assert plan(0.0, 7.0, [thing(0.9, length=1.4)]).acceleration <= 0.0
-    along = thing(0.9, length=1.4, forward=7.0)  # as it looks to who follows boxes
+    along = thing(0.9, length=1.4, forward=7.0)  # a tracker sees it move with the ego car
     assert plan(7.0, 7.0, [along]).acceleration == -7.0
 
 
-def test_a_car_ahead_gets_less_room_as_it_rolls_on_itself():
-    # Both at 7 m/s: half a second of 7 m/s, and 2 m.
+def test_a_moving_car_ahead_needs_less_room():
+    # If both drive 7 m/s, the ego car needs the distance of half a second, and 2 m.
     assert needed_room(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
     assert needed_room(thing(10.0), 7.0) == pytest.approx(9.0)
     assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
 
 
-def test_behind_somebody_slow_it_grows_as_slow_as_they_are():
+def test_behind_a_slow_car_it_slows_down_gently():
     decision = plan(7.0, 7.0, [thing(2.6 + 14.0, forward=4.0)])
     assert -1.01 < decision.acceleration < 0
 
 
-def test_the_worst_of_several_decides():
+def test_the_most_urgent_obstacle_decides():
     near, far = thing(2.6 + 6.0), thing(2.6 + 8.0)
     assert plan(7.0, 7.0, [far, near]).cause is near
 
 
-def test_who_stands_starts_when_there_is_room_again():
+def test_a_stopped_car_starts_when_there_is_room_again():
     assert plan(0.0, 7.0, [thing(2.6 + 2.5)]).acceleration == 0.0
     assert plan(0.0, 7.0, [thing(2.6 + 3.5)]).acceleration == 2.0
 
 
-def test_it_brakes_when_something_is_in_the_way_three_times_in_a_row():
+def test_it_brakes_for_an_obstacle_in_three_scans_in_a_row():
     planner, near = Planner(), [thing(2.6 + 6.0)]
     first, second, third = (planner.decide(7.0, 8.0, near) for _ in range(3))
     assert first.acceleration == second.acceleration == 0.0, "it does not speed up either"
@@ -167,83 +168,86 @@ def test_it_brakes_when_something_is_in_the_way_three_times_in_a_row():
     assert planner.decide(7.0, 8.0, near).cause is None, "and again from the beginning"
 
 
-def decided(*scans, speed=7.0):
-    """What the planner decides at each of some scans, each a list of things."""
+def decide(*scans, speed=7.0):
+    """Return the planner's decision for each scan, which is a list of things."""
     planner = Planner()
     return [planner.decide(speed, 8.0, things) for things in scans]
 
 
-def test_three_things_that_are_in_the_way_once_each_stop_nobody():
-    """A drop on a lorry makes its box reach into our lane, and is gone with the next scan."""
+def test_three_obstacles_in_one_scan_each_do_not_stop_the_car():
+    """A raindrop next to a lorry extends its box into the lane of the ego car for one scan."""
     beside = [thing(2.6 + 6.0, 1.9, name=name) for name in range(3)]
     reaching = [thing(2.6 + 6.0, 1.6, name=name) for name in range(3)]
-    scans = [[reaching[at] if at == scan else beside[at] for at in range(3)] for scan in range(3)]
-    assert [one.cause for one in decided(*scans)] == [None, None, None]
-    assert [one.acceleration for one in decided(*scans)] == [0.0, 0.0, 0.0]
-    decisions = decided(*[[*scan, reaching[0]] for scan in scans[1:]], scans[0])
+    scans = [[reaching[k] if k == scan else beside[k] for k in range(3)] for scan in range(3)]
+    assert [decision.cause for decision in decide(*scans)] == [None, None, None]
+    assert [decision.acceleration for decision in decide(*scans)] == [0.0, 0.0, 0.0]
+    decisions = decide(*[[*scan, reaching[0]] for scan in scans[1:]], scans[0])
     assert decisions[-1].cause is reaching[0], "one of them stays, whatever the others do"
 
 
-def test_what_is_not_seen_any_more_does_not_stay_over_our_car():
-    """A track of a drop coasts along with us, and gets a box by and by from another one."""
+def test_tracks_over_the_car_that_are_not_seen_do_not_count():
+    """The track of a raindrop coasts with the ego car, and other drops confirm it at times."""
     drops = [thing(0.9, length=1.4, seen=scan % 3 == 0) for scan in range(24)]
-    assert {one.cause for one in decided(*([drop] for drop in drops))} == {None}
+    assert {decision.cause for decision in decide(*([drop] for drop in drops))} == {None}
     dirt = [thing(0.9, length=1.4, seen=scan % 3 > 0) for scan in range(24)]
-    assert decided(*([patch] for patch in dirt))[-1].cause is dirt[-1]
+    assert decide(*([patch] for patch in dirt))[-1].cause is dirt[-1]
 
 
-def test_drops_over_the_own_car_stop_nobody():
-    """They are always there, and never twice in one place: here by half a metre or more."""
+def test_raindrops_over_the_car_do_not_stop_it():
+    """Raindrops are in every scan, but at least half a metre away from those in the last scan."""
     ends = np.tile([0.2, 1.4, 0.7, 1.9, -0.8], 12)
-    for decision in decided(*([thing(end, length=1.0)] for end in ends)):
+    for decision in decide(*([thing(end, length=1.0)] for end in ends)):
         assert decision.cause is None and decision.acceleration > 0
 
 
 def test_dirt_on_the_bonnet_stops_the_car_after_a_second():
     ends = 0.9 + np.tile([0.0, 0.1, -0.1], 5)  # thinned to patches of 0.2 m
-    brakes = [one.cause is not None for one in decided(*([thing(end, length=1.4)] for end in ends))]
+    brakes = [
+        decision.cause is not None
+        for decision in decide(*([thing(end, length=1.4)] for end in ends))
+    ]
     assert brakes == [False] * 11 + [True] * 4, "ten scans in one place, and three in the way"
 
 
-def test_who_steps_off_the_kerb_unseen_is_braked_for_at_once():
-    """However near; and drops, of which a planner has to think nothing, hide nobody."""
-    drops, nobody = [thing(0.5)], []
+def test_it_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
+    """The distance does not matter, and raindrops do not hide a person."""
+    drops, nothing = [thing(0.5)], []
     for metres in (0.1, 1.0, 6.0):
         person = thing(2.6 + metres, -1.5, length=0.5, width=0.5)
-        for before in (nobody, drops):
-            decisions = decided(before, *[[*before, person]] * 3)
+        for before in (nothing, drops):
+            decisions = decide(before, *[[*before, person]] * 3)
             assert [decision.cause for decision in decisions] == [None, None, None, person]
             assert decisions[-1].acceleration < -3
 
 
-def test_whoever_comes_from_the_side_and_towards_us_is_ahead():
-    """Where they will be may lie over our car; where they are does not."""
+def test_road_users_who_approach_from_the_side_are_ahead():
+    """Only their predicted position overlaps the ego car, not the present one."""
     cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
     assert room(cyclist, 8.0) < -0.5
-    assert decided(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
+    assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
 
 
-def test_what_reaches_from_over_our_car_to_ahead_of_it_is_ahead():
-    """One box around drops and somebody 2 m ahead, and one around everything that jumps."""
+def test_boxes_that_reach_from_the_car_forward_are_ahead():
+    """One box contains raindrops and a person 2 m ahead; another contains all points and jumps."""
     both, everything = thing(0.5, length=4.6), [thing(-20.0 - jump, length=60.0) for jump in (0, 3)]
-    assert decided(*[[both]] * 3)[-1].cause is both
-    assert decided(*([box] for box in everything * 2))[-1].cause is everything[1]
+    assert decide(*[[both]] * 3)[-1].cause is both
+    assert decide(*([box] for box in everything * 2))[-1].cause is everything[1]
 
 
-def test_who_is_beside_the_bumper_is_waited_for():
-    """A box ends somewhere behind the bumper when somebody passes close before it."""
+def test_the_car_waits_for_a_person_next_to_the_bumper():
+    """The box of a person close to the bumper may begin behind the bumper."""
     person = thing(2.2, 1.2, length=0.5, width=0.5)
-    assert decided(*[[person]] * 4, speed=0.0)[-1].cause is person
+    assert decide(*[[person]] * 4, speed=0.0)[-1].cause is person
 
 
-# What moves how ----------------------------------------------------------------------------
+# Motion ------------------------------------------------------------------------------------
 
 
-def test_speeds_over_the_ground_come_of_boxes_seen_from_a_moving_car():
+def test_speeds_over_ground_are_estimated_from_a_moving_car():
     motion = Motion()
     for scan in range(30):
         time = scan / 10
-        # We drive 6 m/s: a parked box comes nearer, and a walker crosses at 1.4 m/s.
+        # The ego car drives 6 m/s towards a parked box; a walker crosses at 1.4 m/s.
         boxes = np.stack([box(30 - 6 * time, 5), box(25 - 6 * time, -4 + 1.4 * time)])
         things = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
     parked, walker = (np.array(thing.velocity) for thing in things)
@@ -252,7 +256,7 @@ def test_speeds_over_the_ground_come_of_boxes_seen_from_a_moving_car():
 
 
 def test_a_box_that_jumps_has_no_speed():
-    """One that grows over to its neighbour, for instance."""
+    """A box may jump because it grows to include its neighbour."""
     motion = Motion()
     for scan in range(14):
         aside = 5.0 - 1.2 * (scan >= 7)
@@ -273,8 +277,8 @@ ALPHA_BETA = Tracker(
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
 @pytest.mark.parametrize("side", [-1, 1])
-def test_of_a_car_that_is_torn_one_side_stays_where_it_is(tracker, side):
-    """From the tenth scan on its box is that of the side towards our lane."""
+def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
+    """From the tenth scan on, its box contains only the side towards the ego car's lane."""
     motion = motion_by(tracker)
     for scan in range(20):
         width = 1.6 if scan < 10 else 0.15
@@ -283,13 +287,13 @@ def test_of_a_car_that_is_torn_one_side_stays_where_it_is(tracker, side):
         assert car.velocity[1] == 0.0, scan
 
 
-def one_for_all(previous, current, max_distance):
-    """A wrong match_boxes: everybody was the first."""
+def first_for_all(previous, current, max_distance):
+    """Match every box to the first one, which is wrong."""
     return np.full(len(current), -1 if len(previous) == 0 else 0)
 
 
-@pytest.mark.parametrize("match", [one_for_all, lambda *_: np.full(6, 9)])
-def test_a_match_that_is_wrong_ends_no_drive(match):
+@pytest.mark.parametrize("match", [first_for_all, lambda *_: np.full(6, 9)])
+def test_a_wrong_match_does_not_end_a_drive(match):
     tracker = copy.copy(ALPHA_BETA)
     tracker.match = match
     for motion in (motion_by(tracker), motion_by(Tracker(match))):
@@ -301,7 +305,7 @@ def test_a_match_that_is_wrong_ends_no_drive(match):
 
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
-def test_a_thing_keeps_its_name_and_coasts_unseen(tracker):
+def test_a_thing_keeps_its_track_id_and_coasts_unseen(tracker):
     motion = motion_by(tracker)
     scans = [motion.update(np.stack([box(20, 5), box(25, -4 + 0.14 * scan)]), 0.0, 0.1)
              for scan in range(8)]  # fmt: skip
@@ -312,7 +316,7 @@ def test_a_thing_keeps_its_name_and_coasts_unseen(tracker):
     assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "as fast as it was seen to go"
 
 
-def test_a_newcomer_stands_until_it_was_seen_a_few_times():
+def test_a_new_track_has_no_speed_for_three_scans():
     motion = Motion()
     for scan in range(3):
         (newcomer,) = motion.update(box(20, 5 - scan)[None], 0.0, 0.1)
@@ -336,17 +340,17 @@ def test_a_coasting_thing_comes_nearer_as_we_drive():
     assert coasting.corners[:, 0].min() == pytest.approx(19.5)
 
 
-def test_the_students_matching_is_asked():
-    asked = []
+def test_the_students_matching_is_called():
+    calls = []
 
     def match_boxes(previous, current, max_distance):
-        asked.append((len(previous), len(current), max_distance))
+        calls.append((len(previous), len(current), max_distance))
         return closest_pairs(previous, current, max_distance)
 
     motion = Motion(match_boxes)
     motion.update(np.stack([box(10, 0), box(20, 0)]), 0.0, 0.1)
     motion.update(box(10, 0)[None], 0.0, 0.1)
-    assert asked == [(0, 2, 1.5), (2, 1, 1.5)]
+    assert calls == [(0, 2, 1.5), (2, 1, 1.5)]
 
 
 @pytest.mark.parametrize(
@@ -357,23 +361,23 @@ def test_the_students_matching_is_asked():
         (lambda count: ["first"], "ValueError: invalid literal"),
     ],
 )
-def test_a_matching_that_fails_is_noted_and_the_drive_goes_on(partners, said):
+def test_a_matching_that_fails_becomes_a_problem_of_the_drive(partners, said):
     def match_boxes(previous, current, max_distance):
         return partners(len(current))
 
-    done = drive(
+    result = drive(
         *(straight(), lambda cloud: box(20, 0)[None], Tracker(match_boxes)),
         seconds=0.5,
         sensor=BLINKERED,
         clock=on_time,
     )
-    assert done.moments[-1].number == 4
-    assert len(done.problems) >= 2 and all(said in problem for problem in done.problems)
+    assert result.moments[-1].number == 4
+    assert len(result.problems) >= 2 and all(said in problem for problem in result.problems)
 
 
-def test_a_tracker_of_the_students_own_is_asked_for_velocities():
-    """And sees the street from a car that drives: what stands comes towards it."""
-    for _ in range(2):  # the second drive begins with nobody
+def test_the_students_tracker_estimates_velocities():
+    """The tracker works in coordinates of the ego car, in which parked cars move."""
+    for _ in range(2):  # the second drive starts without tracks
         motion = motion_by(ALPHA_BETA)
         for scan in range(20):
             boxes = np.stack([box(30 - 0.6 * scan, 5), box(20 - 0.6 * scan, -4 + 0.14 * scan)])
@@ -383,11 +387,11 @@ def test_a_tracker_of_the_students_own_is_asked_for_velocities():
         assert np.allclose([thing.velocity for thing in things], [(0, 0), (0, 1.4)], atol=0.1)
 
 
-def test_a_drive_asks_a_tracker_for_each_scan_with_the_time_since_the_one_before():
-    asked = []
+def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
+    intervals = []
 
     def predict(boxes, velocities, seconds):
-        asked.append(seconds)
+        intervals.append(seconds)
         return boxes + velocities[:, None] * seconds
 
     tracker = Tracker(
@@ -398,10 +402,10 @@ def test_a_drive_asks_a_tracker_for_each_scan_with_the_time_since_the_one_before
     boxes = np.stack([box(12, 5), box(20, -5)])
     driven = drive(STREETS[0], lambda cloud: boxes, tracker, seconds=1.0, clock=on_time,
                    sensor=BLINKERED)  # fmt: skip
-    assert len(driven.moments) == 10 and np.allclose(asked, 0.1) and len(asked) == 8
+    assert len(driven.moments) == 10 and np.allclose(intervals, 0.1) and len(intervals) == 8
 
 
-def test_a_tracker_that_only_matches_gets_the_rest():
+def test_a_tracker_that_only_matches_gets_default_steps():
     motion = motion_by(Tracker(closest_pairs))
     for scan in range(10):
         (walker,) = motion.update(box(20 - 0.6 * scan, -4 + 0.14 * scan)[None], 0.6, 0.1)
@@ -415,14 +419,14 @@ def test_pairs_are_near_and_one_to_one():
     assert closest_pairs(before[:0], now, 1.0).tolist() == [-1, -1, -1]
 
 
-# Who does something ------------------------------------------------------------------------
+# Actors ------------------------------------------------------------------------------------
 
 
-def test_an_actor_waits_until_it_begins_and_goes_as_it_is_told():
+def test_an_actor_waits_until_it_begins_and_follows_its_speeds():
     actor = Actor(placed(pedestrian(), 50.0, -5.0, np.pi / 2), 20.0, ((0, 2.0), (2, 0.0)))
     assert actor.at(7.0, None).pose.y == -5.0
     slowing = actor.at(7.0 + 1.0, 7.0)
-    # From 2 m/s evenly to 1 m/s in a second: 1.5 m.
+    # Slowing evenly from 2 m/s to 1 m/s in a second takes 1.5 m.
     assert slowing.pose.y == pytest.approx(-3.5) and slowing.speed == pytest.approx(1.0)
     assert actor.at(30.0, 7.0).pose.y == pytest.approx(-3.0)
 
@@ -433,18 +437,18 @@ def test_a_car_ahead_drives_until_it_begins():
     assert actor.at(6.0, 4.0).pose.x == pytest.approx(42.5)
 
 
-def test_who_crosses_is_in_the_middle_of_our_lane_when_we_come():
+def test_a_crossing_child_is_in_the_lane_when_the_car_arrives():
     actor, speed = child(70.0, 8.0), 8.0
     arrives = (70.0 - 2.6) / speed
     thing = actor.at(arrives, actor.begins / speed)
     assert thing.pose.y == pytest.approx(-1.2, abs=0.01)
 
 
-def test_actors_begin_where_the_car_is_and_not_when():
+def test_actors_begin_at_a_position_of_the_car():
     street = straight(actors=(child(60.0, 30 / 3.6),))
     begun = [
         moment.position
-        for moment in drive(street, blind, seconds=6.0, clock=on_time, sensor=COARSE).moments
+        for moment in drive(street, find_nothing, seconds=6.0, clock=on_time, sensor=COARSE).moments
         if moment.began
     ]
     assert street.actors[0].begins <= begun[0] < street.actors[0].begins + 1.0
@@ -453,14 +457,14 @@ def test_actors_begin_where_the_car_is_and_not_when():
 # The loop ----------------------------------------------------------------------------------
 
 
-def test_the_same_street_is_the_same_drive():
-    one, two = (
+def test_drives_are_reproducible():
+    first, second = (
         drive(STREETS[8], occupied_squares, seconds=0.6, clock=on_time, sensor=COARSE)
         for _ in range(2)
     )
-    assert [m.position for m in one.moments] == [m.position for m in two.moments]
-    assert np.array_equal(one.frame(5).cloud, two.frame(5).cloud)
-    assert not np.array_equal(one.frame(5).cloud, one.frame(4).cloud)
+    assert [m.position for m in first.moments] == [m.position for m in second.moments]
+    assert np.array_equal(first.frame(5).cloud, second.frame(5).cloud)
+    assert not np.array_equal(first.frame(5).cloud, first.frame(4).cloud)
 
 
 def test_the_detector_sees_the_scan_and_nothing_else():
@@ -468,8 +472,8 @@ def test_the_detector_sees_the_scan_and_nothing_else():
 
     def detect(cloud):
         seen.append(cloud)
-        cloud[:] = 0.0  # what it does to its copy is its own affair
-        return blind(cloud)
+        cloud[:] = 0.0  # the detector may change its copy
+        return find_nothing(cloud)
 
     trip = drive(straight(), detect, seconds=0.5, clock=on_time, sensor=COARSE)
     assert {type(cloud) for cloud in seen} == {np.ndarray}
@@ -477,9 +481,9 @@ def test_the_detector_sees_the_scan_and_nothing_else():
     assert np.abs(trip.frame(2).cloud).sum() > 0
 
 
-def test_a_car_that_sees_nothing_drives_on_and_into_who_crosses():
+def test_a_car_that_sees_nothing_hits_a_crossing_child():
     street = straight(actors=(child(40.0, 30 / 3.6),))
-    trip = Trip(drive(street, blind, seconds=8.0, clock=on_time, sensor=COARSE))
+    trip = Trip(drive(street, find_nothing, seconds=8.0, clock=on_time, sensor=COARSE))
     assert trip.drive.hit is not None
     assert street.kind_of(trip.drive.hit) == "pedestrian"
     assert "The drive ends at a person, at 30 km/h." in trip.report.collision
@@ -488,11 +492,11 @@ def test_a_car_that_sees_nothing_drives_on_and_into_who_crosses():
 
 
 @pytest.mark.slow
-def test_true_boxes_stop_for_who_crosses_and_go_on():
+def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
     street = straight(actors=(child(40.0, 30 / 3.6),))
     trip = drive_street(street, seconds=12.0)
     assert trip.drive.hit is None and trip.report.collision == ""
-    (braking,) = [one for one in trip.report.brakings if not one.needless]
+    (braking,) = [braking for braking in trip.report.brakings if not braking.needless]
     assert "a person" in braking.reason
     assert trip.report.needless == 0
     assert trip.drive.metres > 42, "it went on behind the child"
@@ -514,7 +518,7 @@ def test_braking_for_a_box_where_nothing_is_was_needless():
         ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain taken for an obstacle"),
     ],
 )
-def test_what_was_mistaken_for_an_obstacle_is_named(settings, corners, reason):
+def test_the_cause_of_needless_braking_is_named(settings, corners, reason):
     trip = drive(
         straight(**settings), lambda cloud: corners[None], seconds=2.0, clock=on_time, sensor=COARSE
     )
@@ -522,14 +526,14 @@ def test_what_was_mistaken_for_an_obstacle_is_named(settings, corners, reason):
     assert braking.needless and reason in braking.reason
 
 
-def test_a_failing_scan_costs_that_scan():
+def test_an_exception_affects_only_its_scan():
     calls = []
 
     def detect(cloud):
         calls.append(1)
         if len(calls) == 4:
             raise ValueError("odd scan")
-        return blind(cloud)
+        return find_nothing(cloud)
 
     trip = drive(straight(), detect, seconds=1.0, clock=on_time, sensor=COARSE)
     assert len(trip.moments) == 10
@@ -539,44 +543,44 @@ def test_a_failing_scan_costs_that_scan():
 
 
 @pytest.mark.parametrize("found", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
-def test_odd_answers_are_boxes_too(found):
+def test_unusual_answers_are_accepted(found):
     trip = drive(straight(), lambda cloud: found, seconds=0.5, clock=on_time, sensor=COARSE)
     assert trip.problems == () and len(trip.moments) == 5
 
 
-# How late it is ----------------------------------------------------------------------------
+# Latency -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("seconds", "scans"), [(0.0, 1), (0.1, 1), (0.11, 2), (0.2, 2), (0.95, 10)]
 )
-def test_an_answer_arrives_with_a_scan(seconds, scans):
+def test_the_time_of_an_answer_is_rounded_up_to_scans(seconds, scans):
     assert ticks(seconds) == scans
 
 
-def test_a_late_detector_sees_fewer_scans_and_the_world_later():
+def test_a_slow_detector_sees_fewer_scans():
     seen = []
 
-    def taking_a_third(call):
+    def slow_clock(call):
         return call(), 0.34
 
     def detect(cloud):
         seen.append(1)
-        return blind(cloud)
+        return find_nothing(cloud)
 
-    trip = drive(straight(), detect, seconds=2.0, clock=taking_a_third, sensor=COARSE)
+    trip = drive(straight(), detect, seconds=2.0, clock=slow_clock, sensor=COARSE)
     assert len(seen) == 1 + 5, "every fourth scan, and the first one to load libraries"
     assert [moment.seen for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
     assert sum(moment.busy for moment in trip.moments) == 15
 
 
-def test_a_late_detector_stops_later():
+def test_a_slow_detector_stops_later():
     street = straight(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
 
     def detect(cloud):
         near = np.hypot(cloud[:, 0], cloud[:, 1]) < 14
         person = cloud[near & (cloud[:, 2] > -1.2) & (np.abs(cloud[:, 1]) < 1) & (cloud[:, 0] > 3)]
-        return box(person[:, 0].min(), 0.0)[None] if len(person) else blind(cloud)
+        return box(person[:, 0].min(), 0.0)[None] if len(person) else find_nothing(cloud)
 
     quick, late = (
         drive(street, detect, seconds=6.0, clock=lambda call, s=s: (call(), s), sensor=COARSE)
@@ -586,7 +590,7 @@ def test_a_late_detector_stops_later():
     assert late.hit is not None or late.metres > quick.metres + 0.5
 
 
-def test_the_clock_counts_work_and_no_hiccup():
+def test_the_clock_ignores_single_short_measurements():
     clock = Clock()
     answer, idle = clock(lambda: 7)
     assert answer == 7 and idle < 0.01
@@ -598,27 +602,27 @@ def test_the_clock_counts_work_and_no_hiccup():
     assert times[-1] > 0, "the middle one of the last five"
 
 
-# What it is judged by ----------------------------------------------------------------------
+# Measures of a drive -----------------------------------------------------------------------
 
 
-def test_distances_are_those_between_footprints():
+def test_distances_are_between_footprints():
     person = replace(pedestrian(), pose=Pose(5.0, 3.0), identity=1)  # 0.6 m by 0.6 m
     far = replace(pedestrian(), pose=Pose(0.0, 40.0), identity=2)
     gaps = distances(World(obstacles=(person, far)))
-    # From the corner (2.6, 0.9) to the corner (4.7, 2.7).
+    # This is the distance from the corner (2.6, 0.9) to the corner (4.7, 2.7).
     assert gaps == {1: pytest.approx(np.hypot(2.1, 1.8))}
 
 
-def test_twenty_streets_are_numbered_and_told_apart():
+def test_twenty_streets_have_numbers_and_different_titles():
     assert [street.number for street in STREETS] == list(range(1, 21))
     assert len({street.title for street in STREETS}) == 20
 
 
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
-def test_nothing_stands_in_our_lane_but_actors(street):
-    for thing_ in street.still.obstacles:
-        across = abs(thing_.pose.y + 1.2)
-        assert across - thing_.size[1] / 2 > 1.3 or abs(thing_.pose.y) > 5
+def test_only_actors_are_in_the_lane_of_the_ego_car(street):
+    for obstacle in street.still.obstacles:
+        across = abs(obstacle.pose.y + 1.2)
+        assert across - obstacle.size[1] / 2 > 1.3 or abs(obstacle.pose.y) > 5
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
@@ -628,26 +632,26 @@ def test_results_add_up():
     assert str(both).strip() == "150 m, 2 needless brakings, 1 collision"
 
 
-# How it is shown ---------------------------------------------------------------------------
+# Reports and films -------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_in_a_notebook_each_braking_opens_its_frame():
+def test_each_braking_in_a_notebook_links_to_its_frame():
     trip = drive_street(STREETS[0], occupied_squares, seconds=1.0, clock=on_time)
     page = trip._repr_html_()
     assert repr(trip) == str(trip)
     assert page.count("<details>") == len(trip.report.brakings) > 0
     assert page.count("data:image/png;base64,") == len(trip.report.brakings)
     assert "<script" not in page and "needless" in page and "aria-label" in page
-    # What opens a frame would be lost to a screen reader within something called a picture.
+    # A screen reader would skip the links to frames if their parent had the role of an image.
     assert "<svg" in page and "<a href='#braking-" in page and "role='img'" not in page
 
 
 @pytest.mark.slow
 def test_films_and_pages_are_written(tmp_path):
-    trip = drive_street(STREETS[0], blind, seconds=0.5, clock=on_time)
-    said = trip.save(tmp_path / "film.gif")
-    assert Image.open(tmp_path / "film.gif").n_frames == 3 and "street 1" in said
+    trip = drive_street(STREETS[0], find_nothing, seconds=0.5, clock=on_time)
+    message = trip.save(tmp_path / "film.gif")
+    assert Image.open(tmp_path / "film.gif").n_frames == 3 and "street 1" in message
     trip.save(tmp_path / "strip.html")
     assert "<svg" in (tmp_path / "strip.html").read_text("utf-8")
     with pytest.raises(ValueError, match="films end in"):
@@ -656,11 +660,11 @@ def test_films_and_pages_are_written(tmp_path):
 
 def test_the_command_drives_and_compares(capsys, monkeypatch):
     assert command.main(["--street", "1", "--seconds", "1"]) == 0
-    written = capsys.readouterr().out
-    assert "Street 1 · A quiet street: 8 m in 1 s." in written and "yours" in written
+    output = capsys.readouterr().out
+    assert "Street 1 · A quiet street: 8 m in 1 s." in output and "yours" in output
 
 
-def test_the_command_says_what_is_wrong(tmp_path, capsys):
+def test_the_command_explains_errors(tmp_path, capsys):
     cell = {"cell_type": "code", "source": "def filter_ground(cloud):\n    return cloud",
             "metadata": {}, "outputs": [], "execution_count": None}  # fmt: skip
     notebook = {"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 4}
@@ -677,19 +681,19 @@ def test_the_command_says_what_is_wrong(tmp_path, capsys):
             command.main(wrong)
 
 
-def test_ctrl_c_keeps_what_was_driven(capsys, monkeypatch):
+def test_ctrl_c_keeps_finished_drives(capsys, monkeypatch):
     driven = []
 
-    def stopped(street, *arguments, **options):
+    def stop_after_first(street, *arguments, **options):
         if driven:
             raise KeyboardInterrupt
         driven.append(street)
         return drive_street(street, seconds=1.0)
 
-    monkeypatch.setattr(command, "drive_street", stopped)
+    monkeypatch.setattr(command, "drive_street", stop_after_first)
     assert command.main(["--seconds", "1"]) == 130
-    written = capsys.readouterr().out
-    assert "Stopped." in written and "yours" in written
+    output = capsys.readouterr().out
+    assert "Stopped." in output and "yours" in output
 
 
 # Right and wrong detectors, each through a street ------------------------------------------
@@ -697,74 +701,74 @@ def test_ctrl_c_keeps_what_was_driven(capsys, monkeypatch):
 
 @pytest.mark.proof
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
-def test_who_sees_nothing_hits_whoever_is_there(street):
-    """So every street that has somebody in the way asks for a detector."""
-    trip = drive(street, blind, clock=on_time, sensor=BLINKERED)
+def test_without_boxes_the_car_hits_the_actors_of_every_street(street):
+    """A drive without a detector ends in a collision on every street that has actors."""
+    trip = drive(street, find_nothing, clock=on_time, sensor=BLINKERED)
     assert (trip.hit is not None) == bool(street.actors)
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("name", standards([]))
-def test_what_is_stored_of_others_is_what_they_do(name):
-    standards = "solutions.stage4_realtime.12_streaming_obstacles.drive_standards"
-    for number, result in importlib.import_module(standards).drive_all(name).items():
+def test_stored_standards_agree_with_new_drives(name):
+    module = "solutions.stage4_realtime.12_streaming_obstacles.drive_standards"
+    for number, result in importlib.import_module(module).drive_all(name).items():
         stored = standards([number])[name]
         assert result.metres == pytest.approx(stored.metres, abs=1.0), number
         assert (result.needless, result.collisions) == (stored.needless, stored.collisions), number
 
 
-def test_lesson_12_says_what_the_course_does():
-    done = standards(range(1, 21))["the course's detector"]
-    (lesson,) = [one for one in all_lessons() if one.number == "12"]
-    assert done.collisions == done.near_misses == 0
-    times = "once" if done.needless == 1 else f"{done.needless} times"
-    said = f"brakes for nothing {times} in {done.metres / 1000:.1f} km"
-    assert said in lesson.source.read_text("utf-8")
+def test_lesson_12_states_the_result_of_the_courses_detector():
+    result = standards(range(1, 21))["the course's detector"]
+    (lesson,) = [lesson for lesson in all_lessons() if lesson.number == "12"]
+    assert result.collisions == result.near_misses == 0
+    times = "once" if result.needless == 1 else f"{result.needless} times"
+    claim = f"brakes for nothing {times} in {result.metres / 1000:.1f} km"
+    assert claim in lesson.source.read_text("utf-8")
 
 
-def level(metres):
+def above(metres):
     return chain(ground=lambda points: points[points[:, 2] >= metres])
 
 
 def half_width(metres):
-    low, high = (-5, -metres, -2.5), (35, metres, 1)  # of lesson 07
+    low, high = (-5, -metres, -2.5), (35, metres, 1)  # the region of lesson 07
     return chain(region=lambda points: points[((points >= low) & (points <= high)).all(axis=1)])
 
 
-def smallest(count):
+def at_least(count):
     return chain(keep=lambda labels: np.where(np.bincount(labels)[labels] < count, 0, labels))
 
 
-def pieces(threshold):
+def within(threshold):
     cluster = DBSCAN(eps=threshold, min_samples=1)
     return chain(cluster=lambda points: cluster.fit_predict(points) + 1, voxel=0.4)
 
 
 def along_the_axes(points, labels):
-    ends = [[pick(points[labels == one], axis=0) for pick in (np.min, np.max)]
-            for one in np.unique(labels[labels > 0])]  # fmt: skip
+    ends = [[pick(points[labels == label], axis=0) for pick in (np.min, np.max)]
+            for label in np.unique(labels[labels > 0])]  # fmt: skip
     rows = [[[ends_[k >> axis & 1][axis] for axis in range(3)] for k in range(8)] for ends_ in ends]
     return np.reshape(rows, (-1, 8, 3))
 
 
-# What lessons say of a drive: a street, a detector, words of the drive, and words that
-# are not in it.
-SAID = {
-    "06: -1.2 m is asphalt": (6, level(-1.2), "road taken for an obstacle", "ends"),
-    "06: -0.6 m drives on": (6, level(-0.6), "", "needless"),
-    "05: 0.2 m is pieces": (11, pieces(0.2), "had a box in none", "needless"),
-    "05: 0.5 m is two people": (11, pieces(0.5), "a person", "ends"),
-    "06: -0.6 m is blind downhill": (16, level(-0.6), "The drive ends at a person", "needless"),
+# Claims of lessons about a drive: a street, a detector, words that the report of the drive
+# contains, and words that it does not contain.
+CLAIMS = {
+    "06: -1.2 m is asphalt": (6, above(-1.2), "road taken for an obstacle", "ends"),
+    "06: -0.6 m drives on": (6, above(-0.6), "", "needless"),
+    "05: 0.2 m is pieces": (11, within(0.2), "had a box in none", "needless"),
+    "05: 0.5 m is two people": (11, within(0.5), "a person", "ends"),
+    "06: -0.6 m is blind downhill": (16, above(-0.6), "The drive ends at a person", "needless"),
     "07: 1.6 m is too narrow": (2, half_width(1.6), "The drive ends at a person", "needless"),
-    "05: 0.9 m is a box that jumps": (11, pieces(0.9), "8.6 s  a person in our lane", "needless"),
-    "05: and it is late": (11, pieces(0.9), "The drive ends at a person", "needless"),
+    "05: 0.9 m is a box that jumps": (11, within(0.9), "8.6 s  a person in our lane", "needless"),
+    "05: and it is late": (11, within(0.9), "The drive ends at a person", "needless"),
     "07: 6 m is enough": (2, half_width(6.0), "a person", "ends"),
     "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "ends"),
     "07: 2.2 m is late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
     "07: and too late": (2, half_width(2.2), "The drive ends at a person", "needless"),
-    "09: 100 points drop a cyclist": (3, smallest(100), "The drive ends at a cyclist", "needless"),
-    "09: 10 points do not": (3, smallest(10), "a cyclist", "ends"),
-    "09: 1 point is rain": (8, smallest(1), "rain taken for an obstacle", "ends"),
+    "09: 100 points drop a cyclist": (3, at_least(100), "The drive ends at a cyclist", "needless"),
+    "09: 10 points do not": (3, at_least(10), "a cyclist", "ends"),
+    "09: 1 point is rain": (8, at_least(1), "rain taken for an obstacle", "ends"),
     "08: 12 degrees": (
         1,
         askew(chain(boxes=along_the_axes), 12.0),
@@ -773,21 +777,21 @@ SAID = {
     ),
     "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
     "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "ends"),
-    "09: 10 points drive on": (8, smallest(10), "", "rain"),
+    "09: 10 points drive on": (8, at_least(10), "", "rain"),
 }
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize("claim", SAID)
-def test_a_lesson_says_what_happens(claim):
-    street, detect, words, others = SAID[claim]
-    said = str(drive_street(street, detect, seconds=13.0, clock=on_time))
-    assert words in said and others not in said, said
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_claims_of_lessons_about_drives_are_true(claim):
+    street, detect, words, absent = CLAIMS[claim]
+    report = str(drive_street(street, detect, seconds=13.0, clock=on_time))
+    assert words in report and absent not in report, report
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("degrees", "first"), [(4.0, ""), (5.0, "a lorry"), (8.0, "a car")])
-def test_lesson_08_says_which_box_blocks_the_lane_first(degrees, first):
+def test_the_first_box_that_blocks_the_lane_agrees_with_lesson_08(degrees, first):
     detect = askew(chain(boxes=along_the_axes), degrees)
     trip = drive_street(1, detect, seconds=10.0, clock=on_time)
     assert bool(trip.report.brakings) == bool(first) and first in str(trip)
@@ -795,19 +799,19 @@ def test_lesson_08_says_which_box_blocks_the_lane_first(degrees, first):
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("threshold", "shared", "scans"), [(0.5, 3, 10), (0.6, 13, 14)])
-def test_lesson_05_says_how_often_two_people_share_a_box(threshold, shared, scans):
-    """Whose point is whose, the scan tells; both must have ten of them in clusters."""
+def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, scans):
+    """The scan knows the owner of each point; each person must have a cluster of ten points."""
     calls, cluster = [], DBSCAN(eps=threshold, min_samples=1)
 
     def clusters(points):
         calls.append((points, cluster.fit_predict(points) + 1))
         return calls[-1][1]
 
-    told = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
-    people = [one for one, kind in told.street.road_users.items() if kind == "pedestrian"][-2:]
+    result = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
+    people = [one for one, kind in result.street.road_users.items() if kind == "pedestrian"][-2:]
     together = []
-    for number, (points, labels) in enumerate(calls[1:]):  # the first scan was asked twice
-        frame = told.frame(number)
+    for number, (points, labels) in enumerate(calls[1:]):  # the first scan was clustered twice
+        frame = result.frame(number)
         owner = frame.scan.objects[cKDTree(frame.cloud[:, :3]).query(points)[1]]
         large = np.bincount(labels) >= 10
         theirs = [{one for one in labels[owner == person] if large[one]} for person in people]
@@ -816,7 +820,7 @@ def test_lesson_05_says_how_often_two_people_share_a_box(threshold, shared, scan
     assert (sum(together), len(together)) == (shared, scans)
 
 
-# A wrong detector, a street, and what its drive says.
+# Name of a wrong detector, a street, and words in the report of its drive.
 WRONG = [
     ("nothing is ever in the way", 2, "had a box in none"),
     ("one box around everything", 1, "needless: "),
@@ -833,9 +837,9 @@ WRONG = [
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
-def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words, tmp_path):
+def test_a_wrong_detector_fails_for_the_expected_reason(name, street, words, tmp_path):
     (variant,) = [answer for answer in answers_to("detect_obstacles") if answer.name == name]
-    (lesson,) = [one for one in all_lessons() if one.number == "12"]
+    (lesson,) = [lesson for lesson in all_lessons() if lesson.number == "12"]
     notebook = tmp_path / "12_streaming_obstacles.ipynb"
     notebook.write_text(fill_in(lesson, {"detect_obstacles": variant.source}), "utf-8")
     detect, _ = load_detector(str(notebook))

@@ -1,4 +1,4 @@
-"""One edit: what a slip of the pen is, undone."""
+"""Edits that undo a slip, which is a mistake of one small edit."""
 
 import ast
 import textwrap
@@ -8,7 +8,7 @@ import pytest
 from utils.notebooks import slicing
 from utils.notebooks.edits import MOST_EDITS, edits_of
 
-# Wrong lines, and the right ones, in the body of a function of these names.
+# Wrong lines and right lines of a function's body; `function` has their names as parameters.
 SLIPS = {
     "an operator": ("return x + y * z", "return x + y / z"),
     "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),
@@ -139,7 +139,7 @@ def test_a_slip_is_one_edit_away(slip):
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_the_lines_of_an_edit_make_its_statement(slip):
-    """In the middle of a notebook, behind signs of more than one byte and beside decorators."""
+    """The function has a decorator, and characters of several bytes come before it."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
     edits = edits_in(*cells)
@@ -163,7 +163,7 @@ def test_docstrings_and_signatures_stay():
 
 
 @pytest.mark.slow
-def test_there_are_not_too_many():
+def test_the_number_of_edits_is_limited():
     long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
     assert len(edits_in(long)) == MOST_EDITS
     longer = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(200)))
@@ -180,6 +180,6 @@ def test_there_are_not_too_many():
         "def f(x):\n    class A(metaclass=type):\n        pass\n    return A",
     ],
 )
-def test_unusual_texts_harm_nobody(text):
+def test_unusual_code_does_not_raise(text):
     for edit in edits_in(text):
         assert edit.first >= 1

@@ -1,4 +1,4 @@
-"""Who is on the roster is entered, and nobody else; no folder of theirs loses anything."""
+"""Only students on the roster are entered, and no folder of theirs loses a file."""
 
 import os
 import shlex
@@ -37,7 +37,7 @@ ROSTER = (
 
 @pytest.fixture
 def course(tmp_path):
-    """A course with a roster; Ada and Bob handed in."""
+    """Return a course with a roster; Ada and Bob have submitted."""
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     return made
@@ -51,13 +51,13 @@ def students(course):
         }
 
 
-def trouble_in(course, earned=EARNED):
+def error_lines(course, earned=EARNED):
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     return str(trouble.value).splitlines()[1:]
 
 
-def test_everybody_on_the_roster_is_in_the_gradebook_by_name(course):
+def test_all_students_on_the_roster_are_in_the_gradebook(course):
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert students(course) == {
         "ada": ("Ada", "Ash", "ada@x.edu", "8"),
@@ -68,7 +68,7 @@ def test_everybody_on_the_roster_is_in_the_gradebook_by_name(course):
     assert {student for student, _ in marks(course)} == {"ada", "bob"}
 
 
-def test_what_changes_on_the_roster_arrives_and_what_it_leaves_blank_stays(course):
+def test_changes_of_the_roster_are_entered_but_blank_cells_change_nothing(course):
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("bob", email="bob@home.edu")
@@ -77,14 +77,14 @@ def test_what_changes_on_the_roster_arrives_and_what_it_leaves_blank_stays(cours
     assert students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
 
 
-def test_who_is_not_on_the_roster_is_asked_about_and_not_entered(course):
+def test_students_who_are_not_on_the_roster_are_named_and_not_entered(course):
     hand_in(course, "ghost", GROUND)
-    sentences = trouble_in(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
+    sentences = error_lines(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
     assert sentences == [
         "'ghost' is not on the roster, so that its marks are not entered. Either add a line for "
         "'ghost' to roster.csv, or rename the folder to the id of whoever it is."
     ]
-    assert "ghost" not in students(course) and {one for one, _ in marks(course)} == {"ada", "bob"}
+    assert "ghost" not in students(course) and {name for name, _ in marks(course)} == {"ada", "bob"}
     assert not (course.autograded / "ghost").exists()
     (course.root / "roster.csv").write_text(ROSTER + "ghost\n")
     enter_verdicts(
@@ -93,12 +93,14 @@ def test_who_is_not_on_the_roster_is_asked_about_and_not_entered(course):
     assert marks(course)["ghost", "test_voxel_grid"][0] == 20
 
 
-def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
+def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
-    assert len(trouble_in(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
+    assert len(error_lines(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
-    assert marks(course)["bob", "test_filter_by_distance"][0] == 18  # and nobody else waits
+    assert (
+        marks(course)["bob", "test_filter_by_distance"][0] == 18
+    )  # other students are still graded
     (sentence,) = notes(course, class_results(course), None)
     assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")
@@ -106,7 +108,7 @@ def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("folder", ["yan ", "YAN", "  Yan"])
-def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
+def test_an_id_in_another_spelling_is_matched(course, folder):
     hand_in(course, folder, GROUND)
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5)}}
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
@@ -122,9 +124,9 @@ def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
 def test_two_folders_of_one_student_lose_nothing(course):
     hand_in(course, "yan", GROUND)
     hand_in(course, "yan ", DISTANCE)
-    place = course.submitted / "yan " / STAGE
-    (place / "helper.py").write_text("x = 1")
-    (place / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
+    folder = course.submitted / "yan " / STAGE
+    (folder / "helper.py").write_text("x = 1")
+    (folder / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
     (course.submitted / "yan" / STAGE / "timestamp.txt").write_text("2026-02-01 13:00:00 UTC")
     (course.submitted / "yan" / STAGE / "plan.txt").write_text("mine")
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5), DISTANCE: (3.0, 2.0, 1.0)}}
@@ -141,7 +143,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
         "timestamp.txt",
     }
     stage = class_results(course).stage("yan", STAGE)
-    assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the last that was handed in
+    assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")
     before = inode(course, "yan")
@@ -149,7 +151,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     assert inode(course, "yan") == before
 
 
-def test_of_one_lesson_in_two_folders_the_newest_counts_and_the_other_is_named(course):
+def test_the_newest_of_two_folders_counts_and_the_other_is_named(course):
     for age, folder in enumerate(("yan ", "yan")):
         hand_in(course, folder, GROUND, " " * age)
         path = course.submitted / folder / STAGE / f"{GROUND.name}.ipynb"
@@ -163,7 +165,7 @@ def test_of_one_lesson_in_two_folders_the_newest_counts_and_the_other_is_named(c
     assert f"The newest, {paths_named[0]}, was judged, and not {paths_named[1]}." in note
 
 
-def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course):
+def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     hand_in(course, "Yip, Yan", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
@@ -186,7 +188,7 @@ def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course
     assert len(found[GROUND].older) == 1 and found[DISTANCE].older == ()
 
 
-def test_where_it_may_be_of_two_both_are_named(course):
+def test_both_possible_owners_of_a_folder_are_named(course):
     (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
     hand_in(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
@@ -195,7 +197,7 @@ def test_where_it_may_be_of_two_both_are_named(course):
     )
 
 
-def test_without_a_roster_everybody_is_entered(course):
+def test_without_a_roster_all_students_are_entered(course):
     (course.root / "roster.csv").unlink()
     hand_in(course, "ghost", GROUND)
     enter_verdicts(
@@ -204,7 +206,7 @@ def test_without_a_roster_everybody_is_entered(course):
     assert set(students(course)) == {"ada", "bob", "ghost"}
 
 
-def test_nbgrader_is_told_not_to_make_students_where_there_is_a_roster(course):
+def test_with_a_roster_nbgrader_does_not_create_students(course):
     from grader.course.nbgrader_settings import course_settings
 
     assert course_settings(course.root).Autograde.create_student is False

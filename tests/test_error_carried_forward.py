@@ -1,4 +1,4 @@
-"""An exercise that calls a wrong one keeps what its own work is worth."""
+"""An exercise that calls a wrong function keeps the points for its own work."""
 
 import ast
 import shutil
@@ -15,7 +15,7 @@ LESSON = find_lesson("02_ransac_line")
 
 
 def source_of(exercise, name=""):
-    """The lesson's own solution of an exercise, or one of its variants."""
+    """Return the source of an exercise: the lesson's solution, or the kept answer `name`."""
     if not name:
         statements, _ = slicing.parse_notebook([LESSON.source.read_text("utf-8")])
         return next(
@@ -24,9 +24,9 @@ def source_of(exercise, name=""):
     return next(answer.source for answer in answers_to(exercise) if answer.name == name)
 
 
-def judged(answers, sandbox, tmp_path):
-    """Results by exercise, where all others are right."""
-    right = {one.name: source_of(one.name) for one in LESSON.machine_graded}
+def judge_with(answers, sandbox, tmp_path):
+    """Judge a notebook with the given answers and right ones elsewhere; return results by name."""
+    right = {exercise.name: source_of(exercise.name) for exercise in LESSON.machine_graded}
     path = tmp_path / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, right | answers), "utf-8")
     return {exercise.name: exercise for exercise in judge(path, 7, sandbox).exercises}
@@ -44,7 +44,7 @@ def judged(answers, sandbox, tmp_path):
     ],
 )
 def test_what_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_path):
-    results = judged({helper: source_of(helper, name)}, sandbox, tmp_path)
+    results = judge_with({helper: source_of(helper, name)}, sandbox, tmp_path)
     assert results[helper].score < results[helper].max_score
     calls = results["ransac_line"]
     assert calls.score == calls.max_score
@@ -53,10 +53,10 @@ def test_what_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_p
 
 
 @pytest.mark.slow
-def test_what_is_wrong_itself_still_loses_points(sandbox, tmp_path):
+def test_own_mistakes_still_lose_points(sandbox, tmp_path):
     helper = source_of("line_through", "the normal has any length")
     gives_up = source_of("ransac_line").replace("continue", "break")
-    results = judged({"line_through": helper, "ransac_line": gives_up}, sandbox, tmp_path)
+    results = judge_with({"line_through": helper, "ransac_line": gives_up}, sandbox, tmp_path)
     calls = results["ransac_line"]
     assert 0.8 * calls.max_score < calls.score < calls.max_score
     assert "line_through, which ransac_line calls, is wrong." in calls.cause
@@ -69,7 +69,7 @@ def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
         "line_through": source_of("line_through", "c with the wrong sign"),
         "point_line_distance": source_of("point_line_distance", "c forgotten"),
     }
-    calls = judged(helpers, sandbox, tmp_path)["ransac_line"]
+    calls = judge_with(helpers, sandbox, tmp_path)["ransac_line"]
     assert calls.score == calls.max_score
     assert "line_through and point_line_distance, which ransac_line calls, are wrong" in calls.cause
 
@@ -77,7 +77,7 @@ def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
 @pytest.mark.slow
 def test_a_right_helper_is_not_blamed(sandbox, tmp_path):
     gives_up = source_of("ransac_line").replace("continue", "break")
-    calls = judged({"ransac_line": gives_up}, sandbox, tmp_path)["ransac_line"]
+    calls = judge_with({"ransac_line": gives_up}, sandbox, tmp_path)["ransac_line"]
     assert calls.score < calls.max_score
     assert "which ransac_line calls" not in calls.cause
 
@@ -86,39 +86,41 @@ PLANE = find_lesson("03_ransac_plane")
 
 
 @pytest.fixture
-def moved(tmp_path, monkeypatch):
-    """The lesson on planes, of which source and solution lie where a test can spoil them."""
+def copied(tmp_path, monkeypatch):
+    """Copy the source and solution of the lesson on planes, so that a test can change them."""
     folder = tmp_path / "solutions" / PLANE.name
     folder.mkdir(parents=True)
     shutil.copy(PLANE.source, folder)
     shutil.copy(PLANE.solved, folder.parent)
     monkeypatch.setattr(Lesson, "source", folder / PLANE.source.name)
     monkeypatch.setattr(Lesson, "solved", folder.parent / PLANE.solved.name)
-    monkeypatch.setattr(judging, "verdict_key", lambda *about: "")  # is of the project's own files
+    monkeypatch.setattr(
+        judging, "verdict_key", lambda *about: ""
+    )  # it covers only the project's files
     return Lesson(PLANE.name, PLANE.stage)
 
 
-def spoil(path):
-    """Let an author slip: plane_through returns normals of any length."""
+def add_slip(path):
+    """Add a slip to plane_through: its normals do not have unit length."""
     text = path.read_text("utf-8")
     assert text.count("normal = normal / length") == 1
     path.write_text(text.replace("normal = normal / length", "normal = normal * length"), "utf-8")
 
 
 @pytest.mark.slow
-def test_a_slip_in_a_source_that_was_not_built_has_no_say(moved, sandbox, tmp_path):
+def test_a_slip_in_a_source_that_was_not_built_has_no_effect(copied, sandbox, tmp_path):
     path = tmp_path / PLANE.solved.name
     shutil.copy(PLANE.solved, path)
-    spoil(path)  # the student's own slip
-    spoil(moved.source)
-    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox, moved).exercises}
+    add_slip(path)  # the student's own slip
+    add_slip(copied.source)
+    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox, copied).exercises}
     assert results["plane_through"].score < results["plane_through"].max_score
     assert results["ransac_plane"].score == results["ransac_plane"].max_score
     assert "plane_through, which ransac_plane calls, is wrong." in results["ransac_plane"].cause
 
 
 @pytest.mark.slow
-def test_a_slip_in_what_was_built_is_found_before_anybody_is_judged(moved, sandbox):
-    find_fault = judging.complaints_about_reference.__wrapped__  # it remembers other answers
-    spoil(moved.solved)
-    assert any(one.startswith("plane_through, ") for one in find_fault(moved, 7, sandbox))
+def test_a_slip_in_the_built_solution_is_found_before_judging(copied, sandbox):
+    find_fault = judging.complaints_about_reference.__wrapped__  # without its cache
+    add_slip(copied.solved)
+    assert any(text.startswith("plane_through, ") for text in find_fault(copied, 7, sandbox))

@@ -1,4 +1,4 @@
-"""Lesson 11: get_oriented_boxes calls principal_axes, and answers for its own work alone."""
+"""Lesson 11: get_oriented_boxes calls principal_axes, but loses points only for its own work."""
 
 import pytest
 
@@ -11,7 +11,7 @@ from utils.checks.core import ChecksFailed
 pytestmark = pytest.mark.slow
 
 LESSON = find_lesson("11_pca_boxes")
-# As the lesson's hints spell it out, on whatever principal_axes there is.
+# A solution that follows the hints of the lesson and uses any principal_axes.
 AS_HINTED = """\
 def get_oriented_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -36,7 +36,7 @@ def wrong_axes(name):
 
 
 def results(axes, boxes, sandbox, folder):
-    """How the two exercises fare."""
+    """Judge the two answers; return the results of both exercises by name."""
     path = folder / f"{LESSON.name}.ipynb"
     answers = {"principal_axes": axes, "get_oriented_boxes": boxes}
     path.write_text(fill_in(LESSON, answers), "utf-8")
@@ -47,19 +47,19 @@ def results(axes, boxes, sandbox, folder):
     "axes, least",
     [
         (STUB, 0),
-        # One missing [:, ::-1] cost all 30 points of the lesson.
+        # One missing [:, ::-1] used to cost all 30 points of the lesson.
         (wrong_axes("columns left in ascending order"), 6),
         (wrong_axes("np.cov of rows instead of columns"), 0),
     ],
     ids=["stub", "ascending", "np.cov of rows"],
 )
 def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_path):
-    fared = results(axes, AS_HINTED, sandbox, tmp_path)
-    boxes = fared["get_oriented_boxes"]
+    judged = results(axes, AS_HINTED, sandbox, tmp_path)
+    boxes = judged["get_oriented_boxes"]
     assert boxes.score == boxes.max_score == 20
     assert "principal_axes, which get_oriented_boxes calls, is wrong" in boxes.cause
     assert "not started" not in boxes.cause
-    assert least <= fared["principal_axes"].score < 10
+    assert least <= judged["principal_axes"].score < 10
 
 
 @pytest.mark.parametrize("axes", ["not centred", "left-handed at times"])
@@ -75,8 +75,8 @@ def test_wrong_boxes_keep_their_own_mistake(sandbox, tmp_path):
 
 
 def test_a_notebook_names_the_function_that_is_not_written(capsys):
-    space = {}
-    exec("import numpy as np\n" + STUB + AS_HINTED, space)
+    namespace = {}
+    exec("import numpy as np\n" + STUB + AS_HINTED, namespace)
     with pytest.raises(ChecksFailed, match="calls principal_axes, which is not written yet"):
-        check(space["get_oriented_boxes"])
+        check(namespace["get_oriented_boxes"])
     assert "get_oriented_boxes is not started" not in capsys.readouterr().out
