@@ -1,4 +1,4 @@
-"""Every scenario is played, on a machine without a screen and, pretended, on one with."""
+"""The player shows every scenario, without a screen and with a simulated one."""
 
 import importlib.util
 import subprocess
@@ -29,7 +29,7 @@ def without_screen(monkeypatch, tmp_path):
 
 @pytest.fixture
 def notebook(monkeypatch):
-    """Pretend that notebooks define what a test puts in here."""
+    """Namespace that replaces the functions loaded from a notebook; a test fills it."""
     functions = SimpleNamespace()
     module = ModuleType("utils.notebooks.my_functions")
     module.load_my_functions = lambda path: functions
@@ -41,12 +41,12 @@ def notebook(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "frames"), [("highway", 2), ("city", 1), ("city", 2), ("cyclist", 2)]
 )
-def test_the_scenarios_of_the_sources_are_played(name, frames, tmp_path, capsys):
+def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
     assert play.main([name, "--frames", str(frames), "--record", "film.gif", *SMALL]) == 0
     assert Image.open("film.gif").n_frames == frames
-    written = capsys.readouterr().out
-    assert "the true ones, which the simulator knows" in written
-    assert f"{frames} frame" in written
+    output = capsys.readouterr().out
+    assert "the true ones, which the simulator knows" in output
+    assert f"{frames} frame" in output
 
 
 def test_a_whole_stream_comes_from_the_cache(tmp_path):
@@ -68,13 +68,13 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
 
 
 def test_bags_are_opened_with_their_topic(monkeypatch):
-    asked = []
-    monkeypatch.setattr("utils.recordings.read_bag", lambda *question: asked.append(question) or [])
+    seen = []
+    monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])
     play.open_programme("drive.bag", topic="/points")
-    assert asked == [(Path("drive.bag"), "/points")]
+    assert seen == [(Path("drive.bag"), "/points")]
 
 
-def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, capsys):
+def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, capsys):
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
@@ -82,7 +82,7 @@ def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, c
 
 
 def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
-    # All other packages are found: whether PyVista is there is asked once and remembered.
+    # All other packages are found, because the check for PyVista is made once and cached.
     find_spec = importlib.util.find_spec
     hidden = {"imageio_ffmpeg"}
     monkeypatch.setattr(
@@ -95,7 +95,7 @@ def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
     assert "so the film goes into highway.gif" in capsys.readouterr().out
 
 
-def test_a_notebook_is_the_detector(notebook, capsys):
+def test_a_notebook_provides_the_detector(notebook, capsys):
     seen = []
     notebook.detect_obstacles = lambda cloud: seen.append(len(cloud)) or np.empty((0, 8, 3))
     arguments = ["highway", "--frames", "2", "--detector", "mine.ipynb", "--record", "film.gif"]
@@ -104,11 +104,11 @@ def test_a_notebook_is_the_detector(notebook, capsys):
     assert "0 boxes per frame; detection took" in capsys.readouterr().out
 
 
-def test_a_notebook_without_detector_is_told_what_it_has(notebook, capsys):
+def test_a_notebook_without_detector_gets_a_list_of_its_functions(notebook, capsys):
     notebook.filter_ground = len
     assert play.main(["highway", "--detector", "06_filter_ground.ipynb"]) == 2
-    written = capsys.readouterr().out
-    assert "no function detect_obstacles(cloud)" in written and "filter_ground" in written
+    output = capsys.readouterr().out
+    assert "no function detect_obstacles(cloud)" in output and "filter_ground" in output
 
 
 def test_the_detector_takes_settings(notebook, capsys):
@@ -130,7 +130,7 @@ def test_the_detector_takes_settings(notebook, capsys):
             play.main([*arguments, "--set", wrong])
 
 
-def test_a_stub_is_no_detector(notebook, capsys):
+def test_a_stub_is_rejected_as_detector(notebook, capsys):
     def detect_obstacles(cloud):
         raise NotImplementedError
 
@@ -140,22 +140,22 @@ def test_a_stub_is_no_detector(notebook, capsys):
     assert "is not written yet" in capsys.readouterr().out
 
 
-def test_boxes_carry_the_names_that_matching_gives(notebook):
+def test_boxes_have_the_track_ids_that_matching_assigns(notebook):
     frames = [np.full((4, 4), float(number)) for number in range(3)]
     boxes = [np.zeros((2, 8, 3)), np.zeros((1, 8, 3)), np.zeros((2, 8, 3))]
     partners = iter([[-1, -1], [1], [-1, 0]])
     notebook.detect_obstacles = lambda cloud: boxes[int(cloud[0, 0])]
     notebook.match_boxes = lambda previous, current, limit: next(partners)
     detect, tracker = play.load_detector("mine.ipynb")
-    sights = list(play.watch(frames, detect, tracker))
-    assert [sight.names for sight in sights] == [(1, 2), (2,), (3, 2)]
-    # Nobody waits for what has no box, as nobody wrote `coast`.
-    assert [sorted(len(trail) for trail in sight.trails) for sight in sights] == [
+    views = list(play.watch(frames, detect, tracker))
+    assert [view.names for view in views] == [(1, 2), (2,), (3, 2)]
+    # A track without a box ends at once, because the notebook has no `coast` function.
+    assert [sorted(len(trail) for trail in view.trails) for view in views] == [
         [1, 1], [2], [1, 3]
     ]  # fmt: skip
 
 
-def test_what_is_not_there_is_told_in_a_sentence(capsys):
+def test_missing_folders_and_bad_options_give_a_message(capsys):
     assert play.main(["no_such_folder"]) == 2
     assert "no folder" in capsys.readouterr().out
     assert play.main(["highway", "--frames", "1", "--record", "film.avi"]) == 2
@@ -166,25 +166,25 @@ def test_what_is_not_there_is_told_in_a_sentence(capsys):
 
 
 def test_layers_are_switched_from_the_command_line(monkeypatch):
-    composed = []
+    compose_functions = []
     monkeypatch.setattr(
         play,
         "record",
         lambda frames, path, detect, *, compose, **_: (
-            composed.append(compose) or SimpleNamespace(path=path, recap="")
+            compose_functions.append(compose) or SimpleNamespace(path=path, recap="")
         ),
     )
     arguments = ["highway", "--frames", "1", "--record", "f.gif", "--hide", "scene", "ego_car_box"]
     play.main(arguments)
     play.main([*arguments, "--show", "lidar_rays"])
-    sight = next(play.watch(scenes.highway(frames=1)))
-    layers = [{part.layer for part in compose(sight).parts} for compose in composed]
+    view = next(play.watch(scenes.highway(frames=1)))
+    layers = [{part.layer for part in compose(view).parts} for compose in compose_functions]
     assert layers[0] == {"data_points", "oriented_boxes"}
     assert layers[1] - layers[0] == {"lidar_rays"}
 
 
-class PretendedWindow:
-    """Stands for a window; the reader closes it after the second frame."""
+class FakeWindow:
+    """Stand-in for a window that the user closes after the second frame."""
 
     opened = []
 
@@ -206,16 +206,16 @@ class PretendedWindow:
         self.open = False
 
 
-def test_with_a_screen_it_plays_until_the_window_is_closed(monkeypatch, tmp_path):
+def test_with_a_screen_frames_are_played_until_the_window_is_closed(monkeypatch, tmp_path):
     monkeypatch.setattr(play, "has_screen", lambda: True)
-    monkeypatch.setattr(with_pyvista, "Window", PretendedWindow)
+    monkeypatch.setattr(with_pyvista, "Window", FakeWindow)
     assert play.main(["highway", "--frames", "5"]) == 0
-    (window,) = PretendedWindow.opened
+    (window,) = FakeWindow.opened
     assert window.shown == ["frame 1 of 5 · 0.0 s", "frame 2 of 5 · 0.1 s"]
     assert window.stayed and not list(tmp_path.glob("*.mp4"))
 
 
-def test_help_names_what_can_be_played():
+def test_help_lists_everything_that_can_be_played():
     done = subprocess.run(
         [sys.executable, "-m", "utils.play", "--help"], cwd=PROJECT, capture_output=True, text=True,
         timeout=600,

@@ -1,4 +1,4 @@
-"""Every figure is really drawn: for clouds of every size, and for what students pass by mistake."""
+"""Every figure is rendered, for clouds of every size and for typical wrong arguments."""
 
 import io
 import subprocess
@@ -30,7 +30,7 @@ class Node:
         self.point, self.index, self.left, self.right = point, index, left, right
 
 
-def balanced(points, rows=None, depth=0):
+def balanced_tree(points, rows=None, depth=0):
     rows = np.arange(len(points)) if rows is None else rows
     if not len(rows):
         return None
@@ -39,13 +39,13 @@ def balanced(points, rows=None, depth=0):
     return Node(
         points[rows[middle]],
         int(rows[middle]),
-        balanced(points, rows[:middle], depth + 1),
-        balanced(points, rows[middle + 1 :], depth + 1),
+        balanced_tree(points, rows[:middle], depth + 1),
+        balanced_tree(points, rows[middle + 1 :], depth + 1),
     )
 
 
 def street(n, columns=4, seed=0):
-    """A scan between two walls: beam after beam, as a scanner with 64 beams gives it."""
+    """Return a scan of a street between two walls, in the order of a scanner with 64 beams."""
     rng = np.random.default_rng(seed)
     beam = np.arange(n) % 64
     azimuth = np.linspace(-np.pi, np.pi, n)
@@ -67,7 +67,7 @@ CLOUDS = {
 
 
 def _blocks(cloud):
-    """Labels 0..399 of neighbouring points."""
+    """Return a label from 0 to 399 for each point; labels repeat in a grid of 2 m cells."""
     place = np.floor(np.nan_to_num(cloud[:, :2], posinf=0) / 2.0).astype(int) % 20
     return place @ [20, 1]
 
@@ -129,13 +129,13 @@ SMALL = {
     ),
     "line_model, no points": lambda **more: plots.line_model(np.empty((0, 2)), (0, 1, 0), **more),
     "plane_model, None": lambda **more: plots.plane_model(BOX, None, **more),
-    "kd_splits": lambda **more: plots.kd_splits(QUIZ, balanced(QUIZ), **more),
+    "kd_splits": lambda **more: plots.kd_splits(QUIZ, balanced_tree(QUIZ), **more),
     "kd_splits, empty": lambda **more: plots.kd_splits(np.empty((0, 2)), None, **more),
-    "kd_tree": lambda **more: plots.kd_tree(balanced(QUIZ), **more),
-    "kd_tree, large": lambda **more: plots.kd_tree(balanced(street(800, 3)), **more),
+    "kd_tree": lambda **more: plots.kd_tree(balanced_tree(QUIZ), **more),
+    "kd_tree, large": lambda **more: plots.kd_tree(balanced_tree(street(800, 3)), **more),
     "kd_tree, empty": lambda **more: plots.kd_tree(None, **more),
     "kd_search": lambda **more: plots.kd_search(
-        QUIZ, balanced(QUIZ), (-6, 7), 3.0, [7, 0, 3, 9], found=[0, 3], **more
+        QUIZ, balanced_tree(QUIZ), (-6, 7), 3.0, [7, 0, 3, 9], found=[0, 3], **more
     ),
     "kd_search, plain": lambda **more: plots.kd_search(QUIZ, None, (-6, 7), 3.0, **more),
     "boxes, alone": lambda **more: plots.boxes(BOX[None], view="side", reference=True, **more),
@@ -164,8 +164,8 @@ ROWS = {
 
 
 @pytest.fixture(autouse=True)
-def strict():
-    """Warnings are errors, figures are closed, and the reader's settings stay as they were."""
+def strict_warnings():
+    """Turn warnings into errors, close all figures and require unchanged Matplotlib settings."""
     before = dict(matplotlib.rcParams)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -177,7 +177,7 @@ def strict():
 
 
 def png(axes):
-    """Draw as a notebook does, and return the bytes."""
+    """Return a figure as the bytes of a PNG file, rendered the way a notebook does it."""
     file = io.BytesIO()
     axes.figure.savefig(file, format="png", bbox_inches="tight")
     return file.getvalue()
@@ -240,7 +240,7 @@ def test_rows_of_panels(figure):
         draw(axes=plt.subplots(1, count + 1)[1])
 
 
-def test_inputs_stay_untouched():
+def test_inputs_are_not_modified():
     cloud = street(400)
     copy = cloud.copy()
     plots.from_above(cloud)
@@ -286,21 +286,21 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_shapes_are_answered_with_a_sentence(case):
-    call, words = WRONG[case]
-    with pytest.raises(ValueError, match=words) as caught:
+def test_wrong_shapes_raise_an_error_with_a_sentence(case):
+    call, message = WRONG[case]
+    with pytest.raises(ValueError, match=message) as caught:
         call()
     assert str(caught.value).endswith(".") or ";" in str(caught.value)
     assert not plt.get_fignums(), "a wrong call leaves no empty figure behind"
 
 
-def test_a_grid_of_axes_is_answered_with_a_sentence():
+def test_a_grid_of_axes_raises_an_error_with_a_sentence():
     _, grid = plt.subplots(1, 2)
     with pytest.raises(TypeError, match=r"pass panels\[0\]"):
         plots.from_above(BOX, axes=grid)
 
 
-def test_counts_are_those_of_the_whole_cloud():
+def test_legends_count_the_points_of_the_whole_cloud():
     cloud = street(90_000)
     keep = np.arange(90_000) % 9 == 0
     axes = plots.kept_and_removed(cloud, keep)
@@ -311,18 +311,18 @@ def test_counts_are_those_of_the_whole_cloud():
     assert legend(axes)[:2] == ["wrongly removed: 2", "wrongly kept: 2"]
 
 
-def test_big_clouds_are_thinned_evenly_and_say_so():
+def test_large_clouds_are_thinned_evenly_with_a_note():
     axes = plots.from_above(street(120_000), limits=(-100, 100, -100, 100))
     assert len(axes.collections[0].get_offsets()) == 30_000
     assert "1 of 4 points shown" in texts(axes)
-    # Every 4th of a scan ordered by azimuth, then beam, would be 16 of its 64 beams.
+    # Every fourth point of a scan in scanner order would come from only 16 of the 64 beams.
     beams = np.arange(120_000) % 64
     rows, _ = arguments.drawn_rows(axes, np.zeros(120_000), np.zeros(120_000))
     assert np.bincount(beams[rows]).min() > 350
     assert not any("shown" in text for text in texts(plots.from_above(street(30_000))))
 
 
-def test_a_closer_look_shows_more():
+def test_a_small_region_is_not_thinned():
     cloud = street(60_000)
     axes = plots.from_above(cloud, limits=(0, 3, 0, 3))
     assert not any("1 of" in text for text in texts(axes))
@@ -335,20 +335,20 @@ def test_invalid_rows_are_counted():
 
 def test_forty_two_labels_differ_in_colour_and_marker():
     axes = plots.clusters(np.column_stack([np.arange(42)] * 3), np.arange(1, 43))
-    looks = {
+    styles = {
         (line.get_marker(), line.get_color()) for line in axes.lines if len(line.get_xdata()) == 1
     }
-    assert len(looks - {(">", style.PAPER)}) == 42
+    assert len(styles - {(">", style.PAPER)}) == 42
 
 
-def test_at_most_twelve_names_for_the_biggest_clusters():
+def test_only_the_twelve_largest_clusters_are_labelled():
     labels = np.repeat(np.arange(1, 21), np.arange(1, 21))
     axes = plots.clusters(street(len(labels)), labels, names=True)
-    written = {int(text) for text in texts(axes) if text.isdigit()}
-    assert written == set(range(9, 21))
+    labelled = {int(text) for text in texts(axes) if text.isdigit()}
+    assert labelled == set(range(9, 21))
 
 
-def test_level_and_marks_are_written():
+def test_level_and_marks_are_labelled():
     assert "z = −1.2 m" in texts(plots.from_side(BOX, level=-1.2))
     assert "z = −5 m" in texts(plots.from_side(BOX, level=-5))
     png(plots.from_side(BOX, level=-5, limits=(0, 10, -2, 0)))
@@ -364,13 +364,13 @@ def test_timing_writes_the_exponent_and_the_names():
     assert legend(plots.timing({"naive": (n, n)}, fit=False)) == ["naive"]
 
 
-def test_limits_in_both_notations():
+def test_limits_are_accepted_in_both_notations():
     for limits in ((-5, 10, -2, 3), ((-5, 10), (-2, 3)), np.array([[-5, 10], [-2, 3]])):
         axes = plots.from_above(BOX, limits=limits)
         assert (*axes.get_xlim(), *axes.get_ylim()) == (-5, 10, -2, 3)
 
 
-def test_figures_can_be_laid_over_each_other():
+def test_figures_can_be_drawn_over_each_other():
     axes = plots.from_above(street(500), limits=(-20, 20, -10, 10), title="Scan")
     plots.boxes(BOX[None] + 50, axes=axes, label="yours")
     plots.boxes(BOX[None], axes=axes, label="true", reference=True)
@@ -379,7 +379,7 @@ def test_figures_can_be_laid_over_each_other():
     assert legend(axes) == ["yours: 1", "true: 1"]
 
 
-def test_few_far_returns_do_not_make_the_rest_tiny():
+def test_a_few_distant_returns_do_not_shrink_the_rest():
     cloud = street(20_000)
     cloud[:20, :2] = 5000
     assert plots.from_above(cloud).get_xlim()[1] < 500
@@ -421,10 +421,10 @@ def test_a_plane_is_cut_through_the_sensor():
 
 
 def test_pruned_regions_are_the_largest_without_a_visited_node():
-    root = balanced(QUIZ)
+    root = balanced_tree(QUIZ)
     axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, [7, 0, 3], limits=(-10, 10, -10, 10))
     hatched = [patch for patch in axes.patches if patch.get_hatch() and patch.get_width()]
-    # Right of the root; of the left half, above node 0, and left of node 3's cut below it.
+    # The regions are right of the root, above node 0 in the left half, and left of node 3's cut.
     lowers = np.array([patch.get_xy() for patch in hatched])
     sizes = np.array([(patch.get_width(), patch.get_height()) for patch in hatched])
     assert sizes.prod(axis=1).max() == pytest.approx(9.8 * 20)
@@ -434,8 +434,8 @@ def test_pruned_regions_are_the_largest_without_a_visited_node():
     assert {"pruned: 3 branches, 8 points", "3 looked at"} <= set(legend(axes))
 
 
-def test_what_a_search_has_not_reached_yet_is_not_pruned():
-    root, visited = balanced(QUIZ), [7, 0, 3, 9, 1, 2]
+def test_regions_that_a_search_has_not_reached_are_not_marked_as_pruned():
+    root, visited = balanced_tree(QUIZ), [7, 0, 3, 9, 1, 2]
     marks = {"pruned": "//", "not yet": ".."}
     for steps, expected in (
         (0, {"not yet": "1 branch, 11 points"}),
@@ -443,17 +443,17 @@ def test_what_a_search_has_not_reached_yet_is_not_pruned():
         (6, {"pruned": "1 branch, 5 points"}),
     ):
         axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, visited, found=[0, 1], steps=steps)
-        told = legend(axes)
+        labels = legend(axes)
         for name, hatch in marks.items():
-            assert (f"{name}: {expected.get(name)}" in told) == (name in expected)
+            assert (f"{name}: {expected.get(name)}" in labels) == (name in expected)
             assert (hatch in [patch.get_hatch() for patch in axes.patches]) == (name in expected)
-        assert f"{steps} looked at" in told
-        assert ("2 found" in told) == (steps == 6)
+        assert f"{steps} looked at" in labels
+        assert ("2 found" in labels) == (steps == 6)
         tree = plots.kd_tree(root, visited=visited, found=[0, 1], steps=steps)
         assert ("pruned" in legend(tree)) == ("pruned" in expected)
 
 
-def test_wrong_trees_are_drawn_all_the_same():
+def test_invalid_trees_are_drawn():
     loop = Node(QUIZ[0], 0)
     loop.left = Node(QUIZ[1], 1, right=loop)
     chain = None
@@ -464,7 +464,7 @@ def test_wrong_trees_are_drawn_all_the_same():
         png(plots.kd_splits(QUIZ, root))
 
 
-def test_worst_accepts_other_numbers_for_the_same_clusters():
+def test_worst_ignores_how_clusters_are_numbered():
     expected = np.repeat([1, 2, 3], [4, 3, 4])
     panels = plots.worst(QUIZ, 10 - expected, expected)
     assert "differ: 0" in legend(panels[0])
@@ -475,7 +475,7 @@ def test_worst_accepts_other_numbers_for_the_same_clusters():
 
 
 @pytest.mark.slow
-def test_dark_styles_change_nothing():
+def test_dark_styles_do_not_change_figures():
     def picture(draw):
         picture = png(draw())
         plt.close("all")
@@ -485,7 +485,7 @@ def test_dark_styles_change_nothing():
         lambda: plots.from_above(street(300), title="Title"),
         lambda: plots.timing({"naive": ([100, 200, 400], [0.1, 0.4, 1.6])}, title="Title"),
         lambda: plots.label_confusion([1, 1, 2], [2, 2, 1]),
-        lambda: plots.kd_search(QUIZ, balanced(QUIZ), (-6, 7), 3.0, [7, 0], title="Title"),
+        lambda: plots.kd_search(QUIZ, balanced_tree(QUIZ), (-6, 7), 3.0, [7, 0], title="Title"),
     ):
         light = picture(draw)
         with plt.style.context("dark_background"):
@@ -493,8 +493,8 @@ def test_dark_styles_change_nothing():
         assert light == dark
 
 
-def test_what_a_notebook_sets_at_its_first_figure_stays(monkeypatch):
-    # Jupyter turns interactive mode on then; taken back, no later figure would be shown.
+def test_interactive_mode_set_at_the_first_figure_is_kept(monkeypatch):
+    # Jupyter turns on interactive mode at that moment, and without it later figures stay hidden.
     def subplots(*arguments, subplots=plt.subplots, **options):
         matplotlib.interactive(True)
         return subplots(*arguments, **options)
@@ -512,18 +512,18 @@ def test_figures_are_opaque():
 
 
 def contrast(first, second):
-    """Contrast ratio of WCAG 2."""
-    lights = []
+    """Return the contrast ratio of two colours as defined by WCAG 2."""
+    luminances = []
     for colour in (first, second):
         channels = np.array(matplotlib.colors.to_rgb(colour))
         linear = np.where(
             channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4
         )
-        lights.append(linear @ [0.2126, 0.7152, 0.0722])
-    return (max(lights) + 0.05) / (min(lights) + 0.05)
+        luminances.append(linear @ [0.2126, 0.7152, 0.0722])
+    return (max(luminances) + 0.05) / (min(luminances) + 0.05)
 
 
-def test_text_has_contrast():
+def test_text_has_enough_contrast():
     from utils.plots.comparison import CELL_COLOURS
 
     for ink in (style.INK, style.MUTED):
@@ -532,13 +532,13 @@ def test_text_has_contrast():
     assert all(contrast(style.INK, shade) >= 4.5 for shade in CELL_COLOURS.colors)
 
 
-def test_hundreds_of_clusters_are_few_artists():
+def test_hundreds_of_clusters_need_few_artists():
     labels = np.random.default_rng(0).integers(0, 800, 60_000)
     axes = plots.clusters(street(60_000), labels)
     assert len(axes.lines) < 60
 
 
-def test_importing_leaves_settings_alone_and_utils_light():
+def test_importing_plots_keeps_settings_and_utils_loads_no_matplotlib():
     code = """
 import sys
 import utils
@@ -564,21 +564,21 @@ def colours_of(axes):
     return points.norm.vmin, points.norm.vmax
 
 
-def test_heights_have_the_same_colours_in_every_picture():
+def test_heights_have_the_same_colours_in_every_figure():
     for cloud in (BOX, BOX[:2], BOX + 1):
         assert colours_of(plots.from_above(cloud)) == colours_of(plots.from_side(cloud)) == (-2, 2)
     assert colours_of(plots.from_above(BOX, values=BOX[:, 0], span=(0, 9))) == (0, 9)
 
 
-def test_side_views_say_that_they_are_stretched_and_are_drawn_to_scale_on_request():
+def test_side_views_say_when_they_are_stretched_and_can_be_to_scale():
     assert plots.from_side(BOX).get_ylabel() == "z, up (m), stretched"
     axes = plots.from_side(BOX, to_scale=True)
     assert (axes.get_ylabel(), axes.get_aspect()) == ("z, up (m)", 1)
     assert plots.boxes(BOX[None, :8, :3], view="side to scale").get_aspect() == 1
 
 
-def test_clusters_keep_their_colours_beside_another_picture():
-    places = np.repeat([[0.0, 0, 0], [5, 0, 0], [10, 0, 0]], 20, axis=0)
+def test_clusters_keep_the_colours_of_another_figure():
+    positions = np.repeat([[0.0, 0, 0], [5, 0, 0], [10, 0, 0]], 20, axis=0)
     before, after = np.repeat([1, 2, 3], 20), np.repeat([3, 1, 1], 20)
     after[-1] = 2
 
@@ -586,14 +586,14 @@ def test_clusters_keep_their_colours_beside_another_picture():
         lines = [line for line in axes.lines if list(line.get_xdata()) == [0.0] * 20]
         return lines[0].get_color()
 
-    alone, beside = plots.clusters(places, before), plots.clusters(places, after, like=before)
-    assert colour_at_the_origin(alone) == colour_at_the_origin(beside)
+    alone, other = plots.clusters(positions, before), plots.clusters(positions, after, like=before)
+    assert colour_at_the_origin(alone) == colour_at_the_origin(other)
 
 
 def test_a_ring_is_round_on_the_page():
     axes = plots.curves({"steep": ([0, 1], [0, 900])}, across="x", up="y")
     plots.ring(axes, 0.5, 450, radius=0.1, text="here")
     axes.figure.canvas.draw()
-    wide, high = axes.patches[-1].get_window_extent().size
-    assert wide == pytest.approx(high, rel=0.25)
+    width, height = axes.patches[-1].get_window_extent().size
+    assert width == pytest.approx(height, rel=0.25)
     assert "here" in texts(axes)

@@ -1,4 +1,4 @@
-"""Points add up, to the cent, wherever they are shown."""
+"""Points add up to the cent wherever they are shown."""
 
 import json
 from fractions import Fraction
@@ -21,16 +21,16 @@ WEIGHTS = some.lists(some.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), min_size
 
 
 @given(some.integers(1, 10_000), WEIGHTS)
-def test_shares_add_up_and_are_just(cents, weights):
-    given_out = [round(100 * share) for share in shares(cents / 100, weights)]
-    assert sum(given_out) == cents
-    whole = sum(map(Fraction, weights))
-    for share, weight in zip(given_out, weights, strict=True):
-        assert abs(share - cents * Fraction(weight) / whole) < 1
-    for one, another in zip(weights, weights[1:], strict=False):
-        if one == another:
-            first, second = weights.index(one), weights.index(another)
-            assert abs(given_out[first] - given_out[second]) <= 1
+def test_shares_add_up_and_are_within_a_cent_of_exact(cents, weights):
+    shares_in_cents = [round(100 * share) for share in shares(cents / 100, weights)]
+    assert sum(shares_in_cents) == cents
+    total_weight = sum(map(Fraction, weights))
+    for share, weight in zip(shares_in_cents, weights, strict=True):
+        assert abs(share - cents * Fraction(weight) / total_weight) < 1
+    for weight, next_weight in zip(weights, weights[1:], strict=False):
+        if weight == next_weight:
+            first, second = weights.index(weight), weights.index(next_weight)
+            assert abs(shares_in_cents[first] - shares_in_cents[second]) <= 1
 
 
 @pytest.mark.parametrize(
@@ -43,12 +43,12 @@ def test_shares_add_up_and_are_just(cents, weights):
         (5.0, [2.5], [5.0]),
     ],
 )
-def test_cents_that_are_left_go_to_the_largest_fractions(points, weights, expected):
+def test_remaining_cents_go_to_the_largest_fractions(points, weights, expected):
     assert shares(points, weights) == expected
 
 
 @given(some.integers(1, 5000), WEIGHTS, some.data())
-def test_an_exercise_earns_what_is_shown_for_its_checks(cents, weights, data):
+def test_an_exercise_earns_the_sum_of_the_shares_of_its_passed_checks(cents, weights, data):
     outcomes = [
         Outcome(
             Check(str(number), "f", "a title", "a hint", weight),
@@ -58,24 +58,26 @@ def test_an_exercise_earns_what_is_shown_for_its_checks(cents, weights, data):
     ]
     earned = points_of(cents / 100, outcomes)
     shown = shares(cents / 100, weights)
-    held = [share for share, one in zip(shown, outcomes, strict=True) if one.failure is None]
-    assert Fraction(round(100 * earned)) == sum(round(100 * share) for share in held)
-    if len(held) == len(outcomes):
+    passed = [share for share, run in zip(shown, outcomes, strict=True) if run.failure is None]
+    assert Fraction(round(100 * earned)) == sum(round(100 * share) for share in passed)
+    if len(passed) == len(outcomes):
         assert earned == cents / 100
 
 
 @pytest.mark.slow
 def test_a_verdict_adds_up(lesson, sandbox):
-    """Right, wrong and untouched exercises side by side."""
+    """Use a notebook with right, wrong and untouched exercises."""
     answers = {}
     for number, exercise in enumerate(lesson.machine_graded):
         kept = answers_to(exercise.name)
         if number % 3 != 2:
-            answers[exercise.name] = next(one.source for one in kept if one.right == bool(number))
-    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())
-    verdict = judge_files(handed_in, 11, sandbox, lesson)
-    published = json.loads(json.dumps(verdict.as_dict()))
-    for exercise in published["exercises"]:
+            answers[exercise.name] = next(
+                answer.source for answer in kept if answer.right == bool(number)
+            )
+    submission = SubmittedFiles(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())
+    verdict = judge_files(submission, 11, sandbox, lesson)
+    shown = json.loads(json.dumps(verdict.as_dict()))
+    for exercise in shown["exercises"]:
         names = [test["name"] for test in exercise["tests"]]
         assert len(names) == len(set(names)) >= 3
         assert {test["visible"] for test in exercise["tests"]} == {True, False}
@@ -85,12 +87,12 @@ def test_a_verdict_adds_up(lesson, sandbox):
         for test in exercise["tests"]:
             assert test["score"] == (test["max_score"] if test["passed"] else 0)
             assert round(test["max_score"], 2) == test["max_score"] > 0
-    assert total([one["score"] for one in published["exercises"]]) == published["score"]
-    assert total([one["max_score"] for one in published["exercises"]]) == published["max_score"]
+    assert total([exercise["score"] for exercise in shown["exercises"]]) == shown["score"]
+    assert total([exercise["max_score"] for exercise in shown["exercises"]]) == shown["max_score"]
 
 
 def test_the_report_names_the_check_that_failed():
-    """By its own name, also if another one of the exercise had the same title."""
+    """Checks are identified by name, because two checks of an exercise may share a title."""
     shown, hidden = (
         CheckResult(name, "Finds it", False, 0.0, 1.0, "", visible)
         for name, visible in (("finds_it", True), ("test_finds_it", False))

@@ -1,4 +1,4 @@
-"""The processes that judge: one that dies, stands still or is called off harms no other."""
+"""The pool of judging processes: a process that dies or hangs does not affect the others."""
 
 import os
 import struct
@@ -13,7 +13,7 @@ from grader.classroom.pool import Pool
 from tests.prerequisites import PATIENCE
 
 pytestmark = [pytest.mark.slow, pytest.mark.death]
-LARGE = 400_000  # bytes: several times what a pipe holds
+LARGE = 400_000  # bytes, several times the capacity of a pipe
 
 
 def size_of(data, seconds=0.0):
@@ -34,12 +34,12 @@ def die_in_the_middle_of_an_answer():
 
 
 def die_instead_of_listening():
-    """With the next question half way through the pipe."""
+    """Kill this process while the next job is half way through the pipe."""
     time.sleep(0.2)
     os.kill(os.getpid(), 9)
 
 
-class Unspeakable(Exception):
+class Unpicklable(Exception):
     def __reduce__(self):
         raise TypeError("not to be pickled")
 
@@ -57,11 +57,11 @@ def fail(kind):
     ],
 )
 @pytest.mark.parametrize("workers", [1, 2])
-def test_who_dies_costs_what_it_worked_on(death, words, workers):
+def test_a_process_that_dies_loses_only_its_own_job(death, words, workers):
     with Pool(workers) as judges:
-        asked = [judges.submit(twice, bytes(LARGE)) for _ in range(4)]
-        asked.insert(2, judges.submit(death))
-        for number, future in enumerate(asked):
+        futures = [judges.submit(twice, bytes(LARGE)) for _ in range(4)]
+        futures.insert(2, judges.submit(death))
+        for number, future in enumerate(futures):
             if number == 2:
                 with pytest.raises(BrokenExecutor, match=f"died.*{words}.*memory"):
                     future.result(PATIENCE)
@@ -71,13 +71,13 @@ def test_who_dies_costs_what_it_worked_on(death, words, workers):
 
 def test_processes_are_kept_and_end_with_the_pool():
     with Pool(2) as judges:
-        asked = [judges.submit(size_of, bytes(LARGE), 0.05) for _ in range(12)]
-        pids = {future.result(PATIENCE)[1] for future in asked}
+        futures = [judges.submit(size_of, bytes(LARGE), 0.05) for _ in range(12)]
+        pids = {future.result(PATIENCE)[1] for future in futures}
     assert 1 <= len(pids) <= 2
     assert not any(os.path.exists(f"/proc/{pid}") for pid in pids)
 
 
-def test_who_stands_still_is_given_up(monkeypatch):
+def test_a_process_that_hangs_is_killed(monkeypatch):
     monkeypatch.setattr(pool, "LONGEST", 0.5)
     with Pool(1) as judges:
         with pytest.raises(BrokenExecutor, match="signal 9"):
@@ -86,30 +86,30 @@ def test_who_stands_still_is_given_up(monkeypatch):
         assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3
 
 
-def test_what_is_called_off_ends_at_once():
-    begin = time.monotonic()
+def test_an_interrupted_pool_ends_at_once():
+    start = time.monotonic()
     with pytest.raises(KeyboardInterrupt), Pool(1) as judges:  # noqa: PT012
-        asked = [judges.submit(time.sleep, 600) for _ in range(3)]
+        futures = [judges.submit(time.sleep, 600) for _ in range(3)]
         time.sleep(0.5)
         raise KeyboardInterrupt
-    assert time.monotonic() - begin < PATIENCE
-    for future in asked:
+    assert time.monotonic() - start < PATIENCE
+    for future in futures:
         with pytest.raises((BrokenExecutor, CancelledError)):
             future.result(PATIENCE)
 
 
-@pytest.mark.parametrize(("kind", "comes"), [(KeyError, KeyError), (Unspeakable, RuntimeError)])
-def test_an_exception_says_where_it_comes_from(kind, comes):
+@pytest.mark.parametrize(("kind", "comes"), [(KeyError, KeyError), (Unpicklable, RuntimeError)])
+def test_an_exception_keeps_its_traceback(kind, comes):
     with Pool(1) as judges:
         with pytest.raises(comes) as caught:
             judges.submit(fail, kind).result(PATIENCE)
-        said = [str(caught.value), *getattr(caught.value, "__notes__", ())]
-        assert any("in fail" in line for line in said)
+        texts = [str(caught.value), *getattr(caught.value, "__notes__", ())]
+        assert any("in fail" in line for line in texts)
         assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3
 
 
 def test_a_process_is_idle_only_once_it_is_no_longer_busy():
-    """Taken by another thread in between, it would be struck off the busy ones while at work."""
+    """Otherwise a thread could take the process and then see it removed from the busy set."""
     with Pool(2) as judges:
 
         class Idle(list):

@@ -1,4 +1,4 @@
-"""A prediction is an input, and comes back beside the answer."""
+"""A prediction takes a guess and shows it next to the answer."""
 
 import sys
 from importlib import util
@@ -11,22 +11,22 @@ from utils import predict, predictions, static_widgets
 
 
 @pytest.fixture(autouse=True)
-def nothing_guessed(monkeypatch):
+def no_stored_guesses(monkeypatch):
     monkeypatch.setattr(predictions, "_GUESSES", {})
 
 
 @pytest.fixture
 def entry(monkeypatch):
-    """The widget of the last prediction, in a list."""
-    made = []
+    """List of the widgets that predictions create, the latest last."""
+    widgets = []
     for kind in ("RadioButtons", "FloatSlider", "Text"):
         build = getattr(ipywidgets, kind)
         monkeypatch.setattr(
             ipywidgets,
             kind,
-            lambda build=build, **options: made.append(build(**options)) or made[-1],
+            lambda build=build, **options: widgets.append(build(**options)) or widgets[-1],
         )
-    return made
+    return widgets
 
 
 @pytest.mark.parametrize(
@@ -40,7 +40,7 @@ def entry(monkeypatch):
     ],
     ids=str,
 )
-def test_the_guess_stands_beside_the_answer(entry, capsys, options, typed, answer, lines):
+def test_the_guess_is_shown_with_the_answer(entry, capsys, options, typed, answer, lines):
     prediction = predict("How many?", **options)
     entry[-1].value = typed
     capsys.readouterr()
@@ -48,11 +48,11 @@ def test_the_guess_stands_beside_the_answer(entry, capsys, options, typed, answe
     assert capsys.readouterr().out.split("\n")[:-1] == ["How many?", *lines, "Because of that."]
 
 
-def test_a_slider_that_was_not_moved_is_no_guess(entry):
+def test_an_untouched_slider_does_not_count_as_a_guess(entry):
     assert predict("How many?", between=(0, 10)).guess is None
 
 
-def test_a_guess_outlives_running_the_cell_again(entry):
+def test_a_guess_is_kept_when_the_cell_runs_again(entry):
     predict("How many?", between=(0, 10))
     entry[-1].value = 4.0
     assert predict("How many?", between=(0, 10)).guess == 4.0
@@ -63,14 +63,14 @@ def test_a_guess_outlives_running_the_cell_again(entry):
     assert entry[-1].value == "b"
 
 
-def test_an_answer_that_is_no_choice_is_the_authors_mistake():
+def test_an_answer_must_be_one_of_the_choices():
     with pytest.raises(ValueError, match="'maybe' is none of the choices: yes, no"):
         predict("Well?", choices=["yes", "no"]).compare("maybe", "")
 
 
 @pytest.fixture
 def no_widgets(monkeypatch):
-    """As where nobody has installed ipywidgets."""
+    """Hide ipywidgets, as on a machine without it, and install the static replacement."""
     find = util.find_spec
     monkeypatch.setattr(util, "find_spec", lambda name: name != "ipywidgets" and find(name))
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
@@ -79,7 +79,7 @@ def no_widgets(monkeypatch):
     static_widgets.stand_in()
 
 
-def test_without_widgets_a_slider_stands_still_and_a_guess_is_kept_in_mind(no_widgets, capsys):
+def test_without_widgets_sliders_are_static_and_guesses_are_not_asked(no_widgets, capsys):
     from ipywidgets import IntSlider, SelectionSlider, interact
 
     seen = []
@@ -94,10 +94,10 @@ def test_without_widgets_a_slider_stands_still_and_a_guess_is_kept_in_mind(no_wi
     prediction = predict("Which?", choices=["a", "b"])
     assert prediction.guess is None
     prediction.compare("b", "Because.")
-    said = capsys.readouterr().out
-    assert "Which? (a, b)" in said and "Answer: b" in said
+    output = capsys.readouterr().out
+    assert "Which? (a, b)" in output and "Answer: b" in output
 
 
-def test_widgets_that_are_there_are_left_alone():
+def test_installed_widgets_are_not_replaced():
     static_widgets.stand_in()
     assert sys.modules["ipywidgets"] is ipywidgets
