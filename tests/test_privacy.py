@@ -1,4 +1,4 @@
-"""What the README says about deleting a student leaves nothing of them, and all of the others."""
+"""The README's commands delete all data of a student and none of the other students."""
 
 import os
 import re
@@ -14,18 +14,18 @@ from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.test_gradebook import STAGE, make_course, quiet, verdicts
 
-NEEDLE = "Needle-Eyre"  # a last name that nothing else holds
+NEEDLE = "Needle-Eyre"  # a last name that no other file contains
 
 
-def commands_of_the_readme():
-    """The lines that delete somebody; the report is made elsewhere."""
+def readme_commands():
+    """Return the README's commands that delete a student, without the command for the report."""
     text = (PROJECT / "grader" / "README.md").read_text("utf-8")
     (block,) = re.findall(r"```sh\n(X=anna\n.*?)```", text, re.S)
     return block.replace("X=anna", "X=ada").replace("python -m grader report\n", "")
 
 
-def holding(course, *needles):
-    """Files that hold, or are called like, what somebody could be known by."""
+def files_containing(course, *needles):
+    """Return the files whose path or content contains one of the texts."""
     return [
         path
         for path in course.root.rglob("*")
@@ -38,7 +38,7 @@ def holding(course, *needles):
 
 
 @pytest.mark.slow
-def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
+def test_deleting_a_student_removes_all_traces_and_keeps_the_other_students(tmp_path):
     course = make_course(tmp_path / "course")
     roster = course.root / "roster.csv"
     roster.write_text(f"id,last_name\nada,{NEEDLE}\nbob,Bell\n")
@@ -58,11 +58,11 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
         for id, label in (("ada", NEEDLE), ("bob", "Bobby"))
     ]
     (course.submitted / ".whose.jsonl").write_text("".join(lines))
-    assert len(holding(course, NEEDLE)) >= 7
+    assert len(files_containing(course, NEEDLE)) >= 7
     roster.write_text("id,last_name\nbob,Bell\n")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["bash", "-e", "-c", commands_of_the_readme()],
+        ["bash", "-e", "-c", readme_commands()],
         cwd=course.root,
         env={**os.environ, "PATH": path},
         capture_output=True,
@@ -70,11 +70,11 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
         timeout=600,
     )
     assert done.returncode == 0, done.stderr
-    assert holding(course, NEEDLE) == []
-    assert holding(course, "/ada/", "ada.html", '"ada"') == []
+    assert files_containing(course, NEEDLE) == []
+    assert files_containing(course, "/ada/", "ada.html", '"ada"') == []
     with gradebook.open_gradebook(course) as book:
         assert [student.id for student in book.students] == ["bob"]
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)  # nothing brings her back
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)  # must not add the student again
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
     assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()
@@ -83,7 +83,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
 
 
 @pytest.mark.slow
-def test_nbgrader_reads_the_roster_too(tmp_path):
+def test_nbgrader_can_import_the_roster(tmp_path):
     course = make_course(tmp_path / "course")
     (course.root / "roster.csv").write_text(
         "id,first_name,last_name,email,section,lms_id,github\nada,Ada,Ash,a@x.edu,A,4711,a-ash\n"

@@ -13,12 +13,12 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES
 from tests import mutants
 
-# From the ground up: a room imports from its own floor and from those below.
-FLOORS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
+# Layers of the grader from bottom to top; a layer imports only from itself and those below.
+LAYERS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
 
 
 def imported_by(path):
-    """Dotted names of all that a file imports."""
+    """Yield the dotted names of all imports in a file."""
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -27,62 +27,62 @@ def imported_by(path):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-@pytest.mark.parametrize("room", FLOORS)
-def test_no_room_of_the_grader_imports_upwards(room):
-    above = FLOORS[FLOORS.index(room) + 1 :]
+@pytest.mark.parametrize("room", LAYERS)
+def test_no_layer_of_the_grader_imports_from_a_higher_layer(room):
+    above = LAYERS[LAYERS.index(room) + 1 :]
     files = list((PROJECT / "grader" / room).rglob("*.py"))
     assert files
     for path in files:
         for name in imported_by(path):
-            assert not any(name.startswith(f"grader.{other}") for other in above), (path, name)
+            assert not any(name.startswith(f"grader.{upper}") for upper in above), (path, name)
 
 
-def imports_within(root, rooms):
-    """For each module of some folders, those of them that it imports, in whichever of its lines."""
+def imports_within(root, folders):
+    """Return for each module in some folders the modules among them that it imports anywhere."""
     files = {
         ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
-        for room in rooms
-        for path in (root / room).rglob("*.py")
+        for folder in folders
+        for path in (root / folder).rglob("*.py")
     }
     found = {}
     for module, path in files.items():
         names = set(imported_by(path)) & files.keys() - {module}
-        # `from package import module` imports the module, and uses nothing of the package.
+        # `from package import module` uses only the module, not the package itself.
         found[module] = {name for name in names if not any(n.startswith(f"{name}.") for n in names)}
     return found
 
 
-def circle_in(imports):
-    """Modules that import each other in a circle, or none."""
+def cycle_in(imports):
+    """Return the modules of an import cycle, or an empty list."""
     try:
         TopologicalSorter(imports).prepare()
-    except CycleError as circle:
-        return circle.args[1]
+    except CycleError as error:
+        return error.args[1]
     return []
 
 
-def test_no_module_imports_what_imports_it():
-    """Neither at once, nor in a function, nor for its annotations: the seam would be missing."""
+def test_there_are_no_import_cycles():
+    """Imports inside functions and for annotations count, because they also couple modules."""
     imports = imports_within(PROJECT, ("grader", "utils"))
     assert "grader.sandbox.protocol" in imports["grader.sandbox.student"]
     assert "utils.scene3d.viewer" in imports["utils.scene3d.output"], "in a function"
-    assert circle_in(imports) == []
+    assert cycle_in(imports) == []
 
 
 @pytest.mark.parametrize(
     "line", ["import b.c", "from b import c", "from b.c import x", "def f():\n    import b.c"]
 )
-def test_a_circle_is_found_wherever_the_import_stands(line, tmp_path):
+def test_a_cycle_is_found_wherever_the_import_is(line, tmp_path):
     for path, text in {"a/__init__.py": line, "b/__init__.py": "", "b/c.py": "import a"}.items():
         (tmp_path / path).parent.mkdir(exist_ok=True)
         (tmp_path / path).write_text(text)
-    assert set(circle_in(imports_within(tmp_path, "ab"))) == {"a", "b.c"}
+    assert set(cycle_in(imports_within(tmp_path, "ab"))) == {"a", "b.c"}
     (tmp_path / "b" / "c.py").write_text("import math")
-    assert circle_in(imports_within(tmp_path, "ab")) == []
+    assert cycle_in(imports_within(tmp_path, "ab")) == []
 
 
 def test_sandboxes_are_objects_and_not_names():
-    """Which sandbox it is makes no difference to whoever uses one."""
+    """The grader never compares the name of a sandbox, so that all sandboxes are used alike."""
     for path in (PROJECT / "grader").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Compare):
@@ -90,8 +90,8 @@ def test_sandboxes_are_objects_and_not_names():
                 assert not set(SANDBOXES) & {value for value in values if isinstance(value, str)}
 
 
-def test_what_only_proof_runs_is_there(request):
-    """A test that was renamed would silently run everywhere, or nowhere."""
+def test_tests_that_only_make_proof_runs_in_full_exist(request):
+    """Every name in `A_FEW_OF_MANY` exists, because a renamed test would run in full everywhere."""
     conftest = next(
         plugin
         for plugin in request.config.pluginmanager.get_plugins()
@@ -107,7 +107,7 @@ def test_what_only_proof_runs_is_there(request):
 @pytest.mark.slow
 @pytest.mark.parametrize("processes", [0, 2])
 def test_a_test_that_stands_still_is_named(processes, tmp_path):
-    """And nobody waits for it: `make test` runs with the same settings, and more patience."""
+    """The run also ends; `make test` uses the same settings with a longer timeout."""
     (tmp_path / "test_still.py").write_text(
         "import threading, pytest\n"
         "def test_still(): threading.Lock().acquire() and threading.Event().wait()\n"
@@ -124,26 +124,26 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
         text=True,
         timeout=600,
     )
-    said = done.stdout + done.stderr
+    output = done.stdout + done.stderr
     assert done.returncode
-    assert "Timeout" in done.stderr and 'test_still.py", line 2 in test_still' in said
-    named = re.search(r"crashed while running '.*::test_still'", said)
+    assert "Timeout" in done.stderr and 'test_still.py", line 2 in test_still' in output
+    named = re.search(r"crashed while running '.*::test_still'", output)
     assert bool(named) == bool(processes)
 
 
-def test_every_module_that_decides_is_changed_and_its_nearest_tests_are_there():
-    rooms = (PROJECT / "grader" / room for room in ("judging", "intake"))
-    modules = {path.relative_to(PROJECT).as_posix() for room in rooms for path in room.glob("*.py")}
+def test_modules_that_decide_marks_have_mutation_tests():
+    roots = (PROJECT / "grader" / root for root in ("judging", "intake"))
+    modules = {path.relative_to(PROJECT).as_posix() for root in roots for path in root.glob("*.py")}
     decide = {name for name in modules if not name.endswith("__init__.py")}
     assert not decide - set(mutants.TESTS), "name its nearest tests in TESTS of tests/mutants.py"
     for tests in mutants.TESTS.values():
         assert all((PROJECT / "tests" / name).is_file() for name in tests)
 
 
-def test_what_nobody_could_notice_is_said_of_lines_that_are_there():
-    said = mutants.equivalent()
-    assert len(said) > 10
-    for change in said:
+def test_equivalent_mutants_quote_existing_lines():
+    changes = mutants.equivalent()
+    assert len(changes) > 10
+    for change in changes:
         module, before, _ = change.split("\n")
         text = " ".join((PROJECT / module).read_text("utf-8").split())
         assert before.removeprefix("- ") in text, change

@@ -1,4 +1,4 @@
-"""When it is proven that one thing alone is wrong, with a student made of nothing."""
+"""The judge's rules for proving that an answer has a single slip, tested with stand-ins."""
 
 import functools
 import itertools
@@ -30,9 +30,9 @@ from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import once
 
 LINE = find_lesson("02_ransac_line")
-NO = CheckFailed("no")
+FAIL = CheckFailed("no")
 HANGS = StudentError("line_through", TOOK_TOO_LONG)
-HANDED_IN, MENDED = Program(("a",), ()), Program(("b",), ())
+HANDED_IN, REPAIRED = Program(("a",), ()), Program(("b",), ())
 SETTING = Setting(LINE, 1, None)
 PLACES = ("1, line 3", "2")
 RAISED = [StudentError("f", "ValueError", place=f"code cell {place}") for place in PLACES]
@@ -45,15 +45,15 @@ def outcomes_of(exercise, *failures):
     )
 
 
-FAILED = outcomes_of("line_through", NO)
+FAILED = outcomes_of("line_through", FAIL)
 
 
-# ---- whose answers are tried --------------------------------------------------------------------
+# ---- which answers are tried --------------------------------------------------------------------
 
 
 @pytest.fixture
 def tried(monkeypatch):
-    """What `repair_of` was asked for; it finds nothing."""
+    """List of the calls of `repair_of`, which is replaced and never finds a repair."""
     found = []
 
     def repair_of(setting, program, exercise, failed):
@@ -65,33 +65,37 @@ def tried(monkeypatch):
     return found
 
 
-def test_what_lost_something_is_tried_with_what_it_lost(tried):
-    asked = RunResults(
-        (*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None))
+def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(tried):
+    run = RunResults(
+        (*outcomes_of("line_through", None, FAIL, FAIL), *outcomes_of("ransac_line", None))
     )
-    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {}
+    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {}
     assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
 
 
-def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
-    asked = RunResults(outcomes_of("ransac_line", NO, NO, NO))
-    better = {"ransac_line": CarriedForward(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
-    repair.slips_in(SETTING, HANDED_IN, asked, better)
-    assert tried == [(MENDED, "ransac_line", ["ransac_line 1"])]
-    right = {
-        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", MENDED)
+def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
+    run = RunResults(outcomes_of("ransac_line", FAIL, FAIL, FAIL))
+    carried = {
+        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
     }
-    repair.slips_in(SETTING, HANDED_IN, asked, right)
+    repair.slips_in(SETTING, HANDED_IN, run, carried)
+    assert tried == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
+    right = {
+        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
+    }
+    repair.slips_in(SETTING, HANDED_IN, run, right)
     assert len(tried) == 1
 
 
 @pytest.mark.parametrize("name", ["NotImplementedError", "ImportError", "ModuleNotFoundError"])
-def test_neither_a_stub_is_tried_nor_what_is_not_allowed(tried, name):
+def test_stubs_and_forbidden_imports_are_not_tried(tried, name):
     stub = StudentError("line_through", name)
-    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", None, stub, NO)), {})
+    repair.slips_in(
+        SETTING, HANDED_IN, RunResults(outcomes_of("line_through", None, stub, FAIL)), {}
+    )
     assert tried == []
     wrong = StudentError("line_through", "KeyError")
-    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
     assert len(tried) == 1
 
 
@@ -99,74 +103,76 @@ def slip(*about, **more):
     return Mistake("This is a slip.", print, *about, **more)
 
 
-def test_the_task_itself_is_not_tried(tried):
-    asked = RunResults(
-        (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO)),
+def test_a_mistake_about_the_task_itself_is_not_tried(tried):
+    run = RunResults(
+        (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL)),
         mistakes={"line_through": slip(is_the_task=True), "ransac_line": slip()},
     )
-    repair.slips_in(SETTING, HANDED_IN, asked, {})
+    repair.slips_in(SETTING, HANDED_IN, run, {})
     assert [exercise for _, exercise, _ in tried] == ["ransac_line"]
 
 
-def test_a_cheap_mistake_is_a_slip_by_an_edit_and_not_by_its_name(tried, monkeypatch):
+def test_a_cheap_mistake_is_a_slip_only_if_an_edit_proves_it(tried, monkeypatch):
     monkeypatch.setattr(repair, "explains", lambda *about: True)
     named, cheap = slip(), slip(is_cheap=True)
-    outcomes = (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO))
-    asked = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
-    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"ransac_line": named}
+    outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
+    run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
+    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"ransac_line": named}
     assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
 
 
-def test_a_course_may_do_without(tried, monkeypatch):
+def test_a_course_may_switch_slips_off(tried, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
-    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", FAIL)), {})
     assert tried == []
 
 
-def test_what_no_edit_mends_a_named_mistake_may_explain(tried, monkeypatch):
-    asked_for = []
+def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monkeypatch):
+    calls = []
 
     def explains(setting, program, exercise, mistake, lost):
-        asked_for.append((setting, program, exercise, {check.name for check in lost}))
+        calls.append((setting, program, exercise, {check.name for check in lost}))
         return mistake is named
 
     monkeypatch.setattr(repair, "explains", explains)
     named, other = slip(), slip()
-    outcomes = (*outcomes_of("line_through", NO, None, NO), *outcomes_of("ransac_line", NO))
-    asked = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
-    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": named}
-    assert asked_for == [
+    outcomes = (*outcomes_of("line_through", FAIL, None, FAIL), *outcomes_of("ransac_line", FAIL))
+    run = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
+    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"line_through": named}
+    assert calls == [
         (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
         (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
     ]
-    # What was answered with a wrong helper explains nothing about answers with a right one.
-    better = {"line_through": CarriedForward(outcomes_of("line_through", NO), "", MENDED)}
-    assert repair.slips_in(SETTING, HANDED_IN, asked, better) == {}
+    # Answers given with a wrong helper do not explain answers given with a right one.
+    carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
+    assert repair.slips_in(SETTING, HANDED_IN, run, carried) == {}
 
 
-def test_an_edit_goes_before_a_named_mistake(monkeypatch):
+def test_an_edit_is_preferred_to_a_named_mistake(monkeypatch):
     found = repair.Repair(1, 2, "a", "b")
     monkeypatch.setattr(repair, "repair_of", lambda *about: found)
-    asked = RunResults(outcomes_of("line_through", NO), mistakes={"line_through": slip()})
-    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": found}
+    run = RunResults(outcomes_of("line_through", FAIL), mistakes={"line_through": slip()})
+    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"line_through": found}
     assert repair.Repair.__dataclass_params__.frozen
 
 
-# ---- which edits pass what an answer failed -----------------------------------------------------
+# ---- which edits pass the failed checks ---------------------------------------------------------
 
 
 class Edited:
-    """A student of whom it is said what fails: before any edit, and with each.
+    """Stand-in for a student whose failures are given in advance, without an edit and with each.
 
     Parameters
     ----------
     fails : list of str
-        Letters of what fails before any edit, and with edit 0, 1, …: "e" the edit itself, "a" and
-        "b" two shown questions, "x" and "y" two hidden ones; a capital letter hangs.
+        What fails before any edit, and with edit 0, 1, …, as letters: "e" for the edit itself, "a"
+        and "b" for two visible checks, "x" and "y" for two hidden tests. A capital letter hangs.
     seconds : float
-        Of the processor, for each edit that is tried.
+        Processor seconds for each edit that is tried.
+    stops : bool
+        Whether the notebook's process stops before it has started.
     slept : float
-        Seconds that each takes of the notebook's own, without a processor.
+        Seconds of the notebook's time budget that each edit spends without using a processor.
     """
 
     def __init__(self, fails, seconds=0.0, stops=False, slept=0.0):
@@ -210,7 +216,7 @@ class Edited:
             raise HANGS
         if letter in self.now:
             self.budget.note_lost(self.exercise, 0.3)
-            raise NO
+            raise FAIL
 
     def questions(self, letters):
         return tuple(functools.partial(self.answer, letter) for letter in letters)
@@ -224,7 +230,7 @@ class Edited:
 
 @pytest.fixture
 def passing(monkeypatch):
-    """A function that gives the numbers of the edits of a student that pass."""
+    """Return a function that returns the numbers of the edits with which a student passes."""
 
     def passing(
         student,
@@ -238,7 +244,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "visible_calls", lambda *about: student.questions(shown))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
-        # Half of the time goes by out here.
+        # The judge's own process uses as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
@@ -252,90 +258,91 @@ def passing(monkeypatch):
     return passing
 
 
-def test_an_edit_passes_what_was_failed_shown_and_hidden(passing):
+def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
     student = Edited(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
     assert passing(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
     assert (student.program, student.counted_as) == (HANDED_IN, "line_through")
-    # What hangs with an edit did not hang without.
+    # Calls that hang with an edit must not count against the answer without the edit.
     assert student.exercise not in ("line_through", "")
     assert passing(Edited(["xy", "x", ""]), shown="") == [1]
 
 
-def test_hidden_questions_are_made_where_shown_ones_are_passed(passing):
+def test_hidden_tests_are_made_only_if_visible_checks_pass(passing):
     student = Edited(["abxy", "a", "b", "e"])
     assert passing(student) == [] and student.hidden_made == 0
 
 
-def test_what_comes_to_no_end_where_clouds_are_large_is_judged(passing):
+def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing):
     student = Edited(["abxy", "B", "x", "X", "y", "Y", ""])
     assert passing(student) == [2, 4, 5]
 
 
-def test_who_answers_otherwise_when_asked_again_gets_no_more_throws(passing):
+def test_an_answer_that_passes_when_repeated_gets_no_edits(passing):
     student = Edited(["bxy", "", ""])
     assert passing(student) == [] and student.tried == 0
-    assert passing(Edited(["axy", ""])) == [0]  # not all are asked again
+    assert passing(Edited(["axy", ""])) == [0]  # only the first check is repeated
 
 
-def test_nor_where_nothing_failed_but_what_nobody_sees(passing):
+def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing):
     student = Edited(["y", "", ""])
     assert passing(student, shown="") == [] and student.tried == 0
 
 
-def test_once_one_has_hung_at_the_first_question_the_others_have_less_time_there(passing):
+def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passing):
     student = Edited(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing(student) == [5]
-    some, few = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
-    assert few < some / 5
-    firsts = [seconds for letter, seconds in student.given if letter == "a"]
-    assert firsts == [some, some, some, some, few, few, few]  # before any edit, and with each
-    assert {seconds for letter, seconds in student.given if letter in "bxy"} == {some}
-    # Of an answer that hangs itself most edits hang.
+    long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
+    assert short < long / 5
+    first_times = [seconds for letter, seconds in student.given if letter == "a"]
+    # The first value is the answer without an edit.
+    assert first_times == [long, long, long, long, short, short, short]
+    assert {seconds for letter, seconds in student.given if letter in "bxy"} == {long}
+    # If the answer itself hangs, most of its edits hang as well.
     student = Edited(["Abxy", "A", ""])
     assert passing(student) == [1]
-    assert [seconds for letter, seconds in student.given if letter == "a"] == [some, few, few]
+    assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
 
 
-def test_what_one_edit_answered_is_not_remembered_for_the_next(passing, monkeypatch):
+def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypatch):
     student = Edited(["abxy", "a", "b", "b", ""])
 
     @once
-    def stands(function):
+    def passes_b(function):
         if "b" in student.now:
-            raise NO
+            raise FAIL
 
-    monkeypatch.setattr(student, "questions", lambda letters: [lambda: stands(student)])
+    monkeypatch.setattr(student, "questions", lambda letters: [lambda: passes_b(student)])
     student.__name__ = "line_through"
     assert passing(student) == [0, 3]
 
 
-def test_who_is_interrupted_hangs_and_who_raises_does_not():
-    name = (TOOK_TOO_LONG + " ").strip()  # as it comes out of another process
+def test_interrupted_calls_hang_and_raised_exceptions_do_not():
+    name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
     assert repair._hangs(StudentError("f", name)) and repair._hangs(StudentStopped("It is gone."))
-    others = (None, NO, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
+    others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
     assert not any(map(repair._hangs, others))
 
 
-def test_who_is_told_so_by_a_check_hangs():
+def test_a_hang_is_recognised_inside_a_checks_own_failure():
     failures = []
     for error in (StudentStopped("It did not answer."), StudentError("f", "IndexError")):
         try:
             try:
                 raise error
-            except Exception as first:
-                raise CheckFailed(f"60,000 points. {first}") from None
+            except Exception as original:
+                raise CheckFailed(f"60,000 points. {original}") from None
         except CheckFailed as failure:
             failures.append(failure)
     assert list(map(repair._hangs, failures)) == [True, False]
 
 
-def test_of_edits_that_pass_three_are_judged(passing):
+def test_only_three_passing_edits_are_judged(passing):
     student = Edited(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
 
 
-def test_a_cell_as_it_was_handed_out_is_not_edited(passing, monkeypatch):
+def test_an_unchanged_released_cell_is_not_edited(passing, monkeypatch):
     given = next(cell for cell in given_cells(LINE) if cell.kind == "code")
     monkeypatch.setitem(globals(), "HANDED_IN", Program((given.source, "x = 1"), ()))
     student = Edited(["abxy", "", "", ""])
@@ -348,30 +355,30 @@ def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
     assert passing(student, failed=outcomes_of("line_through", *RAISED)) == [3, 0, 1]
 
 
-def test_a_line_raised_where_it_says_or_where_it_calls():
+def test_raising_lines_include_the_line_of_the_call():
     inside = StudentError("f", "ValueError", place="code cell 3, line 12")
     called = StudentError(
         "f", "ValueError", place="code cell 1, line 2", calling="code cell 3, line 5"
     )
-    nowhere = StudentError("f", "ValueError")
-    outcomes = outcomes_of("line_through", inside, called, nowhere, NO, None)
+    without_place = StudentError("f", "ValueError")
+    outcomes = outcomes_of("line_through", inside, called, without_place, FAIL, None)
     assert repair._raised_at(outcomes) == {(3, 12), (1, 2), (3, 5)}
 
 
-def test_edits_of_an_exercise_have_a_second_between_them(passing):
-    student = Edited(["abxy"] * 200, 0.02)  # and as much out here
+def test_edits_of_an_exercise_share_one_second(passing):
+    student = Edited(["abxy"] * 200, 0.02)  # plus the same time in the judge
     assert passing(student) == [] and student.tried == 2 * repair.LOOK_AFTER
     student = Edited(["abxy"] * 100, 0.001)
     assert passing(student) == [] and student.tried == 99
 
 
-def test_the_clock_is_looked_at_after_each_edit_that_takes_long(passing):
+def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
-    student = Edited(["abxy"] * 200, 0.3)  # and as much out here
+    student = Edited(["abxy"] * 200, 0.3)  # plus the same time in the judge
     assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 2
 
 
-def test_each_call_has_the_time_of_a_right_answer(passing):
+def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
     student = Edited(["abxy", ""])
     passing(student)
     limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_THAT_HANG)
@@ -380,13 +387,13 @@ def test_each_call_has_the_time_of_a_right_answer(passing):
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
 
 
-def test_edits_take_their_time_of_what_the_notebook_has_left(passing):
+def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = Edited(["abxy"] * 100, slept=0.07)  # more than a second between the first two looks
+    student = Edited(["abxy"] * 100, slept=0.07)  # over a second between the first two time checks
     assert passing(student, budget=budget) == [] and student.tried == repair.LOOK_AFTER
     assert student.budget is budget
     assert budget.seconds == pytest.approx(180 - 0.07 * repair.LOOK_AFTER)
-    # What others take meanwhile, as when an edit is judged as a whole, is not theirs.
+    # Time that is spent between edits, such as judging one completely, does not count.
     student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
 
     def judge_it():
@@ -396,56 +403,56 @@ def test_edits_take_their_time_of_what_the_notebook_has_left(passing):
     assert passes == [0, 2, 4]
 
 
-def test_the_clock_on_the_wall_ends_it_in_any_case(passing):
+def test_wall_clock_time_ends_the_search_in_any_case(passing):
     clock = itertools.count(100.0)
     student = Edited(["abxy"] * 200)
     assert passing(student, clock=lambda: next(clock)) == []
     assert 10 < student.tried < repair.MOST_SECONDS
 
 
-def test_what_one_edit_lost_is_not_the_next_ones(passing):
+def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):
     student = Edited(["abxy", "x", "e", "x", "a", ""])
     assert passing(student) == [4] and student.lost == [0.0]
 
 
 def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
-    asked = RunResults(outcomes_of("line_through", NO))
+    run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
     setting = Setting(LINE, 1, None, None, budget)
-    repair.slips_in(setting, HANDED_IN, asked, {})
+    repair.slips_in(setting, HANDED_IN, run, {})
     assert len(tried) == 1
     budget.begins = False
-    assert repair.slips_in(setting, HANDED_IN, asked, {}) == {} and len(tried) == 1
+    assert repair.slips_in(setting, HANDED_IN, run, {}) == {} and len(tried) == 1
 
 
 def test_a_notebook_that_does_not_start_has_no_edits(passing):
     assert passing(Edited(["abxy", ""], stops=True)) == []
 
 
-def test_what_ends_a_loop_is_tried_first_where_one_had_no_end():
+def test_edits_that_end_a_loop_come_first_after_a_hang():
     texts = ("x = 1", "x = 1\n        return", "pass", "break", "return x", "return")
     edits = [(1, 1, 1, text) for text in texts]
-    hangs = outcomes_of("line_through", NO, StudentStopped("It did not answer."))
+    hangs = outcomes_of("line_through", FAIL, StudentStopped("It did not answer."))
     assert [number for number, _ in repair._in_order(edits, hangs)] == [1, 3, 5, 0, 2, 4]
-    fails = outcomes_of("line_through", NO)
+    fails = outcomes_of("line_through", FAIL)
     assert [number for number, _ in repair._in_order(edits, fails)] == [0, 1, 2, 3, 4, 5]
 
 
-def test_what_returns_something_is_tried_first_where_nothing_came():
+def test_edits_that_return_a_value_come_first_after_none_was_returned():
     texts = ("x = 1", "    return x", "return", "y = 1\nreturn y", "return y")
     edits = [(1, 1, 1, text) for text in texts]
-    nothing = outcomes_of("line_through", NO, WrongForm("It returned None.", yours="None"))
+    nothing = outcomes_of("line_through", FAIL, WrongForm("It returned None.", yours="None"))
     assert [number for number, _ in repair._in_order(edits, nothing)] == [1, 4, 0, 2, 3]
-    something = outcomes_of("line_through", NO, WrongForm("It is a list.", yours="[None]"))
+    something = outcomes_of("line_through", FAIL, WrongForm("It is a list.", yours="[None]"))
     assert [number for number, _ in repair._in_order(edits, something)] == [0, 1, 2, 3, 4]
 
 
-def test_what_changes_the_line_that_raised_is_tried_first():
-    beside = [(1, 3, 3), (2, 1, 2), (2, 4, 4), (3, 3, 3)]
-    there = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
-    edits = [(*place, "text") for pair in zip(beside, there, strict=True) for place in pair]
-    errors = (StudentError("f", "E", place=f"code cell {place}") for place in ("2, line 3", "7"))
-    ordered = repair._in_order(edits, outcomes_of("line_through", NO, *errors))
+def test_edits_of_a_line_that_raised_come_first():
+    elsewhere = [(1, 3, 3), (2, 1, 2), (2, 4, 4), (3, 3, 3)]
+    raising = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
+    edits = [(*lines, "text") for pair in zip(elsewhere, raising, strict=True) for lines in pair]
+    errors = (StudentError("f", "E", place=f"code cell {lines}") for lines in ("2, line 3", "7"))
+    ordered = repair._in_order(edits, outcomes_of("line_through", FAIL, *errors))
     assert [number for number, _ in ordered] == [1, 3, 5, 7, 0, 2, 4, 6]
     assert all(edits[number] == edit for number, edit in ordered)
 
@@ -458,13 +465,16 @@ PROGRAM = Program(("import numpy", CELL, "fifth\nsixth"), ("line_through",))
 
 @pytest.fixture
 def judged_as(monkeypatch):
-    """A function that looks for a repair where edits are judged so; what was asked."""
+    """Return a function that searches for a repair, given the results of the runs with edits.
+
+    It returns the repair and a list of the runs.
+    """
 
     def judged_as(*tries):
         asked, waiting = [], list(tries)
 
         def ask(setting, program, wanted, to_the_end):
-            assert not to_the_end  # an edit is right, or it is not
+            assert not to_the_end  # the first failure already disproves an edit
             names = ("line", "line_through", "ransac_line")
             checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
             asked.append((program.cells, [check.exercise for check in checks if wanted(check)]))
@@ -478,31 +488,31 @@ def judged_as(monkeypatch):
     return judged_as
 
 
-RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failure in (None, NO))
+RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failure in (None, FAIL))
 
 
-def test_the_edit_that_loses_nothing_is_the_one(judged_as):
-    found, asked = judged_as(RIGHT)
+def test_the_first_edit_that_loses_nothing_is_the_repair(judged_as):
+    found, runs = judged_as(RIGHT)
     assert found == repair.Repair(2, 2, "second\nthird", "mended")
-    mended = ("import numpy", "first\nmended\nfourth", "fifth\nsixth")
-    assert asked == [(mended, ["line_through"])]
-    found, asked = judged_as(WRONG, RIGHT)
+    cells_after = ("import numpy", "first\nmended\nfourth", "fifth\nsixth")
+    assert runs == [(cells_after, ["line_through"])]
+    found, runs = judged_as(WRONG, RIGHT)
     assert found == repair.Repair(2, 1, "first", "1st\nhalf")
-    assert [cells[1] for cells, _ in asked] == [mended[1], CELL.replace("first", "1st\nhalf")]
+    assert [cells[1] for cells, _ in runs] == [cells_after[1], CELL.replace("first", "1st\nhalf")]
     assert judged_as(WRONG, WRONG, RIGHT)[0] == repair.Repair(2, 4, "fourth", "4th")
     assert judged_as(WRONG, WRONG, WRONG, RIGHT)[0] == repair.Repair(3, 2, "sixth", "6th")
 
 
-def test_what_could_not_be_asked_proves_nothing(judged_as):
+def test_a_run_with_a_fault_proves_nothing(judged_as):
     found, _ = judged_as(RunResults((), fault="pytest ran 0 of 9 tests"), *[WRONG] * 3)
     assert found is None
 
 
-# ---- what a named mistake explains --------------------------------------------------------------
+# ---- answers that a named mistake explains ------------------------------------------------------
 
 
-class Answering:
-    """A student whose `line_through` is this function, beside others."""
+class FakeStudent:
+    """Stand-in for a student whose `line_through` is this function, with two other functions."""
 
     def __init__(self, function):
         self.line_through, self.helper, self.plane = function, print, len
@@ -521,7 +531,10 @@ OTHERS = [Check("check", name, "a title", "a hint") for name in ("line", "ransac
 
 @pytest.fixture
 def explains(monkeypatch):
-    """Whether a mistake explains what a function answers; the right answer is the number."""
+    """Return a function that tells whether a mistake explains the answers of a function.
+
+    The right answer to a question is the number itself.
+    """
 
     def explains(function, mistaken, lost, played=True, same=operator.eq):
         def run_checks(lesson, student, seed, wanted):
@@ -529,12 +542,12 @@ def explains(monkeypatch):
             assert [check for check in OTHERS if wanted(check)] == []
             assert [check for check in CHECKS if wanted(check)] == CHECKS
             student.exercise = "line_through"
-            for _ in range(100):  # as each check asks often
+            for _ in range(100):  # a check may call the function many times
                 answers = [student.line_through(question, scale=1) for question in QUESTIONS]
             student.close()
             return [
-                Outcome(check, None if answer == one else NO)
-                for check, answer, one in zip(CHECKS, answers, QUESTIONS, strict=True)
+                Outcome(check, None if answer == right else FAIL)
+                for check, answer, right in zip(CHECKS, answers, QUESTIONS, strict=True)
             ]
 
         def player_of(exercise, mistake, right):
@@ -542,7 +555,7 @@ def explains(monkeypatch):
             player = SimpleNamespace(plays=mistaken, same=same)
             return player if played else None
 
-        student = Answering(function)
+        student = FakeStudent(function)
         monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
         monkeypatch.setattr(mistake_diagnosis, "run_checks", run_checks)
         monkeypatch.setattr(mistake_diagnosis, "player_of", player_of)
@@ -565,21 +578,21 @@ def doubled(number, scale):
 
 
 def half_without_sign(number, scale):
-    """Wrong at the same question, and with another answer."""
+    """Return a wrong answer to the same question as `without_sign`, but a different one."""
     return abs(number) + (number < 0)
 
 
-def test_a_mistake_explains_who_answers_as_it_does(explains):
+def test_a_mistake_explains_a_function_with_the_same_answers(explains):
     assert explains(without_sign, without_sign, lost=[2])
     assert explains(doubled, doubled, lost=[0, 1, 2])
 
 
-def test_who_answers_otherwise_is_not_explained(explains):
+def test_a_mistake_does_not_explain_different_answers(explains):
     assert not explains(half_without_sign, without_sign, lost=[2])
 
 
 @pytest.mark.parametrize("lost", [[], [1], [1, 2], [0, 1, 2]])
-def test_nor_is_who_lost_other_checks_than_the_mistake_loses(explains, lost):
+def test_a_mistake_must_lose_exactly_the_checks_that_the_answer_lost(explains, lost):
     assert not explains(without_sign, without_sign, lost)
 
 
@@ -587,32 +600,32 @@ def right(number, scale):
     return number * scale
 
 
-def nearly(one, other):
-    """Whether answers are taken for the same that a check tells apart."""
-    return abs(one - other) < 20
+def nearly(first, second):
+    """Return whether two numbers are close, even if a check distinguishes them."""
+    return abs(first - second) < 20
 
 
 @pytest.mark.parametrize("function", [right, doubled])
-def test_nor_is_who_loses_others_when_asked_again(explains, function):
+def test_the_answer_must_lose_the_same_checks_when_repeated(explains, function):
     assert not explains(function, without_sign, lost=[2])
     assert not explains(function, without_sign, lost=[2], same=nearly)
 
 
 @pytest.mark.parametrize("mistaken", [right, doubled])
-def test_nor_is_who_loses_others_than_the_mistake_alone(explains, mistaken):
+def test_the_mistake_alone_must_lose_the_same_checks(explains, mistaken):
     assert explains(without_sign, without_sign, lost=[2], same=nearly)
     assert not explains(without_sign, mistaken, lost=[2], same=nearly)
 
 
-def test_what_is_no_function_of_its_arguments_explains_nothing(explains):
+def test_a_mistake_without_a_player_explains_nothing(explains):
     assert not explains(without_sign, without_sign, lost=[2], played=False)
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("10_accelerated_clustering")  # whose scenes take seconds to make
+@pytest.mark.xdist_group("10_accelerated_clustering")  # the scenes take seconds to make
 @pytest.mark.parametrize("step", [4, 1], ids=["some", "all"])
 def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
-    """It is asked here, in the judge: on heaps of 20 000 points, too."""
+    """The judge itself runs the mistake, even on dense clouds of 20 000 points."""
     exercise = "euclidean_clustering_accelerated"
     lesson = lesson_of(exercise)
     right = vars(load_reference(lesson.name))
@@ -620,24 +633,24 @@ def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
     assert len(known_mistakes(exercise)) > 10
     for mistake in known_mistakes(exercise)[::step]:
         player = player_of(exercise, mistake, right[exercise])
-        begin = time.process_time()
+        start = time.process_time()
         student = student_with(lesson, {**right, exercise: player.plays})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
-        assert time.process_time() - begin < 20, mistake.says  # of which all had taken 45 and more
+        assert time.process_time() - start < 20, mistake.says  # seconds; each took 45 or more once
 
 
-def test_the_solution_is_the_lessons_own_and_made_once():
+def test_the_solution_is_the_lessons_own_and_is_loaded_once():
     line_through = mistake_diagnosis._solution(LINE, "line_through")
     a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))
     np.testing.assert_allclose([a + 2 * b + c, 4 * a + 6 * b + c], 0, atol=1e-12)
     assert mistake_diagnosis._solution(LINE, "line_through") is line_through
 
 
-# ---- what a slip keeps --------------------------------------------------------------------------
+# ---- points that a slip keeps -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
-def test_a_slip_never_takes(earned):
+def test_a_slip_never_reduces_the_score(earned):
     found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
     assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
 
@@ -649,13 +662,13 @@ def test_a_slip_never_takes(earned):
         (slip(), Slip(0, 0, "", "", 0.5)),
     ],
 )
-def test_a_verdict_says_that_one_thing_alone_is_wrong(proven, kept):
-    """It keeps three of five points, and every check was lost for the same reason."""
-    exercise = next(one for one in LINE.machine_graded if one.name == "line_through")
-    asked = RunResults(outcomes_of("line_through", None, None, NO, CheckFailed("nor here")))
-    result = results.result_of(exercise, asked, None, proven)
+def test_a_verdict_reports_a_proven_slip(proven, kept):
+    """The slip keeps three of five points, and all failed checks get the same reason."""
+    exercise = next(graded for graded in LINE.machine_graded if graded.name == "line_through")
+    run = RunResults(outcomes_of("line_through", None, None, FAIL, CheckFailed("nor here")))
+    result = results.result_of(exercise, run, None, proven)
     assert (result.score, result.slip) == (3.0, kept)
-    same = "For the same reason as “a title”."
-    assert [test.message for test in result.tests] == ["", "", "no\nHint: a hint", same]
-    alone = results.result_of(exercise, asked, None)
-    assert (alone.score, alone.slip, alone.tests[3].message) == (2.5, None, "nor here")
+    same_reason = "For the same reason as “a title”."
+    assert [test.message for test in result.tests] == ["", "", "no\nHint: a hint", same_reason]
+    plain = results.result_of(exercise, run, None)
+    assert (plain.score, plain.slip, plain.tests[3].message) == (2.5, None, "nor here")

@@ -1,4 +1,4 @@
-"""What is done in a process of its own: it comes back, or a sentence says why it does not."""
+"""Work in a child process returns a result, or an error with the reason in one sentence."""
 
 import json
 import os
@@ -17,32 +17,32 @@ from tests.notebook_runs import children
 from utils.notebooks.reading import UnreadableNotebook
 
 
-def for_ever():
+def loop_forever():
     for _ in count():
         pass
 
 
-def in_a_pattern():
+def match_slow_pattern():
     re.match("(a*)*b", "a" * 40)
 
 
-def fill_the_memory():
+def fill_memory():
     return [bytearray(2**24) for _ in range(1000)]
 
 
-def answer_at_length():
+def return_long_answer():
     return "a" * (reader_process.LARGEST_REPLY + 1)
 
 
-def stop_its_process():
+def stop_own_process():
     os.kill(os.getpid(), signal.SIGSTOP)
 
 
-def end_its_process():
+def end_own_process():
     os._exit(0)
 
 
-def wait():
+def sleep_long():
     time.sleep(1000)
 
 
@@ -55,8 +55,8 @@ def refuse():
 
 
 @pytest.fixture
-def soon(monkeypatch):
-    """Small limits; the clock on the wall goes fast only where a test says so."""
+def short_limits(monkeypatch):
+    """Set small limits, and return a function that also shortens the wall-clock limit."""
     monkeypatch.setattr(reader_process, "SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
@@ -67,88 +67,88 @@ def soon(monkeypatch):
 @pytest.mark.parametrize(
     ("work", "says"),
     [
-        (for_ever, "more than 1 seconds"),
-        (in_a_pattern, "more than 1 seconds"),
-        (fill_the_memory, "more than 128 MB of memory"),
-        (answer_at_length, "more than 128 MB of memory"),
+        (loop_forever, "more than 1 seconds"),
+        (match_slow_pattern, "more than 1 seconds"),
+        (fill_memory, "more than 128 MB of memory"),
+        (return_long_answer, "more than 128 MB of memory"),
     ],
 )
-def test_too_much_is_said_in_a_sentence(work, says, soon):
+def test_too_costly_files_get_a_message_with_the_limit(work, says, short_limits):
     with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.run_in_child("file.ipynb", work)
     assert f"Reading file.ipynb takes {says}" in str(caught.value)
     assert "hand it in again" in str(caught.value)
 
 
-@pytest.mark.parametrize("work", [stop_its_process, end_its_process, wait])
-def test_who_gives_no_answer_is_waited_for_so_long(work, soon):
-    soon()
+@pytest.mark.parametrize("work", [stop_own_process, end_own_process, sleep_long])
+def test_a_child_without_an_answer_is_given_up_after_a_while(work, short_limits):
+    short_limits()
     with pytest.raises(reader_process.ReadingFailed, match="no answer within 0.5 seconds"):
         reader_process.run_in_child("file.ipynb", work)
 
 
-def test_a_fault_of_ours_is_no_fault_of_the_file():
+def test_an_error_in_the_grader_is_not_reported_as_unreadable_file():
     with pytest.raises(reader_process.ReadingFailed, match="RuntimeError: a fault of ours"):
         reader_process.run_in_child("file.ipynb", fail)
 
 
-def test_what_cannot_be_read_is_said_as_the_reader_said_it():
+def test_the_readers_message_is_passed_on_unchanged():
     with pytest.raises(UnreadableNotebook) as caught:
         reader_process.run_in_child("file.ipynb", refuse)
     assert type(caught.value) is UnreadableNotebook
     assert str(caught.value) == "file.ipynb is empty."
 
 
-def test_words_arrive_as_they_are():
+def test_text_arrives_unchanged():
     for text in ("\udcff", "\U0001f697", "\0", "\u2028", "a" * 10**6):
         assert reader_process.run_in_child("file.ipynb", lambda text=text: text) == text
 
 
-def test_where_no_process_can_be_forked_the_same_comes_back(monkeypatch):
+def test_without_fork_the_result_is_the_same(monkeypatch):
     monkeypatch.delattr(os, "fork")
     assert reader_process.run_in_child("file.ipynb", lambda: (1, "a")) == [1, "a"]
 
 
-def test_nothing_is_left_behind(soon):
+def test_no_open_files_or_processes_are_left(short_limits):
     def open_files():
         return sorted(os.listdir("/dev/fd"))
 
-    soon()
-    before, others = open_files(), children()
-    for work in (wait, end_its_process, answer_at_length):
+    short_limits()
+    before, children_before = open_files(), children()
+    for work in (sleep_long, end_own_process, return_long_answer):
         with pytest.raises((reader_process.TooCostly, reader_process.ReadingFailed)):
             reader_process.run_in_child("file.ipynb", work)
     assert open_files() == before
-    assert children() <= others
+    assert children() <= children_before
 
 
-def test_nobodys_files_are_held_open():
-    """Whoever waits for the end of what judges does not wait for what it began."""
+def test_the_child_holds_no_files_of_the_judge_open():
+    """The child holds no pipe of the judge, so that a reader sees the end when the judge ends."""
     pipes = [os.pipe() for _ in range(2)]
-    os.close(pipes[0][0])  # so that its own have a lower number than another
-    held = reader_process.run_in_child(
+    os.close(pipes[0][0])  # gives the child's own pipe a lower number than the other pipes
+    open_numbers = reader_process.run_in_child(
         "file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")]
     )
     for number in (pipes[0][1], *pipes[1]):
         os.close(number)
-        assert number not in held
-    assert len(held) <= 5
+        assert number not in open_numbers
+    assert len(open_numbers) <= 5
     reader_process.run_in_child(
         "file.ipynb", lambda: [os.fstat(number).st_ino for number in (0, 1, 2)]
     )
 
 
-def test_what_works_apart_ends_as_it_is_told_to(monkeypatch):
-    """Whatever the judge itself does when it is told to."""
+def test_the_child_uses_default_signal_handlers(monkeypatch):
+    """The child uses the default handlers, even if the judge ignores the signals."""
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:
         names = (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU)
-        asked = reader_process.run_in_child(
+        handlers = reader_process.run_in_child(
             "file.ipynb", lambda: [int(signal.getsignal(name)) for name in names]
         )
     finally:
         signal.signal(signal.SIGTERM, before)
-    assert asked == [int(signal.SIG_DFL)] * 3
+    assert handlers == [int(signal.SIG_DFL)] * 3
 
 
 # ---- limits -------------------------------------------------------------------------------------
@@ -156,7 +156,7 @@ def test_what_works_apart_ends_as_it_is_told_to(monkeypatch):
 
 @pytest.fixture
 def limits(monkeypatch):
-    """A function that gives the limits that are set where there are such hard ones."""
+    """Return a function that returns the limits that are set under given hard limits."""
 
     def limits(hard):
         found = {}
@@ -168,17 +168,17 @@ def limits(monkeypatch):
     return limits
 
 
-def test_what_works_apart_may_take_so_much_more_than_it_has(limits):
+def test_the_child_may_use_a_fixed_amount_of_additional_memory(limits):
     found = limits(resource.RLIM_INFINITY)
     with open("/proc/self/status") as file:
-        has = next(int(line.split()[1]) for line in file if line.startswith("VmSize:")) * 1024
+        used = next(int(line.split()[1]) for line in file if line.startswith("VmSize:")) * 1024
     assert {hard for _, hard in found.values()} == {resource.RLIM_INFINITY}
     assert found[resource.RLIMIT_CORE][0] == 0
     assert found[resource.RLIMIT_CPU][0] == reader_process.SECONDS
-    assert found[resource.RLIMIT_AS][0] == pytest.approx(has + 768 * 2**20, abs=2**24)
+    assert found[resource.RLIMIT_AS][0] == pytest.approx(used + 768 * 2**20, abs=2**24)
 
 
-def test_where_less_is_allowed_it_is_less(limits):
+def test_lower_hard_limits_are_respected(limits):
     assert limits(5) == {
         resource.RLIMIT_CORE: (0, 5),
         resource.RLIMIT_CPU: (5, 5),
@@ -186,16 +186,16 @@ def test_where_less_is_allowed_it_is_less(limits):
     }
 
 
-def test_the_largest_file_has_an_answer_and_no_answer_fills_the_memory():
+def test_the_reply_limit_fits_the_largest_file_and_the_memory():
     assert 64 * 2**20 < reader_process.LARGEST_REPLY < reader_process.MEGABYTES * 2**20
 
 
-def test_a_machine_that_has_much_else_to_do_may_take_its_time():
-    """It took two minutes for six seconds beside what was more important than it."""
+def test_a_busy_machine_has_enough_time():
+    """Six seconds of work took two minutes next to processes of higher priority."""
     assert 50 * reader_process.SECONDS < reader_process.PATIENCE < pool.LONGEST
 
 
-def test_which_end_is_too_much():
+def test_which_exit_codes_mean_too_costly():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
         assert reader_process._excess(code, b"") == ""
     assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"
@@ -208,10 +208,10 @@ def test_which_end_is_too_much():
 
 
 class Pipe:
-    """What `select.poll` and `os.read` know of a pipe into which these parts are written."""
+    """Replacement for `select.poll` and `os.read` for a pipe that delivers these parts."""
 
     def __init__(self, monkeypatch, parts, times=(100.0,)):
-        self.parts, self.waited, self.asked_for = list(parts), [], []
+        self.parts, self.waited, self.sizes = list(parts), [], []
         clock = iter([*times, *[times[-1]] * 99])
         monkeypatch.setattr(select, "poll", lambda: self)
         monkeypatch.setattr(reader_process.time, "monotonic", lambda: next(clock))
@@ -225,42 +225,42 @@ class Pipe:
         return self.parts
 
     def read(self, pipe, size):
-        self.asked_for.append(size)
+        self.sizes.append(size)
         return self.parts.pop(0)
 
 
-def test_an_answer_is_read_until_it_ends_or_its_time_is_over(monkeypatch):
+def test_an_answer_is_read_until_its_end_or_its_deadline(monkeypatch):
     pipe = Pipe(monkeypatch, [b"ab", b"c", b"", b"never"], (100.0, 100.5, 104.0))
     assert reader_process._read(7, 102.0) == b"abc"
-    assert pipe.waited == [2000.0, 1500.0, 0.0]  # a negative time is for ever
-    assert min(pipe.asked_for) >= 2**16, "a pipe holds as much"
+    assert pipe.waited == [2000.0, 1500.0, 0.0]  # a negative time would wait forever
+    assert min(pipe.sizes) >= 2**16, "a pipe holds as much"
     assert reader_process._read(7, 102.0) == b"never"
 
 
 @pytest.mark.parametrize(("largest", "read"), [(3, b"abcd"), (4, b"abcdef"), (5, b"abcdef")])
-def test_no_more_is_read_than_shows_that_it_is_too_much(largest, read, monkeypatch):
+def test_reading_stops_once_an_answer_is_too_long(largest, read, monkeypatch):
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", largest)
     Pipe(monkeypatch, [b"ab", b"cd", b"ef", b"gh"])
     assert reader_process._read(7, 102.0) == read
     assert reader_process._excess(0, read) and not reader_process._excess(0, read[:largest])
 
 
-def test_an_answer_has_until_then(monkeypatch):
-    asked = []
+def test_the_deadline_follows_from_the_patience(monkeypatch):
+    deadlines = []
 
     def read(pipe, until):
-        asked.append(until)
+        deadlines.append(until)
         return json.dumps(["done", 7]).encode()
 
     monkeypatch.setattr(reader_process, "_read", read)
     monkeypatch.setattr(reader_process, "PATIENCE", 60)
     monkeypatch.setattr(reader_process.time, "monotonic", lambda: 1000.5)
-    assert reader_process.run_in_child("file.ipynb", wait) == 7
-    assert asked == [1060.5]
+    assert reader_process.run_in_child("file.ipynb", sleep_long) == 7
+    assert deadlines == [1060.5]
 
 
 @pytest.mark.parametrize("reply", [b"", b"[", b"7", b"[" * 10**5])
-def test_what_is_no_answer_is_none(reply, monkeypatch):
+def test_an_invalid_reply_counts_as_no_answer(reply, monkeypatch):
     monkeypatch.setattr(reader_process, "_read", lambda pipe, until: reply)
     with pytest.raises(reader_process.ReadingFailed, match="gave no answer"):
-        reader_process.run_in_child("file.ipynb", wait)
+        reader_process.run_in_child("file.ipynb", sleep_long)

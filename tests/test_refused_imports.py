@@ -1,4 +1,4 @@
-"""`check()` refuses what the judge refuses, and allows what it allows."""
+"""`check()` refuses and allows the same libraries as the judge."""
 
 import contextlib
 
@@ -14,8 +14,8 @@ from utils.checks.core import ChecksFailed
 
 FIVE = ("05_euclidean_clustering", "euclidean_clustering")
 TEN = ("10_accelerated_clustering", "euclidean_clustering_accelerated")
-# What does the exercise of lesson 05, in all the ways in which one may write it.
-DONE_BY_A_LIBRARY = {
+# Answers to lesson 05 in which a library does the clustering, in several notations.
+CLUSTERING_LIBRARIES = {
     "scikit-learn": """
 from sklearn.cluster import DBSCAN
 def NAME(cloud, threshold=0.5):
@@ -32,7 +32,7 @@ def NAME(cloud, threshold=0.5):
     return fclusterdata(cloud[:, :3], threshold, criterion="distance", method="single")
 """,
 }
-BY_A_GRAPH = {
+GRAPH_COMPONENTS = {
     "connected components": """
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -63,7 +63,7 @@ def NAME(cloud, threshold=0.5):
 }
 
 
-GROWN = """
+GROWING = """
 import numpy as np
 IMPORT
 def NAME(cloud, threshold=0.5):
@@ -85,43 +85,43 @@ def NAME(cloud, threshold=0.5):
 """
 
 
-def grown(imported, prepare, neighbours):
-    """The exercise of lesson 05, with neighbours that a library finds."""
-    source = GROWN.replace("IMPORT", imported).replace("PREPARE", prepare)
+def growing_answer(imported, prepare, neighbours):
+    """Return an answer to lesson 05 that grows clusters from neighbours found by an expression."""
+    source = GROWING.replace("IMPORT", imported).replace("PREPARE", prepare)
     return source.replace("NEIGHBOURS", neighbours)
 
 
 BELOW = "np.nextafter(threshold, 0)"
 QUERY = f"tree.query_radius(points[[waiting.pop()]], {BELOW})[0]"
-FAR = "np.linalg.norm(points - points[waiting.pop()], axis=1)"
-# A neighbour search is allowed; these libraries import what is forbidden for other purposes.
+DISTANCES = "np.linalg.norm(points - points[waiting.pop()], axis=1)"
+# Neighbour searches are allowed, although these libraries import forbidden modules internally.
 SEARCHES = {
-    "scikit-learn's tree": grown(
+    "scikit-learn's tree": growing_answer(
         "from sklearn.neighbors import KDTree", "tree = KDTree(points)", QUERY
     ),
-    "scikit-learn's tree, inside": grown(
+    "scikit-learn's tree, inside": growing_answer(
         "", "from sklearn.neighbors import KDTree\n    tree = KDTree(points)", QUERY
     ),
-    "scikit-learn's neighbours": grown(
+    "scikit-learn's neighbours": growing_answer(
         "from sklearn.neighbors import NearestNeighbors",
         f"tree = NearestNeighbors(radius={BELOW}).fit(points)",
         "tree.radius_neighbors(points[[waiting.pop()]])[1][0]",
     ),
-    "SciPy's tree": grown(
+    "SciPy's tree": growing_answer(
         "from scipy.spatial import cKDTree",
         "tree = cKDTree(points)",
         f"tree.query_ball_point(points[waiting.pop()], {BELOW})",
     ),
-    "a library that is not used": grown(
+    "a library that is not used": growing_answer(
         "from sklearn.mixture import GaussianMixture\nfrom scipy import stats",
         "stats.norm.cdf(0.0)",
-        f"np.flatnonzero({FAR} < threshold)",
+        f"np.flatnonzero({DISTANCES} < threshold)",
     ),
 }
-# What these use does the exercise, and is had from a library, or used by one.
-BY_A_LIBRARY_INSIDE = {
+# Answers that reach a forbidden module through another library, and the module of the message.
+INDIRECT_IMPORTS = {
     "a name in a library": (
-        grown(
+        growing_answer(
             "import sklearn.manifold._isomap as library\nfrom scipy.spatial.distance import cdist",
             "return library.connected_components(cdist(points, points) < threshold)[1] + 1",
             "[]",
@@ -129,7 +129,7 @@ BY_A_LIBRARY_INSIDE = {
         "scipy.sparse.csgraph",
     ),
     "a name in a library, imported inside": (
-        grown(
+        growing_answer(
             "from scipy.spatial.distance import cdist",
             "import sklearn.manifold._isomap as library\n"
             "    return library.connected_components(cdist(points, points) < threshold)[1] + 1",
@@ -138,23 +138,23 @@ BY_A_LIBRARY_INSIDE = {
         "scipy.sparse.csgraph",
     ),
     "a library that uses one": (
-        grown(
+        growing_answer(
             "from sklearn.mixture import GaussianMixture",
             "GaussianMixture(1).fit(np.arange(9.0).reshape(-1, 1))",
-            f"np.flatnonzero({FAR} < threshold)",
+            f"np.flatnonzero({DISTANCES} < threshold)",
         ),
         "sklearn.cluster",
     ),
     "a library that imports it when it is used": (
-        grown(
+        growing_answer(
             "from sklearn.preprocessing import KBinsDiscretizer",
             "KBinsDiscretizer(2, strategy='kmeans').fit(np.arange(9.0).reshape(-1, 1))",
-            f"np.flatnonzero({FAR} < threshold)",
+            f"np.flatnonzero({DISTANCES} < threshold)",
         ),
         "sklearn.cluster",
     ),
     "the modules there are": (
-        grown(
+        growing_answer(
             "import sys\nimport sklearn.mixture",
             "tools = sklearn.mixture and sys.modules['sklearn.cluster']\n"
             "    return tools.DBSCAN(eps=threshold, min_samples=1).fit(points).labels_ + 1",
@@ -163,7 +163,7 @@ BY_A_LIBRARY_INSIDE = {
         "sklearn.cluster",
     ),
     "the importer": (
-        grown(
+        growing_answer(
             "import importlib",
             "tools = importlib.import_module('sklearn.cluster')\n"
             "    return tools.DBSCAN(eps=threshold, min_samples=1).fit(points).labels_ + 1",
@@ -174,7 +174,7 @@ BY_A_LIBRARY_INSIDE = {
 }
 
 
-def shown_by_check(name, source, capsys):
+def check_output(name, source, capsys):
     space = {"__name__": "__main__"}
     exec(source.replace("NAME", name), space)
     with contextlib.suppress(ChecksFailed):
@@ -192,61 +192,61 @@ def score_of(lesson_name, name, source, sandbox, tmp_path):
     )
 
 
-@pytest.mark.parametrize("way", DONE_BY_A_LIBRARY | BY_A_GRAPH)
-def test_what_does_the_exercise_is_refused_in_05(way, sandbox, tmp_path, capsys):
-    source = (DONE_BY_A_LIBRARY | BY_A_GRAPH)[way]
-    shown = shown_by_check(FIVE[1], source, capsys)
-    assert "not allowed in this lesson" in shown and "[passed]" not in shown
-    score, said = score_of(*FIVE, source, sandbox, tmp_path)
-    assert score == 0 and "not allowed in this lesson" in said
-    assert "spelt" not in said, "a name that is refused is no typing mistake"
+@pytest.mark.parametrize("way", CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)
+def test_a_library_that_does_the_clustering_is_refused_in_05(way, sandbox, tmp_path, capsys):
+    source = (CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)[way]
+    output = check_output(FIVE[1], source, capsys)
+    assert "not allowed in this lesson" in output and "[passed]" not in output
+    score, reasons = score_of(*FIVE, source, sandbox, tmp_path)
+    assert score == 0 and "not allowed in this lesson" in reasons
+    assert "spelt" not in reasons, "a name that is refused is no typing mistake"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SEARCHES)
 def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, capsys):
-    shown = shown_by_check(FIVE[1], SEARCHES[way], capsys)
-    assert "[passed]" in shown and "[failed]" not in shown
+    output = check_output(FIVE[1], SEARCHES[way], capsys)
+    assert "[passed]" in output and "[failed]" not in output
     assert score_of(*FIVE, SEARCHES[way], sandbox, tmp_path) == (40, "()['']")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", BY_A_LIBRARY_INSIDE)
+@pytest.mark.parametrize("way", INDIRECT_IMPORTS)
 def test_what_a_library_holds_is_refused_in_05(way, sandbox, tmp_path, capsys):
-    """At the first `check`, which has libraries imported, and at the next."""
-    source, module = BY_A_LIBRARY_INSIDE[way]
+    """Both the first `check`, during which libraries are imported, and the next one refuse it."""
+    source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
     for _ in range(2):
-        shown = shown_by_check(FIVE[1], source, capsys)
-        assert f"{module}, which is {sentence}" in shown and "[passed]" not in shown
-    score, said = score_of(*FIVE, source, sandbox, tmp_path)
-    assert score == 0 and f"{module} is {sentence}" in said
+        output = check_output(FIVE[1], source, capsys)
+        assert f"{module}, which is {sentence}" in output and "[passed]" not in output
+    score, reasons = score_of(*FIVE, source, sandbox, tmp_path)
+    assert score == 0 and f"{module} is {sentence}" in reasons
 
 
-@pytest.mark.parametrize("way", DONE_BY_A_LIBRARY)
-def test_what_does_the_exercise_is_refused_in_10(way, sandbox, tmp_path, capsys):
-    source = DONE_BY_A_LIBRARY[way]
-    shown = shown_by_check(TEN[1], source, capsys)
-    assert "not allowed in this lesson" in shown and "[passed]" not in shown
-    score, said = score_of(*TEN, source, sandbox, tmp_path)
-    assert score == 0 and "not allowed in this lesson" in said
+@pytest.mark.parametrize("way", CLUSTERING_LIBRARIES)
+def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_path, capsys):
+    source = CLUSTERING_LIBRARIES[way]
+    output = check_output(TEN[1], source, capsys)
+    assert "not allowed in this lesson" in output and "[passed]" not in output
+    score, reasons = score_of(*TEN, source, sandbox, tmp_path)
+    assert score == 0 and "not allowed in this lesson" in reasons
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", BY_A_GRAPH)
+@pytest.mark.parametrize("way", GRAPH_COMPONENTS)
 def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
-    """They list all pairs, and lose what that costs, but nobody refuses them."""
-    shown = shown_by_check(TEN[1], BY_A_GRAPH[way], capsys)
-    assert "not allowed" not in shown
-    assert "[passed] Finds the one close pair of two crowded cells" in shown
-    score, said = score_of(*TEN, BY_A_GRAPH[way], sandbox, tmp_path)
-    assert score > 10 and "not allowed" not in said
+    """They list all pairs and lose points for the time this takes, but they are not refused."""
+    output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
+    assert "not allowed" not in output
+    assert "[passed] Finds the one close pair of two crowded cells" in output
+    score, reasons = score_of(*TEN, GRAPH_COMPONENTS[way], sandbox, tmp_path)
+    assert score > 10 and "not allowed" not in reasons
 
 
 def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
-    """Its plan, with the `components` that a cell above the exercise gives."""
+    """The lesson's plan, with `components` from a cell above the exercise, passes."""
     lesson = find_lesson(TEN[0])
-    plan = next(variant.source for variant in answers_to(TEN[1]) if variant.right)
+    plan = next(answer.source for answer in answers_to(TEN[1]) if answer.right)
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, {TEN[1]: plan}), "utf-8")
     function = answers_in(lesson, read_notebook(path).code)[TEN[1]]
@@ -255,9 +255,9 @@ def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
     assert "failed" not in capsys.readouterr().out
 
 
-# ---- what costs no points ----------------------------------------------------------------------
+# ---- deviations that cost no points ------------------------------------------------------------
 
-CHANGED = {
+NOTED_CHANGES = {
     "labels of another type": (
         "def NAME(cloud, threshold=0.5):\n    return right(cloud, threshold) * 1.0\n",
         ["whole numbers by type"],
@@ -277,12 +277,12 @@ CHANGED = {
 
 
 @pytest.mark.parametrize("lesson_name, name", [FIVE, TEN])
-@pytest.mark.parametrize("change", CHANGED)
+@pytest.mark.parametrize("change", NOTED_CHANGES)
 def test_what_costs_no_points_is_a_note(lesson_name, name, change, capsys):
-    source, titles = CHANGED[change]
+    source, titles = NOTED_CHANGES[change]
     space = {"right": getattr(load_reference(lesson_name), name), "__name__": "__main__"}
     exec(source.replace("NAME", name), space)
     check(space[name])
-    shown = capsys.readouterr().out
-    assert "[failed]" not in shown and shown.count("[note]") == len(titles)
-    assert all(title in shown for title in titles)
+    output = capsys.readouterr().out
+    assert "[failed]" not in output and output.count("[note]") == len(titles)
+    assert all(title in output for title in titles)

@@ -1,4 +1,4 @@
-"""Lessons register themselves: by their file name, their header and their cells."""
+"""Lessons are discovered from their file names, headers and cells."""
 
 import dataclasses
 import json
@@ -48,7 +48,7 @@ TEST = {
     "points": 7,
     "solution": False,
 }
-# What the author guide asks for: a folder, a file of checks, and no list.
+# A lesson as the author guide describes it: a folder and a file of checks, without any list.
 TOY = {
     "solutions/stage4_realtime/14_toy/lesson.py": """\
 # ---
@@ -153,7 +153,7 @@ def draw():
 }
 
 
-JUDGE_VARIANTS = """
+JUDGE_ANSWERS = """
 import json, sys
 from pathlib import Path
 from grader.course.lessons import find_lesson
@@ -168,8 +168,8 @@ for variant in answers_to("highest"):
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory):
-    """The project with a thirteenth lesson in it."""
+def project_copy(tmp_path_factory):
+    """Return the path of a copy of the project with a lesson 14 added."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("grader", "utils", "solutions", "notebooks", "data"):
         shutil.copytree(
@@ -199,53 +199,53 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_lesson_is_added_by_its_two_places(copy, sandbox):
+def test_a_lesson_is_added_by_its_two_places(project_copy, sandbox):
     guide = (PROJECT / "solutions" / "README.md").read_text("utf-8")
-    places = {
+    listed_paths = {
         path.replace("stage4_realtime", "<stage>")
         .replace("14_toy", "<NN_name>")
         .replace("lesson_14", "lesson_<NN>")
         .replace("highest", "<exercise>")
         for path in TOY
     }
-    assert all(f"| `{place}` |" in guide for place in places)
+    assert all(f"| `{path}` |" in guide for path in listed_paths)
 
-    assert "14_preview.png" in run(copy, "grader.course.previews", 14)
-    written = run(copy, "grader", "build").splitlines()
-    assert sorted(written) == [
+    assert "14_preview.png" in run(project_copy, "grader.course.previews", 14)
+    output_lines = run(project_copy, "grader", "build").splitlines()
+    assert sorted(output_lines) == [
         "wrote notebooks/stage4_realtime/14_toy.ipynb",
         "wrote solutions/stage4_realtime/14_toy.ipynb",
         "wrote utils/checks/forbidden.json",
         "wrote utils/lent/cells.json",
     ]
-    assert "is what its source says" in run(copy, "grader", "build", "--check")
+    assert "is what its source says" in run(project_copy, "grader", "build", "--check")
 
     def judge(path):
         options = ("--json", "--seed", 2**64 + 1, "--sandbox", sandbox.name)
-        verdict = json.loads(run(copy, "grader", "judge", path, *options))
+        verdict = json.loads(run(project_copy, "grader", "judge", path, *options))
         return verdict["score"], verdict["max_score"], verdict
 
     assert judge("solutions/stage4_realtime/14_toy.ipynb")[:2] == (7, 7)
     assert judge("notebooks/stage4_realtime/14_toy.ipynb")[:2] == (0, 7)
     done = subprocess.run(
-        [sys.executable, "-c", JUDGE_VARIANTS, sandbox.name],
-        cwd=copy,
-        env={**os.environ, "PYTHONPATH": str(copy)},
+        [sys.executable, "-c", JUDGE_ANSWERS, sandbox.name],
+        cwd=project_copy,
+        env={**os.environ, "PYTHONPATH": str(project_copy)},
         capture_output=True,
         text=True,
         check=True,
     )
-    right, lowest, library = map(json.loads, done.stdout.splitlines())
+    right, lowest_point, library = map(json.loads, done.stdout.splitlines())
     assert right["score"] == 7
-    for verdict, word in ((lowest, "not the highest"), (library, "not allowed")):
+    for verdict, message in ((lowest_point, "not the highest"), (library, "not allowed")):
         tests = verdict["exercises"][0]["tests"]
-        assert verdict["score"] < 7 and word in " ".join(test["message"] for test in tests)
+        assert verdict["score"] < 7 and message in " ".join(test["message"] for test in tests)
         assert "finds_it" in {test["name"] for test in tests if not test["passed"]}
 
 
 @pytest.fixture
 def registry(tmp_path, monkeypatch):
-    """A course of which only the sources are there: a text by path."""
+    """Return a function that writes lessons from texts by path and returns the course's faults."""
 
     def make(sources):
         for path, text in sources.items():
@@ -263,7 +263,7 @@ def registry(tmp_path, monkeypatch):
 GRADED = f"# %% nbgrader={json.dumps(TEST)}\ncheck(highest)\n"
 
 
-def test_a_course_in_order_has_no_faults(registry):
+def test_a_valid_course_has_no_faults(registry):
     assert registry({"stage1_a/01_one/lesson.py": GRADED, "optional/02_two/lesson.py": ""}) == []
     assert lessons.every_lesson()[0].name == "01_one"
 
@@ -290,12 +290,12 @@ def test_a_course_in_order_has_no_faults(registry):
         ),
     ],
 )
-def test_lessons_that_are_ignored_or_collide_are_named(registry, sources, said):
+def test_ignored_and_colliding_lessons_are_reported(registry, sources, said):
     (fault,) = registry(sources)
     assert said in fault
 
 
-def test_nothing_is_built_of_a_course_with_faults(monkeypatch, capsys):
+def test_a_course_with_faults_is_not_built(monkeypatch, capsys):
     monkeypatch.setattr(build, "registry_faults", lambda: ["14_toy is ignored."])
     monkeypatch.setattr(build, "build_all", lambda: pytest.fail("it is built"))
     assert cli.main(["build"]) == commands.FAULT
@@ -303,13 +303,13 @@ def test_nothing_is_built_of_a_course_with_faults(monkeypatch, capsys):
     assert cli.main(["build", "--check"]) == commands.FAULT
 
 
-def test_two_lessons_cannot_check_one_exercise(monkeypatch):
-    """A process judges many lessons: the checks of one would count in the other."""
+def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
+    """A process judges many lessons, so checks of one lesson would also count in the other."""
     monkeypatch.setattr(core, "_CHECKS", {})
 
     def declare(lesson, exercise):
         def finds_it(function):
-            """Its module is what says whose it is."""
+            """Belong to a lesson through `__module__`."""
 
         finds_it.__module__ = f"utils.checks.{lesson}"
         core.visible(exercise, title="Finds it", why="", hint="")(finds_it)
@@ -322,15 +322,15 @@ def test_two_lessons_cannot_check_one_exercise(monkeypatch):
     assert len(core.checks_of("filter_ground")) == 2
 
 
-def test_every_answer_claims_checks_that_there_are(lesson):
-    """A misspelt name would be found only when that answer is drawn."""
+def test_every_answer_claims_existing_checks(lesson):
+    """A misspelt check in an answer's claims would otherwise only show when it is judged."""
     hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
     for exercise in lesson.machine_graded:
         known = hidden | {check.name for check in checks_of(exercise.name)}
-        for variant in answers_to(exercise.name):
-            for claim in variant.loses:  # the beginning of a name, perhaps with a parameter
-                begin = claim.partition("[")[0]
-                assert any(name.startswith(begin) for name in known), f"{variant.name}: {claim}"
+        for answer in answers_to(exercise.name):
+            for claim in answer.loses:  # the beginning of a name, perhaps with a parameter
+                prefix = claim.partition("[")[0]
+                assert any(name.startswith(prefix) for name in known), f"{answer.name}: {claim}"
 
 
 def test_every_lesson_has_its_files(lesson):
@@ -345,7 +345,7 @@ def test_every_lesson_has_its_files(lesson):
 
 
 def test_no_list_names_a_lesson():
-    """A lesson's number or name stands in its own files, and in texts; in no other code."""
+    """Only a lesson's own files contain its name as a string."""
     names = {lesson.name for lesson in all_lessons()}
     own = ("lesson_", "test_0", "test_1")
     for path in [*(PROJECT / "grader").rglob("*.py"), *(PROJECT / "utils").rglob("*.py")]:
@@ -356,7 +356,7 @@ def test_no_list_names_a_lesson():
         assert not listed, path
 
 
-def test_the_header_is_the_policy():
+def test_the_header_contains_the_lessons_rules():
     assert find_lesson("04_kd_tree").header == LessonHeader(
         forbidden=("scipy.spatial", "sklearn.neighbors"),
         given=("Node", "KdTree"),
@@ -369,9 +369,9 @@ def test_jupyterlab_keeps_the_header(tmp_path):
     """JupyterLab opens a lesson's source through jupytext, and saves it through jupytext."""
     source = find_lesson("04_kd_tree").source
     shutil.copy(PROJECT / "pyproject.toml", tmp_path)
-    copy = tmp_path / source.name
-    jupytext.write(jupytext.read(source), copy, fmt="py:percent")
-    assert read_header(copy) == read_header(source)
+    saved = tmp_path / source.name
+    jupytext.write(jupytext.read(source), saved, fmt="py:percent")
+    assert read_header(saved) == read_header(source)
 
 
 @pytest.mark.parametrize(
@@ -381,14 +381,14 @@ def test_jupyterlab_keeps_the_header(tmp_path):
         "#   lidar_obstacle_lab:\n#     forbidden: scipy\n",
     ],
 )
-def test_a_slip_in_the_header_is_named(tmp_path, settings):
+def test_a_typo_in_the_header_is_reported(tmp_path, settings):
     path = tmp_path / "14_slip.py"
     path.write_text(HEAD.format(settings=settings), "utf-8")
     with pytest.raises(ValueError, match="14_slip.py: the header says `forb"):
         read_header(path)
 
 
-def test_a_lesson_without_a_header_is_named(tmp_path):
+def test_a_lesson_without_a_header_is_reported(tmp_path):
     path = tmp_path / "14_slip.py"
     path.write_text("# %%\n1\n", "utf-8")
     with pytest.raises(ValueError, match="solutions/README.md"):
