@@ -1,4 +1,4 @@
-"""What students get: zips that run, notebooks that nbgrader releases, solutions afterwards."""
+"""Releases for students: zips that run, notebooks through nbgrader, and solutions."""
 
 import io
 import json
@@ -55,7 +55,7 @@ def names_in(path):
 # ---- zips ---------------------------------------------------------------------------------------
 
 
-def test_the_order_in_which_files_are_found_is_nowhere_in_a_zip():
+def test_a_zip_does_not_depend_on_the_order_of_files():
     files = {"b/two.txt": b"2" * 999, "a.txt": b"1", "b/one.txt": b""}
     packed = zipped(files)
     assert packed == zipped(dict(reversed(files.items())))
@@ -68,22 +68,22 @@ def test_the_order_in_which_files_are_found_is_nowhere_in_a_zip():
             assert stat.S_IMODE(entry.external_attr >> 16) == 0o644
 
 
-def test_a_zip_for_each_stage_with_its_notebooks(zips):
+def test_each_stage_has_a_zip_with_its_notebooks(zips):
     assert sorted(path.name for path in zips.iterdir()) == [f"{stage}.zip" for stage in stages()]
     for stage in stages():
-        mine = [lesson.name for lesson in all_lessons() if lesson.stage == stage]
+        names = [lesson.name for lesson in all_lessons() if lesson.stage == stage]
         notebooks = [name for name in names_in(zips / f"{stage}.zip") if name.endswith(".ipynb")]
-        assert notebooks == [f"lidar_obstacle_lab/notebooks/{stage}/{one}.ipynb" for one in mine]
+        assert notebooks == [f"lidar_obstacle_lab/notebooks/{stage}/{name}.ipynb" for name in names]
 
 
-def test_the_same_bytes_when_written_again(zips, tmp_path):
+def test_a_zip_has_the_same_bytes_when_written_again(zips, tmp_path):
     assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 0
     assert [path.name for path in tmp_path.iterdir()] == [f"{STAGE}.zip"]
     again = (tmp_path / f"{STAGE}.zip").read_bytes()
     assert again == (zips / f"{STAGE}.zip").read_bytes()
 
 
-def test_nothing_is_in_it_but_what_students_need(zips):
+def test_a_zip_contains_only_files_that_students_need(zips):
     names = [name.split("/", 1) for name in names_in(zips / f"{STAGE}.zip")]
     assert {first for first, _ in names} == {"lidar_obstacle_lab"}
     assert {rest.split("/")[0] for _, rest in names} == {
@@ -99,7 +99,7 @@ def test_nothing_is_in_it_but_what_students_need(zips):
     assert code == {name for name in inside if name.startswith("utils/")}
 
 
-def test_what_students_install_is_all_that_their_notebooks_import():
+def test_student_requirements_cover_all_imports_of_the_notebooks():
     text = release.student_requirements()
     pins = dict(re.findall(r"^([\w.-]+)==(\S+)$", text, re.M))
     assert pins.items() <= own_pins("requirements.txt").items()
@@ -110,14 +110,13 @@ def test_what_students_install_is_all_that_their_notebooks_import():
         for package in packages
         if package in distributions()
     }
-    extra = own_pins("requirements-3d.txt").keys() | {
-        "vtk"
-    }  # windows and films, for who wants them
+    # Windows and films are optional.
+    extra = own_pins("requirements-3d.txt").keys() | {"vtk"}
     assert needed - extra <= pins.keys()
     assert {"jupyterlab", "ipykernel"} <= pins.keys()
 
 
-def test_a_notebook_that_gives_a_solution_away_is_in_no_zip(tmp_path, monkeypatch, capsys):
+def test_a_notebook_that_reveals_a_solution_is_not_released(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(standalone, "leaks", lambda *texts: ["answer = 42"])
     assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 1
     assert "gives away 'answer = 42'" in capsys.readouterr().err
@@ -125,13 +124,13 @@ def test_a_notebook_that_gives_a_solution_away_is_in_no_zip(tmp_path, monkeypatc
 
 
 def first_cells(path, count):
-    """A notebook's first code cells."""
+    """Return a notebook with only its first code cells."""
     notebook = nbformat.read(path, as_version=4)
     notebook.cells = [cell for cell in notebook.cells if cell.cell_type == "code"][:count]
     return notebook
 
 
-def test_unzipped_anywhere_it_runs(zips, tmp_path, monkeypatch):
+def test_a_zip_runs_in_any_folder(zips, tmp_path, monkeypatch):
     monkeypatch.delenv("PYTHONPATH", raising=False)
     with zipfile.ZipFile(zips / f"{STAGE}.zip") as archive:
         archive.extractall(tmp_path)
@@ -145,7 +144,7 @@ def test_unzipped_anywhere_it_runs(zips, tmp_path, monkeypatch):
 
 
 def exchange(root, folder):
-    """A course or a student's folder as nbgrader sees it."""
+    """Return nbgrader's exchange factory and its arguments for a course or a student's folder."""
     config = configure(Config(), folder)
     config.Exchange.root = str(root)
     config.CourseDirectory.assignment_id = STAGE
@@ -155,21 +154,21 @@ def exchange(root, folder):
 
 @pytest.fixture
 def fetched(tmp_path, monkeypatch):
-    """A stage that nbgrader released and a student fetched; one notebook is not of the course."""
+    """Folder of a fetched stage, with one notebook that does not belong to the course."""
     course, student = tmp_path / "course", tmp_path / "student"
-    place = course / "notebooks" / STAGE
-    place.mkdir(parents=True)
+    source = course / "notebooks" / STAGE
+    source.mkdir(parents=True)
     student.mkdir()
-    place.joinpath(LESSON.released.name).write_bytes(LESSON.released.read_bytes())
-    nbformat.write(nbformat.v4.new_notebook(), place / "survey.ipynb")
-    for folder, what in ((course, "ReleaseAssignment"), (student, "FetchAssignment")):
+    source.joinpath(LESSON.released.name).write_bytes(LESSON.released.read_bytes())
+    nbformat.write(nbformat.v4.new_notebook(), source / "survey.ipynb")
+    for folder, app in ((course, "ReleaseAssignment"), (student, "FetchAssignment")):
         monkeypatch.chdir(folder)
         factory, parts = exchange(tmp_path / "exchange", folder)
-        getattr(factory, what)(**parts).start()
+        getattr(factory, app)(**parts).start()
     return student / STAGE
 
 
-def test_what_a_student_fetches_needs_nothing_beside_it(fetched, tmp_path):
+def test_a_fetched_notebook_needs_no_other_files(fetched, tmp_path):
     assert sorted(path.name for path in fetched.iterdir()) == [
         LESSON.released.name, "survey.ipynb",
     ]  # fmt: skip
@@ -181,16 +180,16 @@ def test_what_a_student_fetches_needs_nothing_beside_it(fetched, tmp_path):
     assert "Everything this notebook needs is here." in done.stdout
 
 
-def test_only_cells_that_every_lesson_has_are_others_than_in_the_release(fetched):
-    mine = json.loads((fetched / LESSON.released.name).read_text("utf-8"))["cells"]
+def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
+    fetched_cells = json.loads((fetched / LESSON.released.name).read_text("utf-8"))["cells"]
     released = json.loads(LESSON.released.read_text("utf-8"))["cells"]
-    other = [
-        one["metadata"].get("tags", [])
-        for one, before in zip(mine, released, strict=True)
+    changed = [
+        cell["metadata"].get("tags", [])
+        for cell, before in zip(fetched_cells, released, strict=True)
         if re.sub(r"\]\([./\w]*?(\w+\.ipynb)\)", r"](\1)", "".join(before["source"]))
-        != "".join(one["source"])
+        != "".join(cell["source"])
     ]
-    assert other == [["badge"], ["setup"]]
+    assert changed == [["badge"], ["setup"]]
     survey = nbformat.read(fetched / "survey.ipynb", as_version=4)
     assert survey.cells == []
 
@@ -202,16 +201,16 @@ def deadlines(**dates):
     return Deadlines({STAGE: Dates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
 
 
-def test_who_may_still_hand_in_is_named():
+def test_the_message_lists_the_students_who_may_still_submit():
     late, over = NOW + HOUR, NOW - HOUR
     assert solutions.still_open(deadlines(due=over), STAGE, NOW, {}) == ""
-    said = solutions.still_open(
+    message = solutions.still_open(
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
-        {"": late, "bo": late},  # the file goes before what is said elsewhere
+        {"": late, "bo": late},  # dates of the file take precedence over these
     )
-    assert said == (
+    assert message == (
         "stage3_obstacles is open: for section B until 12 October 2026, 15:00 CEST, "
         "anna until 12 October 2026, 15:00 CEST."
     )
@@ -220,18 +219,18 @@ def test_who_may_still_hand_in_is_named():
     assert granted == "stage3_obstacles is open: for cy until 12 October 2026, 15:00 CEST."
 
 
-def test_where_nothing_says_when_a_stage_is_due_it_may_be_open():
+def test_a_stage_without_a_due_date_may_be_open():
     late, over = NOW + HOUR, NOW - HOUR
-    for known in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
-        assert "nothing says when it is due" in solutions.still_open(known, STAGE, NOW, {})
-        assert solutions.still_open(known, STAGE, NOW, {"": over, "anna": over}) == ""
-        assert "for everybody until" in solutions.still_open(known, STAGE, NOW, {"": late})
-        assert "for anna until" in solutions.still_open(known, STAGE, NOW, {"": over, "anna": late})
+    for dates in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
+        assert "nothing says when it is due" in solutions.still_open(dates, STAGE, NOW, {})
+        assert solutions.still_open(dates, STAGE, NOW, {"": over, "anna": over}) == ""
+        assert "for everybody until" in solutions.still_open(dates, STAGE, NOW, {"": late})
+        assert "for anna until" in solutions.still_open(dates, STAGE, NOW, {"": over, "anna": late})
 
 
 @pytest.fixture
-def ran(tmp_path, monkeypatch):
-    """No solution is run, and no page made. The course lies in a folder of its own."""
+def course(tmp_path, monkeypatch):
+    """Folder of an empty course; running solutions and making pages are replaced."""
     monkeypatch.setattr(
         runs, "executed_notebook", lambda lesson, kept, before: lesson.solved.read_bytes()
     )
@@ -240,63 +239,63 @@ def ran(tmp_path, monkeypatch):
     return tmp_path
 
 
-def extension(folder, until):
+def write_extension(folder, until):
     (folder / "deadlines.toml").write_text(
         f"[{STAGE}]\ndue = 2026-01-31T12:00:00\n[{STAGE}.students]\nanna = {until}\n", "utf-8"
     )
 
 
-def test_solutions_wait_for_an_extension_unless_one_insists(ran, capsys):
-    extension(ran, "2999-01-31T12:00:00")
-    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
+def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
+    write_extension(course, "2999-01-31T12:00:00")
+    call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
     assert cli.main(call) == 1
-    said = capsys.readouterr().err
-    assert "anna until 31 January 2999, 12:00" in said and "--anyway" in said
-    assert not (ran / "out").exists()
+    message = capsys.readouterr().err
+    assert "anna until 31 January 2999, 12:00" in message and "--anyway" in message
+    assert not (course / "out").exists()
     assert cli.main([*call, "--anyway"]) == 0
-    assert [path.name for path in (ran / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
+    assert [path.name for path in (course / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
 
 
-def test_after_the_last_extension_each_lesson_is_a_notebook_and_a_page(ran, capsys):
-    extension(ran, "2026-02-07T12:00:00")
-    assert cli.main(["release", "--solutions", STAGE, "--to", str(ran / "out")]) == 0
-    names = names_in(ran / "out" / f"{STAGE}_solutions.zip")
-    mine = [lesson.name for lesson in all_lessons() if lesson.stage == STAGE]
-    where = f"lidar_obstacle_lab/solutions/{STAGE}"
-    assert names == [f"{where}/{name}.{kind}" for name in mine for kind in ("html", "ipynb")]
+def test_after_the_last_extension_solutions_are_notebooks_and_pages(course, capsys):
+    write_extension(course, "2026-02-07T12:00:00")
+    assert cli.main(["release", "--solutions", STAGE, "--to", str(course / "out")]) == 0
+    names = names_in(course / "out" / f"{STAGE}_solutions.zip")
+    lessons = [lesson.name for lesson in all_lessons() if lesson.stage == STAGE]
+    folder = f"lidar_obstacle_lab/solutions/{STAGE}"
+    assert names == [f"{folder}/{name}.{kind}" for name in lessons for kind in ("html", "ipynb")]
 
 
 @pytest.mark.parametrize("dates", ["", f'[{STAGE}.students]\nanna = "excused"\n'])
-def test_without_a_date_solutions_wait_unless_one_insists(ran, capsys, dates):
-    (ran / "deadlines.toml").write_text(dates, "utf-8")
-    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
+def test_without_a_date_solutions_wait_unless_forced(course, capsys, dates):
+    (course / "deadlines.toml").write_text(dates, "utf-8")
+    call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
     assert cli.main(call) == 1
-    said = capsys.readouterr().err
-    assert "stage3_obstacles may be open: nothing says when it is due" in said
-    assert not (ran / "out").exists() and not (ran / "gradebook.db").exists()
+    message = capsys.readouterr().err
+    assert "stage3_obstacles may be open: nothing says when it is due" in message
+    assert not (course / "out").exists() and not (course / "gradebook.db").exists()
     assert cli.main([*call, "--anyway"]) == 0
 
 
-def test_dates_of_the_gradebook_count_for_solutions_too(ran, capsys):
-    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
-    with open_gradebook(Course(ran)) as book:
+def test_due_dates_in_the_gradebook_also_count_for_solutions(course, capsys):
+    call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
+    with open_gradebook(Course(course)) as book:
         book.add_assignment(STAGE, duedate="2999-01-31 12:00:00 UTC")
         book.add_student("anna")
         book.add_submission(STAGE, "anna")
     assert cli.main(call) == 1
     assert "for everybody until 31 January 2999" in capsys.readouterr().err
-    (ran / "deadlines.toml").write_text(f"[{STAGE}]\ndue = 2026-01-31T12:00:00Z\n", "utf-8")
-    assert cli.main(call) == 0  # the file goes before the gradebook
+    (course / "deadlines.toml").write_text(f"[{STAGE}]\ndue = 2026-01-31T12:00:00Z\n", "utf-8")
+    assert cli.main(call) == 0  # the file takes precedence over the gradebook
     capsys.readouterr()
-    with open_gradebook(Course(ran)) as book:
+    with open_gradebook(Course(course)) as book:
         book.grant_extension(STAGE, "anna", weeks=52_000)
     assert cli.main(call) == 1
     assert "is open: for anna until" in capsys.readouterr().err
-    extension(ran, "2026-02-07T12:00:00")  # until the file names her
+    write_extension(course, "2026-02-07T12:00:00")  # now the file has a date for this student
     assert cli.main(call) == 0
 
 
-def test_a_page_fetches_nothing():
+def test_a_solution_page_loads_no_other_files():
     lesson = find_lesson("02_ransac_line")
     page = solutions.as_page(lesson.solved.read_bytes(), lesson).decode()
     assert "<script" not in page and "<link" not in page and "@import" not in page
@@ -306,8 +305,8 @@ def test_a_page_fetches_nothing():
     )
 
 
-def tiny(tmp_path, monkeypatch, source):
-    """A lesson of one cell; its solution and what it is run beside."""
+def tiny_lesson(tmp_path, monkeypatch, source):
+    """Return a lesson whose solution has a setup cell and one other cell."""
     setup = nbformat.v4.new_code_cell("", metadata={"tags": ["setup"]})
     notebook = nbformat.v4.new_notebook(cells=[setup, nbformat.v4.new_code_cell(source)])
     path = tmp_path / "tiny.ipynb"
@@ -320,9 +319,9 @@ def tiny(tmp_path, monkeypatch, source):
     return Tiny
 
 
-def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
+def test_a_solution_is_run_once_and_shows_its_output(tmp_path, monkeypatch):
     marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
-    lesson = tiny(tmp_path, monkeypatch, marked)
+    lesson = tiny_lesson(tmp_path, monkeypatch, marked)
     first = solutions.executed_notebook(lesson, tmp_path / "kept", "")
     _, cell = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
@@ -330,11 +329,11 @@ def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == first
     monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"2"})
     assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == b"run again"
-    assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
+    assert len(list((tmp_path / "kept").iterdir())) == 1  # the outdated result is deleted
 
 
-def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
-    lesson = tiny(tmp_path, monkeypatch, "1 / 0")
+def test_a_solution_that_fails_is_reported(tmp_path, monkeypatch):
+    lesson = tiny_lesson(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
         solutions.executed_notebook(lesson, tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
@@ -347,19 +346,19 @@ def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
         (nbclient.exceptions.DeadKernelError("gone"), r"tiny: Python ended"),
     ],
 )
-def test_a_solution_that_hangs_or_dies_is_named(tmp_path, monkeypatch, error, says):
+def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error, says):
     def execute(client):
         raise error
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
     with pytest.raises(standalone.NotReleased, match=says):
-        solutions.executed_notebook(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
+        solutions.executed_notebook(tiny_lesson(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 
-def test_what_the_site_ran_becomes_a_notebook_that_any_reader_shows():
-    def output(kind, about):
-        data = {kind: about, "text/plain": "for a page"}
+def test_solutions_run_for_the_site_become_portable_notebooks():
+    def output(kind, content):
+        data = {kind: content, "text/plain": "for a page"}
         return nbformat.v4.new_output("display_data", data=data)
 
     def picture(content):
@@ -377,14 +376,14 @@ def test_what_the_site_ran_becomes_a_notebook_that_any_reader_shows():
     notebook = nbformat.v4.new_notebook(
         cells=[nbformat.v4.new_code_cell("1", outputs=outputs) for outputs in cells]
     )
-    made = nbformat.reads(as_notebook(nbformat.writes(notebook).encode()), as_version=4)
-    asked, (said, told), (drawn,) = (cell.outputs for cell in made.cells)
-    assert asked == [] and said.text == "said" and drawn.data == {"image/png": "one"}
-    assert told.data["text/plain"] == "How many?\nAnswer: 7 <m>\nBecause."
-    assert "Answer: <b>7 &lt;m&gt;</b>" in told.data["text/html"]
+    converted = nbformat.reads(as_notebook(nbformat.writes(notebook).encode()), as_version=4)
+    question, (printed, comparison), (figure,) = (cell.outputs for cell in converted.cells)
+    assert question == [] and printed.text == "said" and figure.data == {"image/png": "one"}
+    assert comparison.data["text/plain"] == "How many?\nAnswer: 7 <m>\nBecause."
+    assert "Answer: <b>7 &lt;m&gt;</b>" in comparison.data["text/html"]
 
 
-def test_the_readme_for_students_names_no_file_that_they_do_not_get(zips):
+def test_the_student_readme_names_only_released_files(zips):
     text = Path(PROJECT / "solutions" / "student_readme.md").read_text("utf-8")
     named = set(re.findall(r"`([\w/]+(?:\.\w+)?/?)`", text))
     inside = {name.removeprefix("lidar_obstacle_lab/") for name in names_in(zips / f"{STAGE}.zip")}

@@ -1,4 +1,4 @@
-"""One slip costs one slip: where one edit makes an answer right, most of its points stay."""
+"""An answer that one edit makes right keeps most of its points."""
 
 import json
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 SEED = 23
 LINE = find_lesson("02_ransac_line")
 
-WITH_A_WRONG_SIGN = """
+WRONG_SIGN = """
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -28,10 +28,10 @@ def line_through(p, q):
     a, b = -dy / length, dx / length
     return a, b, a * p[0] + b * p[1]
 """
-IN_TWO_PLACES = WITH_A_WRONG_SIGN.replace("length == 0", "length == 1").replace(
+TWO_MISTAKES = WRONG_SIGN.replace("length == 0", "length == 1").replace(
     "dx / length", "dx * length"
 )
-IN_A_HELPER = """
+BAD_HELPER = """
 def normal_of(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     return dy, dx
@@ -44,7 +44,7 @@ def line_through(p, q):
     a, b = normal / length
     return a, b, -a * p[0] - b * p[1]
 """
-EITHER_WAY = """
+RANDOM_ANSWER = """
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -55,23 +55,29 @@ def line_through(p, q):
         return a, b, -(a * p[0] + b * p[1])
     return {otherwise}
 """
-ENDLESS = WITH_A_WRONG_SIGN.replace(
+ENDLESS = WRONG_SIGN.replace(
     "    length = np.hypot(dx, dy)\n",
     "    length = np.hypot(dx, dy)\n    while length >= 0:\n        pass\n",
 )
 
 
-def judged(sandbox, lesson=LINE, limits=None, **answers):
-    """The results of a notebook of right answers but for some."""
+def judge_with(sandbox, lesson=LINE, limits=None, **answers):
+    """Judge a notebook of right answers in which some are replaced.
+
+    Returns
+    -------
+    tuple
+        The verdict, and the result of each exercise by name.
+    """
     right = {exercise.name: solution_of(exercise.name) for exercise in lesson.machine_graded}
     text = fill_in(lesson, right | {name: text.strip() for name, text in answers.items()})
-    handed_in = SubmittedFiles(f"{lesson.name}.ipynb", text.encode())
-    verdict = judge_files(handed_in, SEED, sandbox, lesson, limits=limits)
+    submission = SubmittedFiles(f"{lesson.name}.ipynb", text.encode())
+    verdict = judge_files(submission, SEED, sandbox, lesson, limits=limits)
     return verdict, {exercise.name: exercise for exercise in verdict.exercises}
 
 
-def test_a_slip_keeps_three_fifths_and_is_shown_by_its_line(sandbox, tmp_path):
-    verdict, exercises = judged(sandbox, line_through=WITH_A_WRONG_SIGN)
+def test_a_slip_keeps_three_fifths_of_the_points_and_names_its_line(sandbox, tmp_path):
+    verdict, exercises = judge_with(sandbox, line_through=WRONG_SIGN)
     line = exercises["line_through"]
     assert (line.score, line.max_score) == (3.0, 5.0)
     assert exercises["ransac_line"].score == exercises["ransac_line"].max_score
@@ -80,7 +86,7 @@ def test_a_slip_keeps_three_fifths_and_is_shown_by_its_line(sandbox, tmp_path):
     assert f"line {line.slip.line} " in line.slip.sentence
     write_verdict(verdict, tmp_path / "verdict.json")
     assert read_verdict(tmp_path / "verdict.json") == verdict
-    # Whoever is graded reads where, and not what.
+    # Students see the place of the slip, but not the correction.
     published = verdict.as_dict()["exercises"][0]["slip"]
     assert published == {"cell": line.slip.cell, "line": line.slip.line, "score": 3.0}
     assert line.slip.sentence in score_output(line)["data"]["text/html"]
@@ -88,22 +94,22 @@ def test_a_slip_keeps_three_fifths_and_is_shown_by_its_line(sandbox, tmp_path):
     assert json.loads(score_output(line)["data"]["text/plain"]) == 3.0
 
 
-def test_what_is_wrong_in_more_than_one_place_keeps_what_its_checks_earn(sandbox):
-    _, exercises = judged(sandbox, line_through=IN_TWO_PLACES)
+def test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks(sandbox):
+    _, exercises = judge_with(sandbox, line_through=TWO_MISTAKES)
     line = exercises["line_through"]
     assert line.slip is None
     assert line.score == sum(test.score for test in line.tests) < 3
 
 
 def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
-    _, exercises = judged(sandbox, line_through=IN_A_HELPER)
+    _, exercises = judge_with(sandbox, line_through=BAD_HELPER)
     assert exercises["line_through"].score == 3.0
-    # Turned by the one quarter or by the other.
-    assert exercises["line_through"].slip.before in IN_A_HELPER[: IN_A_HELPER.index("def line")]
+    # The helper may be repaired by a quarter turn in either direction.
+    assert exercises["line_through"].slip.before in BAD_HELPER[: BAD_HELPER.index("def line")]
 
 
 def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
-    """What hangs is interrupted where it is."""
+    """Calls that hang are interrupted, and the process goes on."""
     started, tried = [], []
     start, hold_with = type(sandbox).start, repair._Questions.hold_with
 
@@ -118,68 +124,72 @@ def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
     monkeypatch.setattr(type(sandbox), "start", noted_start)
     monkeypatch.setattr(repair._Questions, "hold_with", noted_edit)
     limits = Limits(call_seconds=0.4, restarts=1)
-    _, exercises = judged(sandbox, limits=limits, line_through=ENDLESS)
+    _, exercises = judge_with(sandbox, limits=limits, line_through=ENDLESS)
     assert exercises["line_through"].score == 0 and exercises["line_through"].slip is None
     assert len(tried) > 10 and len(started) < 10 + len(tried) / 4
 
 
 def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):
-    """With a right helper in the place of the wrong one."""
+    """The search uses a right helper instead of the wrong one."""
     wrong = solution_of("ransac_line").replace("max_iterations)", "max_iterations - 1)", 1)
     assert wrong != solution_of("ransac_line")
-    _, exercises = judged(sandbox, line_through=IN_TWO_PLACES, ransac_line=wrong)
+    _, exercises = judge_with(sandbox, line_through=TWO_MISTAKES, ransac_line=wrong)
     assert exercises["line_through"].slip is None
     assert "max_iterations - 1" in exercises["ransac_line"].slip.before
 
 
-LOST_ROWS_STAY = """
+KEEPS_LOST = """
 def drop_invalid(cloud):
     finite = np.isfinite(cloud)
     rows = finite[:, 0] & finite[:, 1] & finite[:, 2]
     return cloud[rows]
 """
-# The same, and a row is lost where several are alike.
-AND_MORE = LOST_ROWS_STAY.replace("return cloud[rows]", "return np.unique(cloud[rows], axis=0)")
-NOTHING_IS_DROPPED = "def drop_invalid(cloud):\n    return cloud.copy()"
+# Like the answer above, but duplicate rows are also dropped.
+ALSO_UNIQUE = KEEPS_LOST.replace("return cloud[rows]", "return np.unique(cloud[rows], axis=0)")
+DROPS_NOTHING = "def drop_invalid(cloud):\n    return cloud.copy()"
 
 
 def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
-    """Half of the rule is missing, which no edit adds."""
+    """The answer applies only half of the rule, and no single edit adds the other half."""
     lesson = find_lesson("01_point_clouds")
-    _, exercises = judged(sandbox, lesson, drop_invalid=LOST_ROWS_STAY)
+    _, exercises = judge_with(sandbox, lesson, drop_invalid=KEEPS_LOST)
     drop = exercises["drop_invalid"]
     assert drop.cause.startswith("Returns at (0, 0, 0) stay.")
     assert drop.slip.cell == 0 and drop.score >= 3.0
     assert drop.slip.sentence.startswith("The mistake that is named here explains every answer.")
     assert drop.slip.sentence in score_output(drop)["data"]["text/html"]
-    for answer in (AND_MORE, NOTHING_IS_DROPPED):
-        _, exercises = judged(sandbox, lesson, drop_invalid=answer)
+    for answer in (ALSO_UNIQUE, DROPS_NOTHING):
+        _, exercises = judge_with(sandbox, lesson, drop_invalid=answer)
         assert exercises["drop_invalid"].slip is None
 
 
 @pytest.mark.parametrize("otherwise", ["a, b, a * p[0] + b * p[1]", "None", "b, a, 0"])
 def test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down(sandbox, otherwise):
-    """Whatever edit makes a coin right makes that right, too; and the coin may still fall wrong."""
+    """A random answer earns no more than an answer that is always wrong in the same way.
+
+    Each edit that repairs the random answer also repairs the wrong one, which does not depend on
+    luck.
+    """
     earned = []
     for heads in ("np.random.default_rng().random() < 0.5", "False", "True"):
-        text = EITHER_WAY.format(heads=heads, otherwise=otherwise)
-        _, exercises = judged(sandbox, line_through=text)
+        text = RANDOM_ANSWER.format(heads=heads, otherwise=otherwise)
+        _, exercises = judge_with(sandbox, line_through=text)
         earned.append(exercises["line_through"].score)
     coin, wrong, right = earned
     assert coin <= wrong <= 3.0 < right == 5.0
 
 
-def test_nothing_is_looked_for_in_a_stub(sandbox, monkeypatch):
-    asked = []
-    monkeypatch.setattr(repair, "repair_of", lambda *about: asked.append(about[2]))
+def test_no_repair_is_searched_for_a_stub(sandbox, monkeypatch):
+    searched = []
+    monkeypatch.setattr(repair, "repair_of", lambda *about: searched.append(about[2]))
     text = LINE.released.read_bytes()
     judge_files(SubmittedFiles(f"{LINE.name}.ipynb", text), SEED, sandbox, LINE)
-    assert asked == []
+    assert searched == []
 
 
-def test_a_course_may_do_without(sandbox, monkeypatch):
+def test_a_course_may_switch_slips_off(sandbox, monkeypatch):
     for module in (repair, results):
         monkeypatch.setattr(module, "ONE_SLIP_KEEPS", 0)
-    _, exercises = judged(sandbox, line_through=WITH_A_WRONG_SIGN)
+    _, exercises = judge_with(sandbox, line_through=WRONG_SIGN)
     assert exercises["line_through"].slip is None
     assert exercises["line_through"].score < 1

@@ -1,4 +1,4 @@
-"""A run is shown as it was, and wrong is what certainly is."""
+"""Replays show a run as it happened and mark only certain mistakes as wrong."""
 
 import contextlib
 import io
@@ -39,7 +39,7 @@ RUNS = {
 
 
 def function_of(exercise, source=None, name="the hints followed to the letter"):
-    """A function as a notebook defines it, with the helpers that its lesson has."""
+    """Return a function as a notebook defines it, with the helpers of its lesson."""
     space = {"np": np, "deque": deque, "math": math, "dist": math.dist, "__name__": "notebook"}
     for helper in HELPERS[exercise]:
         exec(source_of(helper), space)
@@ -48,18 +48,18 @@ def function_of(exercise, source=None, name="the hints followed to the letter"):
 
 
 def run_of(exercise, name="the hints followed to the letter", source=None):
-    with contextlib.redirect_stdout(io.StringIO()):  # some of them are chatty
+    with contextlib.redirect_stdout(io.StringIO()):  # some answers print a lot
         return RUNS[exercise](function_of(exercise, source, name))
 
 
-def named(exercise, right):
+def answer_names(exercise, right):
     return [answer.name for answer in answers_to(exercise) if answer.right is right]
 
 
 # ---- the scenes --------------------------------------------------------------------------------
 
 
-def test_the_groups_are_what_scipy_finds_and_no_distance_is_at_the_threshold():
+def test_groups_match_scipy_and_no_distance_is_at_the_threshold():
     gaps = cdist(POINTS[:, :3], POINTS[:, :3])
     labels = connected_components(gaps < THRESHOLD)[1]
     assert {frozenset(np.flatnonzero(labels == label).tolist()) for label in set(labels)} == {
@@ -69,7 +69,7 @@ def test_the_groups_are_what_scipy_finds_and_no_distance_is_at_the_threshold():
 
 
 @pytest.mark.parametrize("task", [LINE, PLANE], ids=["line", "plane"])
-def test_one_round_of_ten_is_the_best_and_no_point_is_at_its_edge(task):
+def test_one_round_is_best_and_no_point_is_at_the_tolerance(task):
     rng, counts = np.random.default_rng(task.seed), []
     for _ in range(ROUNDS):
         sample = task.xyz[rng.choice(len(task.points), task.size, replace=False)]
@@ -92,29 +92,29 @@ def test_one_round_of_ten_is_the_best_and_no_point_is_at_its_edge(task):
 
 @pytest.mark.parametrize(
     ("exercise", "name"),
-    [(exercise, name) for exercise in RUNS for name in named(exercise, right=True)],
+    [(exercise, name) for exercise in RUNS for name in answer_names(exercise, right=True)],
 )
-def test_nobody_who_is_right_is_accused(exercise, name):
+def test_right_answers_have_no_wrong_step(exercise, name):
     run = run_of(exercise, name)
     assert run.wrong is None and len(run.steps) >= 1
 
 
 @pytest.mark.parametrize("exercise", RUNS)
-def test_the_answer_is_the_same_as_without_being_watched(exercise):
+def test_watching_does_not_change_the_answer(exercise):
     task = {"ransac_line": LINE, "ransac_plane": PLANE}.get(exercise)
-    asked = (POINTS, THRESHOLD) if task is None else (task.points, ROUNDS, task.tolerance, 3)
+    given = (POINTS, THRESHOLD) if task is None else (task.points, ROUNDS, task.tolerance, 3)
     for answer in answers_to(exercise):
         if answer.right:
             function = function_of(exercise, answer.source)
             with contextlib.redirect_stdout(io.StringIO()):
-                alone = function(asked[0].copy(), *asked[1:])
-                seen = tracer.record(function, (asked[0].copy(), *asked[1:]), lambda *_: None)
+                alone = function(given[0].copy(), *given[1:])
+                seen = tracer.record(function, (given[0].copy(), *given[1:]), lambda *_: None)
             answers = (alone, seen.answer) if task is None else zip(alone, seen.answer, strict=True)
-            for mine, other in [answers] if task is None else answers:
-                np.testing.assert_array_equal(mine, other)
+            for before, after in [answers] if task is None else answers:
+                np.testing.assert_array_equal(before, after)
 
 
-def test_the_queue_is_that_of_the_table_in_the_text():
+def test_the_queue_matches_the_table_in_the_lesson():
     says = [step.says for step in run_of("euclidean_clustering").steps]
     assert says[1:7] == [
         "Point 0 gets label 1. In the queue: 0.",
@@ -127,7 +127,7 @@ def test_the_queue_is_that_of_the_table_in_the_text():
     assert len(says) == 1 + len(GROUPS) + len(POINTS)
 
 
-NAMES_OF_THEIR_OWN = """
+CLASS_WITH_A_STACK = """
 class Crowd:
     def __init__(self, where, reach):
         self.where, self.reach = where[:, :3], reach
@@ -155,14 +155,14 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 
 def test_a_class_with_a_stack_and_blank_labels_is_followed():
-    run = run_of("euclidean_clustering", source=NAMES_OF_THEIR_OWN)
+    run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
     says = [step.says for step in run.steps]
     assert run.wrong is None
     assert "Point 0 is asked. Points 2 and 4 get label 1. In the queue: 2, 4." in says
     assert "Point 4 is asked. Point 5 gets label 1. In the queue: 2, 5." in says
 
 
-def test_rounds_are_those_of_the_generator():
+def test_rounds_show_the_samples_of_the_generator():
     rng = np.random.default_rng(LINE.seed)
     for number, step in enumerate(run_of("ransac_line").steps[:ROUNDS], start=1):
         first, second = rng.choice(20, size=2, replace=False)
@@ -171,7 +171,7 @@ def test_rounds_are_those_of_the_generator():
 
 # ---- wrong answers -----------------------------------------------------------------------------
 
-# What happens in the step that is marked, and what is said of it.
+# Text of the step that is marked as wrong, and part of the reason, for each wrong answer.
 WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
@@ -234,21 +234,21 @@ WRONG = {
 
 @pytest.mark.parametrize(
     ("exercise", "name"),
-    [(exercise, name) for exercise in RUNS for name in named(exercise, right=False)],
+    [(exercise, name) for exercise in RUNS for name in answer_names(exercise, right=False)],
 )
 def test_a_wrong_answer_stops_where_it_goes_wrong(exercise, name, monkeypatch):
     monkeypatch.setattr(tracer, "SECONDS", 1)
     run = run_of(exercise, name)
-    happens, said = WRONG[exercise].get(name, (None, None))
-    if happens is None:
+    step_text, reason = WRONG[exercise].get(name, (None, None))
+    if step_text is None:
         assert run.wrong is None
         assert run.steps or run.remark
     else:
-        assert happens in run.steps[run.wrong.step].says
-        assert said in run.wrong.why
+        assert step_text in run.steps[run.wrong.step].says
+        assert reason in run.wrong.why
 
 
-def test_a_wrong_line_is_told_from_a_wrong_search():
+def test_a_wrong_line_is_distinguished_from_a_wrong_search():
     function = function_of("ransac_line")
     exec("def line_through(p, q):\n    return 0.0, 1.0, -q[1]", function.__globals__)
     run = ransac.run_of_line(function)
@@ -257,15 +257,15 @@ def test_a_wrong_line_is_told_from_a_wrong_search():
     assert ransac.run_of_line(function).wrong is None
 
 
-def test_a_point_drawn_twice_is_seen():
+def test_a_point_drawn_twice_is_reported():
     source = source_of("ransac_line").replace("i, j = rng.choice", "i, j = 2 * [rng.choice(20)]  #")
     run = run_of("ransac_line", source=source)
     assert run.wrong.step == 0 and "was drawn twice" in run.wrong.why
 
 
 @pytest.mark.slow
-def test_closest_instead_of_most_is_no_mistake():
-    """MSAC, which the lesson proposes; with samples of which the two disagree."""
+def test_choosing_by_distance_instead_of_count_is_accepted():
+    """MSAC, which the lesson suggests, is accepted, although it chooses other samples."""
     source = source_of("ransac_line").replace(
         "if mask.sum() > best_mask.sum()",
         "cost = np.sum(np.minimum(point_line_distance(points, candidate), 0.5) ** 2)\n"
@@ -273,21 +273,21 @@ def test_closest_instead_of_most_is_no_mistake():
     ).replace("best_line = candidate", "best_line, least = candidate, cost")  # fmt: skip
     disagree = 0
     for seed in range(20):
-        run = ransac.run_of(SeededTask(seed), function_of("ransac_line", source))
+        run = ransac.run_of(seeded_task(seed), function_of("ransac_line", source))
         assert run.wrong is None
         best = max(int(step.says.split("drawn. ")[1].split()[0]) for step in run.steps[:-1])
         disagree += f"with {best} inliers" not in run.steps[-1].says
     assert disagree
 
 
-def SeededTask(seed):  # noqa: N802 (makes one)
+def seeded_task(seed):
     return type(LINE)(*(vars(LINE) | {"seed": seed}).values())
 
 
-# ---- what cannot be seen, and what does not end ------------------------------------------------
+# ---- runs that cannot be shown or do not end ---------------------------------------------------
 
 
-def test_what_cannot_be_seen_is_said():
+def test_a_remark_explains_runs_that_cannot_be_shown():
     union, at_once = (
         run_of("euclidean_clustering", "union and find"),
         run_of("ransac_line", "all samples at once"),
@@ -296,7 +296,7 @@ def test_what_cannot_be_seen_is_said():
     assert "its rounds cannot be shown" in at_once.remark and len(at_once.steps) == 1
 
 
-def test_compiled_code_is_not_seen_and_not_accused():
+def test_compiled_code_is_not_shown_and_not_marked_as_wrong():
     inner = function_of("euclidean_clustering")
 
     class Compiled:
@@ -318,9 +318,9 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 
 @pytest.mark.parametrize("has_threads", [True, False])
-def test_what_does_not_end_is_ended(has_threads, monkeypatch):
+def test_an_endless_run_is_stopped(has_threads, monkeypatch):
     monkeypatch.setattr(tracer, "SECONDS", 0.5)
-    if not has_threads:  # as in a browser
+    if not has_threads:  # as in Python in a browser
 
         def refuse(thread):
             raise RuntimeError("can't start new thread")
@@ -331,22 +331,22 @@ def test_what_does_not_end_is_ended(has_threads, monkeypatch):
     assert sys.gettrace() is None
 
 
-def test_whoever_looked_before_looks_again():
+def test_an_earlier_trace_function_is_restored():
     lines = []
 
-    def other(frame, event, value):
+    def earlier_trace(frame, event, value):
         lines.append(event)
 
     before = sys.gettrace()
-    sys.settrace(other)
+    sys.settrace(earlier_trace)
     try:
         run_of("ransac_line")
-        assert sys.gettrace() is other
+        assert sys.gettrace() is earlier_trace
     finally:
         sys.settrace(before)
 
 
-def test_a_fault_of_the_recording_is_none_of_the_students():
+def test_an_error_in_the_recorder_does_not_affect_the_answer():
     def broken(*_):
         raise KeyError
 
@@ -356,7 +356,7 @@ def test_a_fault_of_the_recording_is_none_of_the_students():
 
 # ---- a search in a tree ------------------------------------------------------------------------
 
-FIFTEEN = [[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7], [-9, -5],
+TREE_POINTS = [[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7], [-9, -5],
            [-8, 6], [7, -6], [-4, -3], [6, 4], [5, 8], [0, 9]]  # fmt: skip
 WRONG_SEARCHES = {
     "else instead of a second if": (2, "to the right of node 1"),
@@ -379,7 +379,7 @@ WRONG_SEARCHES = {
 }
 
 
-def walked(search, points=FIFTEEN, goes_left=None):
+def walk_search(search, points=TREE_POINTS, goes_left=None):
     tree = SimpleNamespace(root=grown(points, **({"goes_left": goes_left} if goes_left else {})))
     with watched(tree) as visited, contextlib.redirect_stdout(io.StringIO()):
         found = search(tree, [2, -1], 4)
@@ -397,21 +397,21 @@ SEARCHES = [
 @pytest.mark.parametrize("one", SEARCHES, ids=lambda one: one.name)
 def test_a_search_stops_where_it_goes_wrong(one):
     try:
-        run = walked(function_of("search", one.source))
+        run = walk_search(function_of("search", one.source))
     except TypeError:
         assert one.name == "takes arrays only"
         return
     if one.name in WRONG_SEARCHES:
-        step, said = WRONG_SEARCHES[one.name]
-        assert (run.wrong.step, said in run.wrong.why) == (step, True), run.wrong
+        step, reason = WRONG_SEARCHES[one.name]
+        assert (run.wrong.step, reason in run.wrong.why) == (step, True), run.wrong
     else:
         assert run.wrong is None
     assert one.right <= (len(run.steps) == 10)
 
 
-def test_a_wrong_tree_is_not_the_fault_of_the_search():
-    run = walked(
-        function_of("search"), [[0, 0], [0, 3], [2, -1]], goes_left=lambda one, other: one <= other
+def test_a_wrong_tree_is_not_blamed_on_the_search():
+    run = walk_search(
+        function_of("search"), [[0, 0], [0, 3], [2, -1]], goes_left=lambda a, b: a <= b
     )
     assert run.wrong is None and "insert" in run.remark
 
@@ -421,53 +421,53 @@ def test_a_wrong_tree_is_not_the_fault_of_the_search():
 
 @pytest.fixture
 def shown(monkeypatch):
-    """What the player shows, in a list: a picture is "figure"."""
+    """List of the texts that the player shows, with "figure" for each figure."""
     seen = []
     monkeypatch.setattr(player, "show", lambda html, text: seen.append(text))
     monkeypatch.setattr(plt, "show", lambda: seen.append("figure") or plt.close("all"))
     return seen
 
 
-def interactive(monkeypatch):
-    """The slider that the player makes, in a list."""
-    made = []
+def replace_interact(monkeypatch):
+    """Return a list that receives the player's slider, which works without a browser."""
+    sliders = []
 
     def interact(**sliders):
         def run(function):
-            made.append(sliders["step"])
+            sliders.append(sliders["step"])
             function(sliders["step"].value)
             sliders["step"].observe(lambda change: function(change["new"]), names="value")
 
         return run
 
     monkeypatch.setattr(ipywidgets, "interact", interact)
-    return made
+    return sliders
 
 
 @pytest.mark.slow
-def test_begins_at_the_first_wrong_step_and_moves_by_buttons(shown, monkeypatch):
-    made = interactive(monkeypatch)
+def test_the_player_starts_at_the_first_wrong_step_and_has_buttons(shown, monkeypatch):
+    sliders = replace_interact(monkeypatch)
     play(run_of("euclidean_clustering", "forgets the height"))
     assert shown[0] == "figure" and "✗ Wrong here." in shown[1]
-    (steps,) = made
-    _, back, forth = steps.children
-    begin = steps.value
+    (steps,) = sliders
+    _, back, forward = steps.children
+    start = steps.value
     back.click()
-    assert steps.value == begin - 1 and "✗" not in shown[-1]
+    assert steps.value == start - 1 and "✗" not in shown[-1]
     steps.value = steps.max - 1
     for _ in range(3):
-        forth.click()
+        forward.click()
     assert steps.value == steps.max and shown.count("figure") == 4
 
 
-def test_a_right_run_begins_at_its_beginning(shown, monkeypatch):
-    made = interactive(monkeypatch)
+def test_a_right_run_starts_at_its_first_step(shown, monkeypatch):
+    sliders = replace_interact(monkeypatch)
     play(run_of("ransac_plane"))
-    assert made[0].value == 1 and not any("✗" in text for text in shown)
+    assert sliders[0].value == 1 and not any("✗" in text for text in shown)
 
 
 @pytest.mark.slow
-def test_without_widgets_a_few_pictures_lead_to_the_wrong_step(shown, monkeypatch):
+def test_without_widgets_a_few_figures_lead_to_the_wrong_step(shown, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
@@ -491,7 +491,7 @@ def test_every_step_is_drawn(exercise):
         plt.close("all")
 
 
-def test_a_stub_and_a_stranger(capsys):
+def test_stubs_and_other_functions_cannot_be_replayed(capsys):
     stub = "def euclidean_clustering(cloud, threshold=0.5):\n    raise NotImplementedError"
     replay(function_of("euclidean_clustering", stub))
     assert "not written yet" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""The report: what it says about a class, and what it says of nobody."""
+"""The report about a class, and its version without names."""
 
 import base64
 import dataclasses
@@ -47,13 +47,13 @@ def verdict(student, checks, cause="", lesson=SIX, **more):
     return Verdict(lesson.name, student, JUDGED, score, most, (exercise,), (), 0.0, "", **more)
 
 
-def handed_in(one):
-    lesson = find_lesson(one.lesson)
-    return Submission(one.student, lesson, Path(f"{lesson.name}.ipynb")), one
+def submitted(verdict_of):
+    lesson = find_lesson(verdict_of.lesson)
+    return Submission(verdict_of.student, lesson, Path(f"{lesson.name}.ipynb")), verdict_of
 
 
 def report(folder, verdicts, *about, **more):
-    return write_report(Course(folder), [handed_in(v) for v in verdicts], *about, **more).read_text(
+    return write_report(Course(folder), [submitted(v) for v in verdicts], *about, **more).read_text(
         "utf-8"
     )
 
@@ -79,13 +79,13 @@ def class_of(results, stages=(), strangers=(), people=None):
 
 
 @pytest.mark.parametrize("kind", STANDINGS)
-def test_missing_excused_waiting_and_nought_are_four_things(kind):
+def test_each_state_of_a_notebook_has_its_own_cell_text(kind):
     standing, score, shown = STANDINGS[kind]
     (row,) = marks_table([SIX], class_of([result("ada", standing, score)]), {}).rows
     assert row.cells[0].text == shown
 
 
-def test_what_is_taken_off_for_lateness_is_in_the_mark_and_said():
+def test_a_late_penalty_is_subtracted_and_explained():
     results = class_of(
         [result("ada", MARKED, 20.0, penalty=5.0)],
         [StageResult("ada", STAGE, MARKED, 20.0, 30.0, 5.0, late=timedelta(hours=27, minutes=5))],
@@ -97,7 +97,7 @@ def test_what_is_taken_off_for_lateness_is_in_the_mark_and_said():
     assert table.has_late
 
 
-def test_the_sum_counts_what_is_missing_and_not_what_is_excused():
+def test_the_sum_includes_missing_notebooks_but_not_excused_ones():
     results = class_of(
         [
             result("ada", MARKED, 30.0),
@@ -111,7 +111,7 @@ def test_the_sum_counts_what_is_missing_and_not_what_is_excused():
     assert (bo.sum.text, bo.sum.means) == ("10 of 30 …", "1 wait for a person")
 
 
-def test_who_is_not_on_the_roster_is_named_beside_the_class(tmp_path):
+def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     verdicts, results = [verdict("yan ", [check(True)])], class_of([result("yan", MISSING, None)])
     page = report(tmp_path, verdicts, results)
     assert page.count("not in the gradebook") == 1 and "not on the roster" not in page
@@ -122,32 +122,32 @@ def test_who_is_not_on_the_roster_is_named_beside_the_class(tmp_path):
     assert "1 students" not in page
 
 
-def test_without_a_roster_the_page_says_who_stands_there(tmp_path):
+def test_without_a_roster_the_page_says_that_it_lists_only_submissions(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], strangers=("zoe",))
-    words = "Without a roster.csv, only who has handed in stands here."
-    assert words in report(tmp_path, [], results)
+    note = "Without a roster.csv, only who has handed in stands here."
+    assert note in report(tmp_path, [], results)
     (tmp_path / "roster.csv").write_text("id\nada\n")
     page = report(tmp_path, [], results)
-    assert words not in page
+    assert note not in page
     assert "Not on the roster, and with marks in the gradebook: zoe." in page
 
 
-def test_two_of_one_name_are_told_apart(tmp_path):
+def test_students_with_the_same_name_are_shown_with_their_ids(tmp_path):
     people = (Person("kim1", "Kim", "Lee"), Person("kim2", "Kim", "Lee"), Person("bo", "Bo", "Ek"))
     results = class_of([result(person.id, MARKED, 1.0) for person in people], people=people)
     rows = re.findall(r'<th scope="row">(.*?)</th>', report(tmp_path, [], results))
     assert [re.sub("<.*?>", "", row) for row in rows] == ["Kim Lee kim1", "Kim Lee kim2", "Bo Ek"]
 
 
-def test_when_it_was_handed_in_is_told_by_the_courses_clocks(tmp_path):
-    when = datetime(2026, 7, 1, 22, 30, tzinfo=UTC)
-    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=when)
+def test_submission_times_are_in_the_courses_time_zone(tmp_path):
+    submitted_at = datetime(2026, 7, 1, 22, 30, tzinfo=UTC)
+    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=submitted_at)
     (tmp_path / "deadlines.toml").write_text('timezone = "Europe/Berlin"\n')
     page = report(tmp_path, [], class_of([result("ada", MARKED, 1.0)], [stage]))
     assert "handed in 02 July 2026, 00:30 CEST" in page
 
 
-def test_a_section_is_measured_by_those_who_have_a_mark():
+def test_the_mean_of_a_section_includes_only_students_with_a_mark():
     people = tuple(Person(name, section=name[0].upper()) for name in ("a1", "a2", "a3", "b1"))
     results = class_of(
         [
@@ -165,7 +165,7 @@ def test_a_section_is_measured_by_those_who_have_a_mark():
     assert (b.name, b.people, b.marked, b.mean) == ("B", 1, 0, None)
 
 
-def test_a_failing_judge_is_no_mark():
+def test_a_failed_judge_gives_no_mark():
     failed = dataclasses.replace(verdict("ada", []), status=FAILED)
     results = class_of([result("ada", WAITING, None)])
     (row,) = marks_table([SIX], results, {"ada": {SIX.name: failed}}).rows
@@ -185,7 +185,7 @@ def test_a_duration_has_two_units(time, words):
     assert duration(time) == words
 
 
-def test_a_mean_says_over_whom():
+def test_a_mean_says_which_scores_it_includes():
     results = class_of(
         [
             result("a", MARKED, 30.0, penalty=10.0),
@@ -196,16 +196,16 @@ def test_a_mean_says_over_whom():
             result("f", WAITING, None),
         ]
     )
-    found = distribution_of(SIX, results, [])
-    assert (found.mean, found.median, found.count) == (15.0, 15.0, 3)
-    assert found.over == (
+    distribution = distribution_of(SIX, results, [])
+    assert (distribution.mean, distribution.median, distribution.count) == (15.0, 15.0, 3)
+    assert distribution.over == (
         "over the 3 with a score, 1 of them still to be graded by a person; not counted: "
         "1 not yet entered, 1 missing, 1 excused"
     )
-    assert found.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)
+    assert distribution.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)
 
 
-def test_counts_and_seconds_are_of_what_was_done(tmp_path):
+def test_counts_and_seconds_describe_the_latest_run(tmp_path):
     verdicts = [verdict(name, [check(True)]) for name in ("ada", "bo")]
     assert "2 notebooks, of which 2 had been judged before ·" in report(
         tmp_path, verdicts, run=GradingRun(0, 2, 1.4)
@@ -215,7 +215,7 @@ def test_counts_and_seconds_are_of_what_was_done(tmp_path):
     assert "of which" not in report(tmp_path, verdicts)
 
 
-def test_the_sandbox_is_named(tmp_path):
+def test_the_page_names_the_sandbox(tmp_path):
     verdicts, label = [verdict("ada", [check(True)])], "bubblewrap 0.8.0 (/usr/bin/bwrap)"
     assert f"sandbox: {label}</p>" in report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4, label))
     on_a_cluster = report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4))
@@ -225,7 +225,7 @@ def test_the_sandbox_is_named(tmp_path):
 UNTOUCHED = check(False, kind=Kind.NOT_STARTED, subject="filter_ground")
 
 
-def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
+def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     empty = [
         dataclasses.replace(
             verdict(name, [check(False)]),
@@ -239,11 +239,11 @@ def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
     calls_a_stub = verdict("ed", [check(False, kind=Kind.NOT_STARTED, subject="voxel_grid")])
     assert not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
-    others = [
+    other_verdicts = [
         verdict(name, [check(False)], f"{count} rows; at least 4 are wanted.")
         for name, count in (("eve", 2), ("flo", 3))
     ]
-    assert common_messages([wrong, *others])[0] == (
+    assert common_messages([wrong, *other_verdicts])[0] == (
         *("filter_ground", "… rows; at least 4 are wanted.", 2),
     )
     page = report(tmp_path, [*empty, wrong])
@@ -252,40 +252,43 @@ def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
 
 
 def scores_and_passes(number):
-    """Students who pass a check the more likely, the better they do elsewhere; none is alike."""
+    """Return scores in other checks, all different, and whether each student passes a check.
+
+    Students with a high score are more likely to pass.
+    """
     random = np.random.default_rng(5)
-    rest = random.permutation(number) / 4
-    return rest, rest + random.normal(0, 1.5, number) > 2
+    other_scores = random.permutation(number) / 4
+    return other_scores, other_scores + random.normal(0, 1.5, number) > 2
 
 
 @pytest.mark.parametrize("number", [19, 20, 45])
-def test_discrimination_is_the_correlation_with_the_rest(number):
-    rest, passes = scores_and_passes(number)
+def test_discrimination_is_the_correlation_with_the_other_checks(number):
+    other_scores, passes = scores_and_passes(number)
     class_ = [
         verdict(f"s{i}", [check(bool(passed), points=3.0), check(True, "other", points=points)])
-        for i, (points, passed) in enumerate(zip(rest, passes, strict=True))
+        for i, (points, passed) in enumerate(zip(other_scores, passes, strict=True))
     ]
     first, other = items_of(class_)
     assert (first.passed, first.tried) == (passes.sum(), number)
     if number < 20:
         assert first.discrimination is None
     else:
-        assert first.discrimination == pytest.approx(np.corrcoef(rest, passes)[0, 1])
+        assert first.discrimination == pytest.approx(np.corrcoef(other_scores, passes)[0, 1])
         assert 0.1 < first.discrimination < 0.95
     assert other.discrimination is None, "all pass it"
 
 
-def test_two_checks_of_one_title_are_two_items():
+def test_two_checks_with_the_same_title_are_two_items():
     shown, hidden = check(True, "a"), check(False, "b", visible=False)
     assert [item.tried for item in items_of([verdict("ada", [shown, hidden])])] == [1, 1]
 
 
-def test_too_few_students_are_said_to_be_too_few(tmp_path):
+def test_the_page_says_if_a_class_is_too_small_for_discrimination(tmp_path):
     page = report(tmp_path, [verdict("ada", [check(True)]), verdict("bo", [check(False)])])
     assert "fewer than 20 students" in page
 
 
-def test_damage_and_time_outs_are_seen(tmp_path):
+def test_damaged_files_and_timeouts_are_listed(tmp_path):
     slow = check(False, message="It takes ages.", kind=Kind.OUT_OF_TIME)
     damaged = dataclasses.replace(verdict("bo", []), problems=("It is cut off.",))
     page = report(tmp_path, [verdict("ada", [slow], "It takes ages."), damaged])
@@ -295,7 +298,7 @@ def test_damage_and_time_outs_are_seen(tmp_path):
     assert "Out of time" not in clean and "unreadable" not in clean
 
 
-def test_the_same_file_is_named_and_what_was_given_out_is_not(tmp_path):
+def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
     given = SubmittedFiles(SEVEN.released.name, SEVEN.released.read_bytes()).fingerprint()
     verdicts = [
         *(verdict(name, [check(True)], fingerprint="one and the same") for name in ("ada", "bo")),
@@ -308,7 +311,7 @@ def test_the_same_file_is_named_and_what_was_given_out_is_not(tmp_path):
     assert "<td>ada, bo</td>" in same and SEVEN.name not in same
 
 
-def test_it_links_to_what_lies_beside_it(tmp_path):
+def test_the_page_links_to_the_other_files_of_the_course(tmp_path):
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / f"similarity_{STAGE}.html").touch()
     (tmp_path / "scores.csv").touch()
@@ -322,7 +325,7 @@ def test_it_links_to_what_lies_beside_it(tmp_path):
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
-def test_one_script_runs_and_it_is_ours(tmp_path):
+def test_only_the_reports_own_script_runs(tmp_path):
     bad = dataclasses.replace(
         verdict(EVIL, [check(False, title=EVIL, message=f"`{EVIL}`")], f"{EVIL} `{EVIL}`"),
         problems=(EVIL,),
@@ -339,7 +342,7 @@ def test_one_script_runs_and_it_is_ours(tmp_path):
     assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), "needs nothing"
 
 
-# Whatever is a student's, or from a student; none of it may be on the page without names.
+# Texts that identify a student or come from one; the page without names must not contain them.
 SECRET = (
     "whostudent",
     "firstname",
@@ -362,36 +365,36 @@ SECRET = (
 )
 
 
-def test_the_page_without_names_says_nothing_of_anybody(tmp_path):
+def test_the_page_without_names_contains_no_personal_data(tmp_path):
     secret = dict(
         zip(SECRET, (f"{word}{number}x" for number, word in enumerate(SECRET)), strict=True)
     )
     people, verdicts, stages, results = [], [], [], []
     for number in range(6):
-        my = {word: f"{text}{number}" for word, text in secret.items()}
+        own = {word: f"{text}{number}" for word, text in secret.items()}
         words = ("firstname", "lastname", "mailaddress", "sectionname", "lmsnumber", "githublogin")
-        people.append(Person(my["whostudent"], *(my[word] for word in words)))
-        one = verdict(my["whostudent"], [check(number % 2 == 0, message=my["messagetext"])])
+        people.append(Person(own["whostudent"], *(own[word] for word in words)))
+        plain = verdict(own["whostudent"], [check(number % 2 == 0, message=own["messagetext"])])
         exercise = dataclasses.replace(
-            one.exercises[0],
-            cause=my["causetext"],
+            plain.exercises[0],
+            cause=own["causetext"],
             first="keeps",
-            slip=Slip(1, 1, my["slipbefore"], my["slipafter"], 0.5),
+            slip=Slip(1, 1, own["slipbefore"], own["slipafter"], 0.5),
         )
         verdicts.append(
             dataclasses.replace(
-                one,
+                plain,
                 exercises=(exercise,),
-                problems=(my["problemtext"],),
+                problems=(own["problemtext"],),
                 fingerprint="fingerprint",
-                faults=(my["faulttext"],),
+                faults=(own["faulttext"],),
             )
         )
-        results.append(result(my["whostudent"], MARKED, 20.0))
+        results.append(result(own["whostudent"], MARKED, 20.0))
         stages.append(
             StageResult(
-                my["whostudent"], STAGE, MARKED, 20.0, 30.0,
-                handed_in=datetime(2031, 1, 1, tzinfo=UTC), undecided=my["undecidedtext"],
+                own["whostudent"], STAGE, MARKED, 20.0, 30.0,
+                handed_in=datetime(2031, 1, 1, tzinfo=UTC), undecided=own["undecidedtext"],
             )
         )  # fmt: skip
     named = report(
@@ -408,10 +411,10 @@ def test_the_page_without_names_says_nothing_of_anybody(tmp_path):
     assert "Mean 20.0" in page and "Keeps it" in page and "3 of 6" in page
 
 
-def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
-    many = [verdict(f"s{n}", [check(False)], "Wrong.") for n in range(MIN_SUBMISSIONS)]
+def test_the_page_without_names_omits_lessons_with_few_submissions(tmp_path):
+    enough = [verdict(f"s{n}", [check(False)], "Wrong.") for n in range(MIN_SUBMISSIONS)]
     few = [verdict(f"s{n}", [check(False)], "No.", SEVEN) for n in range(MIN_SUBMISSIONS - 1)]
-    report(tmp_path, [*many, *few])
+    report(tmp_path, [*enough, *few])
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
     assert page.count(SEVEN.name) == 1, "where it is said that it is left out"
     assert f"0 of {MIN_SUBMISSIONS}" in page and f"{MIN_SUBMISSIONS - 1}" not in re.findall(
@@ -421,7 +424,7 @@ def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
-def test_students_are_sorted_and_found_without_a_network(tmp_path):
+def test_sorting_and_searching_students_needs_no_network(tmp_path):
     scores = {"cy": 9.0, "ada": 10.0, "bo": 8.5}
     results = class_of([result(name, MARKED, score) for name, score in scores.items()])
     page = report(tmp_path, [verdict(name, [check(True)]) for name in scores], results)
@@ -442,24 +445,24 @@ def test_students_are_sorted_and_found_without_a_network(tmp_path):
     page = page.replace(policy, "").replace(
         "</body>", f'<script type="module">{using}</script></body>'
     )
-    shown, asked = seen(page, tmp_path / "browser", "elsewhere")
+    shown, requested = seen(page, tmp_path / "browser", "elsewhere")
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
-    assert asked == []
+    assert requested == []
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason=prerequisites.PDF_TO_TEXT)
-def test_on_paper_no_heading_stands_alone_at_the_foot_of_a_page(tmp_path):
+def test_no_printed_page_ends_with_a_heading(tmp_path):
     page = report(tmp_path, [verdict("ada", [check(True)])])
     rows = "<tr><td>check</td><td>passed</td></tr>"
     table = "<table class='cards'><thead><tr><th>What</th><th>How</th></tr></thead>{}</table>"
-    folds = "".join(
+    sections = "".join(
         f"<h2>Heading</h2><p class='soft'>Heading's words</p>{table.format(rows * (2 + n % 3))}"
         f"<details><summary>Heading of a fold</summary>{table.format(rows * (3 + n % 5))}</details>"
         for n in range(90)
     )
-    sheets = printed(page.replace("</body>", f"{folds}</body>"), tmp_path / "paper")
+    sheets = printed(page.replace("</body>", f"{sections}</body>"), tmp_path / "paper")
     last = [[line for line in sheet if line.strip()][-1] for sheet in sheets]
     assert len(sheets) > 15
     assert [line for line in last if re.search("Heading|What", line)] == []

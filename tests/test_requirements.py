@@ -1,4 +1,4 @@
-"""Whoever runs some of the code has all that it imports, in the same versions as everybody."""
+"""The requirement files list all imports of the code they are for, in the same versions."""
 
 import ast
 import functools
@@ -11,7 +11,7 @@ from packaging.requirements import Requirement
 
 from grader.course.paths import PROJECT
 
-# Who runs what: of these, the longest that a path begins with.
+# Requirements for running the code below a path; the longest matching path applies.
 NEEDED_BY = {
     "utils/": "requirements.txt",
     "utils/films/writers.py": "requirements-3d.txt",
@@ -30,19 +30,19 @@ FILES = (
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
-OURS = {"grader", "utils", "tests"} | INSIDE
-# What is used where somebody has installed it: peers of a benchmark, and lesson 13's compiler.
+OWN_PACKAGES = {"grader", "utils", "tests"} | INSIDE
+# Optional packages, used if installed: libraries that a benchmark compares, and lesson 13's numba.
 PEERS = {"dbscan", "open3d", "numba"}
-BROWSER = {"selenium"}  # of tests/hub.py, for which .ci/hub makes an environment of its own
+BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .ci/hub creates
 
 
 def normal(name):
-    """The name of a distribution as PyPI compares it."""
+    """Return the name of a distribution in PyPI's normalised form."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def own_pins(file):
-    """Version by distribution of what a file names itself."""
+    """Return the versions that a file itself pins, by distribution."""
     text = (PROJECT / file).read_text("utf-8")
     return {
         normal(name): version for name, version in re.findall(r"^([\w.-]+)==([\w.]+)", text, re.M)
@@ -50,7 +50,7 @@ def own_pins(file):
 
 
 def pins(file):
-    """The same, with what it includes."""
+    """Return the versions that a file and the files it includes pin, by distribution."""
     included = re.findall(r"^-r (\S+)", (PROJECT / file).read_text("utf-8"), re.M)
     found = own_pins(file)
     for other in included:
@@ -59,7 +59,7 @@ def pins(file):
 
 
 def imports(text):
-    """The packages that a program imports, at its top or within a function."""
+    """Yield the packages that a program imports, including imports inside functions."""
     without_magics = re.sub(r"^( *)%.*", r"\1pass", text, flags=re.M)
     for node in ast.walk(ast.parse(without_magics)):
         if isinstance(node, ast.Import):
@@ -70,29 +70,29 @@ def imports(text):
 
 @functools.cache
 def strangers_by_file():
-    """For each of our files the packages of others that it imports."""
+    """Return the third-party packages that each file of the project imports."""
     found = {}
     for folder in ("grader", "utils", "solutions", "tests"):
         for path in sorted((PROJECT / folder).rglob("*.py")):
             packages = set(imports(path.read_text("utf-8")))
-            others = packages - OURS - PEERS - BROWSER - sys.stdlib_module_names
+            others = packages - OWN_PACKAGES - PEERS - BROWSER - sys.stdlib_module_names
             found[path.relative_to(PROJECT).as_posix()] = others
     return found
 
 
 @functools.cache
 def distributions():
-    """Those that bring a package, by its name."""
+    """Return the distributions that contain each package, by the package's name."""
     return metadata.packages_distributions()
 
 
 def file_for(path):
-    """The requirements of whoever runs the code in a file."""
+    """Return the requirements file for the code in a file."""
     return NEEDED_BY[max((start for start in NEEDED_BY if path.startswith(start)), key=len)]
 
 
 def not_listed(packages, file):
-    """Of some packages those whose distribution is not in a file of requirements."""
+    """Return the packages whose distribution is missing from a requirements file."""
     listed, homes = pins(file), distributions()
     return {
         package
@@ -102,28 +102,28 @@ def not_listed(packages, file):
 
 
 @pytest.mark.slow
-def test_what_is_imported_is_listed():
-    strangers = strangers_by_file()
+def test_all_imports_are_in_the_requirements():
+    packages_by_file = strangers_by_file()
     assert {"numpy", "yaml", "nbgrader", "pyvista", "distributed", "hypothesis"} <= set().union(
-        *strangers.values()
+        *packages_by_file.values()
     )
-    missing = {path: not_listed(found, file_for(path)) for path, found in strangers.items()}
+    missing = {path: not_listed(found, file_for(path)) for path, found in packages_by_file.items()}
     assert not {path: names for path, names in missing.items() if names}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", [path for path in NEEDED_BY if path.endswith(".py")])
-def test_a_file_with_requirements_of_its_own_needs_them(path):
+def test_files_with_their_own_requirements_need_them(path):
     assert not_listed(strangers_by_file()[path], "requirements.txt")
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_constraints_pin_what_the_requirements_name(file):
-    held = own_pins("constraints.txt")
-    other = {
-        name: held.get(name) for name, version in pins(file).items() if held.get(name) != version
+def test_constraints_pin_all_requirements(file):
+    fixed = own_pins("constraints.txt")
+    different = {
+        name: fixed.get(name) for name, version in pins(file).items() if fixed.get(name) != version
     }
-    assert not other, "run: make constraints"
+    assert not different, "run: make constraints"
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -136,18 +136,18 @@ def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
     assert not [line for line in text.splitlines() if not re.fullmatch(pattern, line)]
 
 
-def test_constraints_hold_everywhere():
-    """No address, folder or hash stands in them, and one file serves every Python."""
+def test_constraints_work_on_every_machine():
+    """The file contains no address, folder or hash, so it works for every Python and machine."""
     lines = (PROJECT / "constraints.txt").read_text("utf-8").splitlines()
     pattern = r"(#.*|[\w.-]+==[\w.]+( ; [\w.' ()<>=!]+)?( +# via [\w., -]+)?)"
     assert not [line for line in lines if not re.fullmatch(pattern, line)]
 
 
-def needs(name):
-    """What a distribution needs here, without extras; nothing if it is not installed here."""
+def dependencies_of(name):
+    """Yield the requirements of an installed distribution on this machine, without extras."""
     try:
         requirements = metadata.requires(name) or ()
-    except metadata.PackageNotFoundError:  # such as a wheel for other machines
+    except metadata.PackageNotFoundError:  # for example a wheel for other machines
         return
     for text in requirements:
         requirement = Requirement(text)
@@ -155,12 +155,12 @@ def needs(name):
             yield normal(requirement.name)
 
 
-def test_constraints_pin_what_the_requirements_need_in_turn():
+def test_constraints_pin_all_indirect_dependencies():
     found, waiting = set(), [*pins("requirements-dev.txt")]
     while waiting:
         name = waiting.pop()
         if name not in found:
             found.add(name)
-            waiting += needs(name)
+            waiting += dependencies_of(name)
     assert len(found) > 100
     assert not found - own_pins("constraints.txt").keys(), "run: make constraints"
