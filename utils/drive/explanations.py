@@ -83,10 +83,10 @@ def brakings(drive: Drive) -> Iterator[Braking]:
         number = _decisive(drive, first, last)
         moment = drive.moments[number]
         cause = moment.decision.cause
-        needed = _needed(drive, first)
-        reason = _meant(drive, number, cause, needed)
+        needed = _justifying(drive, first)
+        reason = _real_cause(drive, number, cause, needed)
         if not reason:
-            reason = _mistaken(drive, number, cause)
+            reason = _apparent_cause(drive, number, cause)
             if needed:  # justified by an object outside the box
                 other = WORDS[drive.street.kind_of(min(needed))]
                 reason += f", and {other} is in the way, too"
@@ -118,7 +118,7 @@ def _decisive(drive: Drive, first: int, last: int) -> int:
     return first
 
 
-def _needed(drive: Drive, first: int) -> set[int]:
+def _justifying(drive: Drive, first: int) -> set[int]:
     """Return the identities of all real objects that justify a braking that starts at `first`."""
     numbers = range(max(first - AROUND, 0), min(first + AROUND + 1, len(drive.moments)))
     return {
@@ -153,7 +153,7 @@ def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.nd
     return scan.classes[inside], scan.objects[inside]
 
 
-def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
+def _apparent_cause(drive: Drive, number: int, cause: Thing) -> str:
     """Describe the box of a braking that contains none of the objects that justify it."""
     classes, objects = contents(drive, number, cause)
     if not len(classes):
@@ -175,7 +175,7 @@ def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
     return f"box of {first} beside our lane reaches into it"
 
 
-def _meant(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
+def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
     """Describe the object in the box that justifies a braking; empty if there is none."""
     _, objects = contents(drive, number, cause)
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
@@ -193,10 +193,10 @@ def collision(drive: Drive) -> str:
         return ""
     end = drive.moments[-1]
     thing = WORDS[drive.street.kind_of(drive.hit)]
-    return f"The drive ends at {thing}, at {3.6 * end.speed:.0f} km/h. {_why(drive)}"
+    return f"The drive ends at {thing}, at {3.6 * end.speed:.0f} km/h. {_detections_of_hit(drive)}"
 
 
-def _why(drive: Drive) -> str:
+def _detections_of_hit(drive: Drive) -> str:
     """Explain in a sentence what the detector knew of the object that was hit."""
     examined = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
     seen, boxed = [], []

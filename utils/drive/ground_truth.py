@@ -44,12 +44,12 @@ def distances(world: World) -> dict[int, float]:
     footprints = shapely.convex_hull(
         shapely.multipoints([thing.corners[:4, :2] for _, thing in near])
     )
-    apart = shapely.distance(_own_car(), footprints).tolist() if near else []
+    apart = shapely.distance(_ego_footprint(), footprints).tolist() if near else []
     return {obstacle.identity: gap for (obstacle, _), gap in zip(near, apart, strict=True)}
 
 
 @lru_cache(maxsize=1)
-def _own_car() -> object:
+def _ego_footprint() -> object:
     import shapely
 
     return shapely.box(TAIL, -HALF_WIDTH, BUMPER, HALF_WIDTH)

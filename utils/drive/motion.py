@@ -93,7 +93,7 @@ class Motion:
             Time since that scan.
         """
         self._time, self._position = self._time + seconds, self._position + driven
-        expected = [_moved(track, driven, seconds) for track in self._tracks]
+        expected = [_predicted(track, driven, seconds) for track in self._tracks]
         places = np.reshape([track.box for track in expected], (-1, 8, 3))
         partners = np.asarray(self._match(places, boxes, FARTHEST), dtype=int).tolist()
         if len(partners) != len(boxes):
@@ -143,7 +143,7 @@ class MotionOf:
             self._places[name] = (*self._places[name], now)[-OLD_ENOUGH:]
         speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)
         speeds[:, 1] = [
-            _least(speed, *_between(self._places[name]))
+            _nearest_to_zero(speed, *_side_speeds(self._places[name]))
             for name, speed in zip(tracks.names.tolist(), speeds[:, 1].tolist(), strict=True)
         ]
         speeds = np.where((np.abs(speeds) < SLOWEST) | ~np.isfinite(speeds), 0.0, speeds)
@@ -163,7 +163,7 @@ def motion_by(tracker: Tracker | None) -> Motion | MotionOf:
     return Motion(tracker and tracker.match)
 
 
-def _moved(track: Track, driven: float, seconds: float) -> Track:
+def _predicted(track: Track, driven: float, seconds: float) -> Track:
     """Return a track at its predicted place, relative to the car's new position."""
     forward, left = track.velocity
     return replace(track, box=track.box + (forward * seconds - driven, left * seconds, 0.0))
@@ -187,10 +187,10 @@ def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
     spread = np.median(np.abs(speeds - middle), axis=0)
     believed = (np.abs(middle) >= SLOWEST) & (spread <= STEADY * np.abs(middle))
     along, right, left = np.where(believed, middle, 0.0).tolist()
-    return along, _least(right, left)
+    return along, _nearest_to_zero(right, left)
 
 
-def _between(places: tuple[Place, ...]) -> tuple[float, float]:
+def _side_speeds(places: tuple[Place, ...]) -> tuple[float, float]:
     """Return the sideways speeds of both sides, right and left, from first to last place."""
     if len(places) < 2:
         return 0.0, 0.0
@@ -198,7 +198,7 @@ def _between(places: tuple[Place, ...]) -> tuple[float, float]:
     return (right_now - right) / (now - began), (left_now - left) / (now - began)
 
 
-def _least(*speeds: float) -> float:
+def _nearest_to_zero(*speeds: float) -> float:
     """Return the speed nearest to 0, or 0 if the speeds have different signs."""
     return max(min(speeds), 0.0) + min(max(speeds), 0.0)
 

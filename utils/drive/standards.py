@@ -43,12 +43,12 @@ class Result:
 
     def __str__(self) -> str:
         return (
-            f"{self.metres:5.0f} m, {_times(self.needless, 'needless braking')}, "
-            f"{_times(self.collisions, 'collision')}"
+            f"{self.metres:5.0f} m, {_counted(self.needless, 'needless braking')}, "
+            f"{_counted(self.collisions, 'collision')}"
         )
 
 
-def _times(count: int, noun: str) -> str:
+def _counted(count: int, noun: str) -> str:
     return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"
 
 

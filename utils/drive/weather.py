@@ -33,7 +33,7 @@ def with_rain(scan: Scan, drops: int, rng: np.random.Generator) -> Scan:
     flat = distance * np.cos(elevation)
     xyz = (flat * np.cos(azimuth), flat * np.sin(azimuth), distance * np.sin(elevation))
     rows = np.column_stack([*xyz, rng.uniform(0.01, 0.05, drops)])
-    return _with(scan, rows, RAINDROP)
+    return _with_rows(scan, rows, RAINDROP)
 
 
 def with_dirt(scan: Scan, rng: np.random.Generator) -> Scan:
@@ -42,10 +42,10 @@ def with_dirt(scan: Scan, rng: np.random.Generator) -> Scan:
     x, y = (axis.ravel() for axis in np.mgrid[back:front:0.1, right:left:0.1])
     rows = np.column_stack([x, y, np.full(x.size, height), np.full(x.size, 0.5)])
     rows[:, :3] += rng.normal(0.0, 0.02, (x.size, 3))
-    return _with(scan, rows, CLASSES.index("ego"))
+    return _with_rows(scan, rows, CLASSES.index("ego"))
 
 
-def _with(scan: Scan, rows: np.ndarray, code: int) -> Scan:
+def _with_rows(scan: Scan, rows: np.ndarray, code: int) -> Scan:
     """Return a scan with added rows of one class that belong to no object."""
     count = len(rows)
     return replace(

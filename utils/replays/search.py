@@ -74,11 +74,11 @@ def walk(
     if misplaced := next(_misplaced(root), None):
         remark = f"The tree itself is wrong, so look at insert first: {misplaced}."
     elif not remark:
-        wrong = _wrong(root, target, tolerance, list(visited), rows)
+        wrong = _first_mistake(root, target, tolerance, list(visited), rows)
     return Replay([step(number) for number in range(len(visited) + 1)], wrong, remark)
 
 
-def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
+def _nodes_with_parents(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
     """Yield each node with its parent, its side ("left" or "right") there, and its depth."""
     waiting, seen = [(root, None, "", 0)] if root is not None else [], set()
     for node, parent, side, depth in waiting:  # the list grows during the loop
@@ -93,7 +93,7 @@ def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
 
 def _misplaced(root: Node | None) -> Iterator[str]:
     """Yield a sentence for each node that is on the wrong side of a node above it."""
-    for node, _, _, depth in _below(root):
+    for node, _, _, depth in _nodes_with_parents(root):
         axis = depth % len(node.point)
         for side in ("left", "right"):
             for below in nodes_of(getattr(node, side)):
@@ -101,7 +101,7 @@ def _misplaced(root: Node | None) -> Iterator[str]:
                     yield f"point {below.index} hangs to the {side} of point {node.index}"
 
 
-def _wrong(
+def _first_mistake(
     root: Node, target: ArrayLike, tolerance: float, visited: list[int], found: list[int]
 ) -> Wrong | None:
     """Return the first step that is wrong.
@@ -109,9 +109,9 @@ def _wrong(
     Step 0 is before the search, and each later step visits one node.
     """
     step_of = {index: step for step, index in enumerate(visited, start=1)}
-    above = {id(node): (parent, side) for node, parent, side, _ in _below(root)}
+    above = {id(node): (parent, side) for node, parent, side, _ in _nodes_with_parents(root)}
     wrongs = []
-    for node, parent, side, depth in _below(root):
+    for node, parent, side, depth in _nodes_with_parents(root):
         index, away = node.index, math.dist(node.point, target)
         is_near, times = away <= tolerance, found.count(index)
         far = f"node {index} is {away:.1f} m away, and the tolerance is {tolerance:g} m"
@@ -126,7 +126,7 @@ def _wrong(
             wrongs.append(Wrong(step_of[index], f"{far.capitalize()}. Your answer {has}."))
         elif times > 1:
             wrongs.append(Wrong(step_of[index], f"Node {index} is in your answer {times} times."))
-        elif index in step_of and parent is not None and _goes_on(node, step_of):
+        elif index in step_of and parent is not None and _visits_child(node, step_of):
             axis = (depth - 1) % len(target)
             low, high, cut = target[axis] - tolerance, target[axis] + tolerance, parent.point[axis]
             if cut <= low if side == "left" else high < cut:
@@ -138,6 +138,6 @@ def _wrong(
     return first_of(wrongs)
 
 
-def _goes_on(node: Node, step_of: dict[int, int]) -> bool:
+def _visits_child(node: Node, step_of: dict[int, int]) -> bool:
     """Return whether a search visited a child of a node; visiting only the node is harmless."""
     return any(child is not None and child.index in step_of for child in (node.left, node.right))

@@ -1,4 +1,4 @@
-"""Rotating multi-beam LiDARs: where their rays point, how far they see, and two presets."""
+"""Rotating multi-beam LiDARs: directions of their rays, their ranges, and two presets."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ class Sensor:
     elevations : tuple of float
         Angle of every beam above the horizon, in radians, in any order; see `layers`.
     azimuth_step : float
-        Angle between two firings of a beam, in radians. A turn has round(2 pi / step) of them.
+        Angle between two firings of a beam, in radians. A turn has round(2 pi / step) firings.
     origin : tuple of float
         Position of the sensor in the vehicle frame, in metres; origin[2] is its height.
     minimum_range, maximum_range : float
-        Echoes from nearer or farther, in metres, are not reported.
+        Limits in metres; nearer and farther echoes are not reported.
     range_noise : float
         Standard deviation of the range, in metres.
     dropout : float
-        Share of echoes that are lost for no reason that the model knows.
+        Share of echoes that are lost at random.
     weakest_signal : float
         Signal at which an echo is lost with probability 1/e. The signal is
-        reflectivity * cos(incidence) * (100 m / range)**2. At 0 no echo is too weak.
+        reflectivity * cos(incidence) * (100 m / range)**2. With 0 no echo is too weak.
     rotation_rate : float
         Turns per second.
     invalid_returns : int
-        Lost rays per sweep that are reported at exactly (0, 0, 0), as real recordings have them.
+        Number of lost rays per turn that are reported at exactly (0, 0, 0), as in real recordings.
 
     Raises
     ------
     ValueError
-        If no ray can come of such numbers.
+        There is no beam, or the azimuth step or the range is impossible.
     """
 
     elevations: tuple[float, ...]
@@ -73,14 +73,14 @@ class Sensor:
 
 
 def layers(count: int, lowest: float, highest: float) -> tuple[float, ...]:
-    """Elevations in radians of `count` evenly spaced beams between two angles in degrees."""
+    """Return elevations in radians of `count` evenly spaced beams between angles in degrees."""
     return tuple(np.radians(np.linspace(lowest, highest, count)).tolist())
 
 
 def highway_sensor() -> Sensor:
-    """The 8-layer sensor of the simple highway: 8 x 128 rays, 5 to 50 m, at a height of 2.6 m.
+    """Return the 8-layer sensor of the simple highway: 8 x 128 rays, 5 to 50 m, 2.6 m high.
 
-    The layers start at 30 degrees downwards and are an eighth of 26 degrees apart.
+    The lowest layer points 30 degrees downwards, and the layers are an eighth of 26 degrees apart.
     """
     return Sensor(
         elevations=layers(8, -30.0, -30.0 + 26.0 * 7 / 8),
@@ -93,11 +93,11 @@ def highway_sensor() -> Sensor:
 
 
 def hdl64() -> Sensor:
-    """A 64-beam, 10 Hz sensor 1.73 m above the road: 128 000 rays, about 120 000 returns.
+    """Return a 64-beam, 10 Hz sensor 1.73 m above the road: 128 000 rays, about 120 000 returns.
 
-    Two blocks of 32 beams, the upper one a third of a degree apart and the lower one about half
-    a degree, from +2 to -24.8 degrees, like the Velodyne HDL-64E on KITTI's car (A. Geiger et
-    al., "Vision meets robotics: the KITTI dataset", IJRR 2013).
+    It has two blocks of 32 beams from +2 to -24.8 degrees. The upper beams are a third of a degree
+    apart, the lower ones about half a degree. The model is the Velodyne HDL-64E on KITTI's car
+    (A. Geiger et al., "Vision meets robotics: the KITTI dataset", IJRR 2013).
     """
     return Sensor(
         elevations=layers(32, 2.0, -8.33) + layers(32, -8.83, -24.8),
@@ -110,7 +110,7 @@ def hdl64() -> Sensor:
 
 @lru_cache(maxsize=8)
 def ray_directions(sensor: Sensor) -> np.ndarray:
-    """Unit directions of all rays of a turn, shape (3, beams, firings), read-only."""
+    """Return unit directions of all rays of a turn, shape (3, beams, firings), read-only."""
     elevations = np.array(sensor.elevations)[:, np.newaxis]
     azimuths = np.arange(sensor.firings) * (2 * math.pi / sensor.firings)
     flat = np.cos(elevations)

@@ -1,8 +1,8 @@
 """Solids that a ray can meet: convex polyhedra, upright cylinders and spheres.
 
-Every ray starts at the origin of the coordinates in which the solid is given, so a solid is
-first moved into the sensor's frame and then asked where the rays enter and leave it. The rays
-come as an array (3, ...) of unit directions; answers have the shape of the trailing axes.
+Every ray starts at the origin of the coordinates in which the solid is given. A solid is therefore
+first moved into the sensor's frame, and then computes where the rays enter and leave it. The rays
+are an array (3, ...) of unit directions; results have the shape of the trailing axes.
 
 References
 ----------
@@ -27,12 +27,12 @@ from utils.simulator.pose import Pose
 
 @dataclass(frozen=True)
 class Material:
-    """What a surface does to a pulse of light.
+    """Optical properties of a surface.
 
     Parameters
     ----------
     reflectivity : float
-        Diffuse reflectivity, 0 to 1; 1 also stands for retro-reflecting foil.
+        Diffuse reflectivity, 0 to 1; retro-reflecting foil also has a value near 1.
     loss : float
         Share of pulses that never come back, whatever the distance (glass, chrome).
     depth : float
@@ -55,7 +55,7 @@ class Convex:
     offsets : ndarray, shape (p,)
         Signed distance of each face from the origin, in metres.
     corners : ndarray, shape (k, 3)
-        The vertices; they tell which rays are worth trying.
+        Vertices in metres, which select the rays that may hit.
     material : Material
     """
 
@@ -65,19 +65,19 @@ class Convex:
     material: Material = Material()
 
     def moved(self, pose: Pose) -> Convex:
-        """The same solid, its own frame placed at `pose`."""
+        """Return the solid with its own frame placed at `pose`."""
         normals = pose.rotate(self.normals)
         offsets = self.offsets + normals @ (pose.x, pose.y, pose.z)
         return replace(self, normals=normals, offsets=offsets, corners=pose.apply(self.corners))
 
     def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Distances at which rays enter and leave, and the cosine of incidence at entry.
+        """Compute where rays enter and leave the solid.
 
         Returns
         -------
         enter, leave, cosine : ndarray, shape rays.shape[1:]
-            A ray misses the solid where ``enter > leave``, and starts inside or beyond it
-            where ``enter <= 0``.
+            Distances in metres, and cosine of the angle of incidence at entry. A ray misses the
+            solid if ``enter > leave``, and starts inside or beyond it if ``enter <= 0``.
         """
         enter = np.full(rays.shape[1:], -np.inf)
         leave = np.full(rays.shape[1:], np.inf)
@@ -86,7 +86,7 @@ class Convex:
             for normal, offset in zip(self.normals.tolist(), self.offsets.tolist(), strict=True):
                 facing = _dot(normal, rays)
                 distance = offset / facing
-                if offset > 0:  # rays start on its inner side, and can but leave through it
+                if offset > 0:  # rays start on its inner side and can only leave
                     np.copyto(leave, distance, where=(facing > 0) & (distance < leave))
                 else:
                     later = (facing < 0) & (distance > enter)
@@ -96,11 +96,11 @@ class Convex:
         return enter, leave, cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        """Return the azimuths (first, last) in radians that contain every ray that hits."""
         return polygon_azimuths(self.corners[:, :2].tolist())
 
     def elevations(self) -> tuple[float, float]:
-        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
         corners = self.corners.tolist()
         nearest = polygon_distance([(x, y) for x, y, _ in corners])
         farthest = max(math.hypot(x, y) for x, y, _ in corners)
@@ -109,15 +109,15 @@ class Convex:
 
 
 def _dot(normal: list[float], rays: np.ndarray) -> np.ndarray:
-    """A normal times rays (3, ...); most normals have components that are zero."""
+    """Multiply a normal by rays (3, ...), without the normal's components that are zero."""
     terms = [part * axis for part, axis in zip(normal, rays, strict=True) if part]
-    # Adding zero turns -0.0 into +0.0: a ray along a face is outside it for ever.
+    # Adding zero turns -0.0 into +0.0, so that the sign for a ray along a face is defined.
     return sum(terms[1:], start=terms[0]) + 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """An upright cylinder: centre of its base (3,), radius and height in metres."""
+    """An upright cylinder with the centre of its base (3,), radius and height in metres."""
 
     base: np.ndarray
     radius: float
@@ -125,11 +125,11 @@ class Cylinder:
     material: Material = Material()
 
     def moved(self, pose: Pose) -> Cylinder:
-        """The same solid, its own frame placed at `pose`."""
+        """Return the solid with its own frame placed at `pose`."""
         return replace(self, base=pose.apply(self.base))
 
     def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Distances at which rays enter and leave, and the cosine; see `Convex.crossings`."""
+        """Compute where rays enter and leave the solid; see `Convex.crossings`."""
         x, y, z = self.base.tolist()
         with np.errstate(divide="ignore", invalid="ignore"):
             flat = rays[0] ** 2 + rays[1] ** 2
@@ -145,11 +145,11 @@ class Cylinder:
         return np.maximum(side_in, cap_in), np.minimum(side_out, cap_out), cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        """Return the azimuths (first, last) in radians that contain every ray that hits."""
         return disc_azimuths(self.base, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
         x, y, z = self.base.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(
@@ -159,18 +159,18 @@ class Cylinder:
 
 @dataclass(frozen=True, eq=False)
 class Sphere:
-    """A ball: centre (3,) and radius in metres."""
+    """A ball with centre (3,) and radius in metres."""
 
     centre: np.ndarray
     radius: float
     material: Material = Material()
 
     def moved(self, pose: Pose) -> Sphere:
-        """The same solid, its own frame placed at `pose`."""
+        """Return the solid with its own frame placed at `pose`."""
         return replace(self, centre=pose.apply(self.centre))
 
     def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Distances at which rays enter and leave, and the cosine; see `Convex.crossings`."""
+        """Compute where rays enter and leave the solid; see `Convex.crossings`."""
         x, y, z = self.centre.tolist()
         along = rays[0] * x + rays[1] * y + rays[2] * z
         discriminant = along**2 - (x * x + y * y + z * z - self.radius**2)
@@ -179,11 +179,11 @@ class Sphere:
         return along - root, leave, root / self.radius
 
     def azimuths(self) -> tuple[float, float]:
-        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        """Return the azimuths (first, last) in radians that contain every ray that hits."""
         return disc_azimuths(self.centre, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
         x, y, z = self.centre.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(
@@ -202,18 +202,18 @@ def box(
     material: Material = Material(),  # noqa: B008 (frozen, so safe to share)
     taper: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Convex:
-    """A box, or a frustum when its roof is smaller than its floor.
+    """Build a box, or a frustum whose roof is smaller than its floor.
 
     Parameters
     ----------
     length, width, height : float
         Extents of the floor along x and y, and the height, in metres.
     centre : tuple of float
-        The middle of the box (halfway up).
+        Centre of the box, halfway up, in metres.
     material : Material
     taper : tuple of float
-        How far the roof's front, rear and two side edges lie inside the floor's, in metres:
-        a windscreen leans by ``taper[0]``, a rear window by ``taper[1]``.
+        Distance of the roof's front, rear and two side edges from the floor's, inwards in metres.
+        A windscreen leans by ``taper[0]``, a rear window by ``taper[1]``.
     """
     front, rear, side = taper
     x, y, z = length / 2, width / 2, height / 2
@@ -236,7 +236,7 @@ def box(
             (0.0, 0.0, -1.0),
         ]
     )
-    # Through a corner of the floor each, and the roof's through one of the roof.
+    # Each side face contains a corner of the floor, and the roof face one of the roof.
     reach = [
         ahead[0] * x - ahead[1] * z,
         behind[0] * x - behind[1] * z,
@@ -249,7 +249,7 @@ def box(
 
 
 def _unit(along: float, up: float) -> tuple[float, float]:
-    """A vector (along, up) of length 1."""
+    """Scale the vector (along, up) to length 1."""
     length = math.sqrt(along * along + up * up)
     return along / length, up / length
 
@@ -260,7 +260,7 @@ def cylinder(
     base: tuple[float, float, float] = (0.0, 0.0, 0.0),
     material: Material = Material(),  # noqa: B008
 ) -> Cylinder:
-    """An upright cylinder standing on `base`."""
+    """Build an upright cylinder on `base`."""
     return Cylinder(np.array(base, dtype=float), radius, height, material)
 
 
@@ -269,5 +269,5 @@ def sphere(
     centre: tuple[float, float, float],
     material: Material = Material(),  # noqa: B008
 ) -> Sphere:
-    """A ball around `centre`."""
+    """Build a ball around `centre`."""
     return Sphere(np.array(centre, dtype=float), radius, material)

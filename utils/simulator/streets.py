@@ -1,8 +1,8 @@
-"""Streets, laid out row by row so that no two things overlap.
+"""Streets that are filled row by row, so that no two objects overlap.
 
 Road coordinates: x along the road, y to the left of its crown, z up. From the middle outwards a
-side of the road holds a driving lane, a row of parked cars, the kerb, a row of poles and trees,
-a row of walkers, and the house fronts.
+side of the road has a driving lane, a row of parked cars, the kerb, a row of poles and trees, a
+row of pedestrians, and the house fronts.
 """
 
 from __future__ import annotations
@@ -34,25 +34,26 @@ LANE, PARKED, FURNITURE, WALKERS, FRONTS = 1.6, 3.95, 5.6, 7.0, 8.3
 
 ROAD_WIDTH = 10.0
 EGO_LANE = -1.2
-"""The ego car keeps off the parked cars, so that nothing else reaches into its own space."""
+"""y of the ego car, in metres, which leaves it enough distance from the parked cars."""
 
 
 @dataclass(frozen=True)
 class StreetPlan:
-    """How a street is filled.
+    """Densities of the objects in a street.
 
     Parameters
     ----------
     spans : tuple of (float, float)
         Stretches along the road that may be filled, in metres.
     parked, furniture, walkers, driving : float
-        Mean free gap between two things of a row, in metres; infinite leaves a row empty.
+        Mean free gap between two objects of a row, in metres, in addition to the clearance. An
+        infinite gap leaves the row empty.
     clearance : float
-        Smallest free gap between two things of a row, in metres.
+        Smallest free gap between two objects of a row, in metres.
     untidiness : float
         Largest deviation of a parked car's heading from the road's, in radians.
     hedges : float
-        Share of the gaps between houses that a hedge or a garden wall closes.
+        Share of the gaps between houses that are closed by a hedge or a garden wall.
     """
 
     spans: tuple[tuple[float, float], ...] = ((-70.0, 80.0),)
@@ -73,24 +74,24 @@ def placed(
     speed: float = 0.0,
     turn_rate: float = 0.0,
 ) -> Obstacle:
-    """An obstacle put at (x, y), heading `yaw` and moving."""
+    """Return an obstacle at (x, y) in metres with its heading and motion."""
     return replace(obstacle, pose=Pose(x, y, 0.0, yaw), speed=speed, turn_rate=turn_rate)
 
 
 def numbered(obstacles: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
-    """The same obstacles with the identities 1, 2, 3 and so on."""
+    """Return the obstacles with the identities 1, 2, 3 and so on."""
     return tuple(replace(thing, identity=i) for i, thing in enumerate(obstacles, start=1))
 
 
 def world_of(ground: Ground, obstacles: Iterable[Obstacle]) -> World:
-    """A world seen from the roof of an ordinary car."""
+    """Build a world whose sensor is on the roof of an ordinary car."""
     return World(ground, numbered(obstacles), ego_roof())
 
 
 def street(rng: np.random.Generator, plan: StreetPlan) -> Iterator[Obstacle]:
-    """Things along both sides of a street, in road coordinates, the traffic on the right.
+    """Yield the objects on both sides of a street in road coordinates, with traffic on the right.
 
-    Within a row all that moves has one speed and direction, so nothing ever collides.
+    Everything that moves in a row has the same speed and direction, so it never collides.
     """
     for first, last in plan.spans:
         for side in (1, -1):
@@ -99,14 +100,14 @@ def street(rng: np.random.Generator, plan: StreetPlan) -> Iterator[Obstacle]:
 
 
 def _gap(rng: np.random.Generator, plan: StreetPlan, mean: float) -> float:
-    """A free gap, evenly spread between the clearance and that plus twice the mean."""
+    """Draw a free gap uniformly from the clearance to the clearance plus twice the mean."""
     return plan.clearance + mean * rng.random() * 2
 
 
 def _parked(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
-    """Cars along the kerb, heading with the traffic."""
+    """Yield parked cars along the kerb, heading with the traffic."""
     x = first + _gap(rng, plan, plan.parked)
     while x < last:
         thing = some_car(rng)
@@ -121,7 +122,7 @@ def _parked(
 def _furniture(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
-    """Trees, lamp posts and signs beside the kerb."""
+    """Yield trees, lamp posts and signs next to the kerb."""
     x = first + _gap(rng, plan, plan.furniture)
     while x < last:
         choice = rng.random()
@@ -139,7 +140,7 @@ def _furniture(
 def _walkers(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
-    """People on the pavement, now and then two side by side."""
+    """Yield pedestrians on the pavement, sometimes two side by side."""
     x = first + _gap(rng, plan, plan.walkers)
     yaw = math.pi * (rng.random() < 0.5)
     while x < last:
@@ -152,7 +153,7 @@ def _walkers(
 def _driving(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
-    """Cars, cyclists and lorries in the lane, but none where the ego car drives."""
+    """Yield cars, cyclists and lorries in the lane, except close to the ego car."""
     heading = 0.0 if side < 0 else math.pi
     speed = 4.5 + 2.0 * rng.random()
     x = first + _gap(rng, plan, plan.driving)
@@ -173,7 +174,7 @@ def _driving(
 def _fronts(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
-    """House fronts with gaps between them, some closed by a hedge or a garden wall."""
+    """Yield houses with gaps between them, some closed by a hedge or a garden wall."""
     x, yaw = first, 0.0 if side > 0 else math.pi
     while x + 7.0 < last:
         length = min(7.0 + 8.0 * rng.random(), last - x)
@@ -189,10 +190,10 @@ def _fronts(
 
 
 def some_car(rng: np.random.Generator) -> Obstacle:
-    """A car of a usual size."""
+    """Draw a car of a usual size."""
     return car(3.7 + 1.1 * rng.random(), 1.65 + 0.2 * rng.random(), 1.42 + 0.3 * rng.random())
 
 
 def some_walker(rng: np.random.Generator) -> Obstacle:
-    """A person of a usual size, somewhere in a step."""
+    """Draw a pedestrian of a usual size with a random stride."""
     return pedestrian(1.55 + 0.35 * rng.random(), 0.1 + 0.25 * rng.random())

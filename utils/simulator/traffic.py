@@ -1,7 +1,7 @@
-"""What stands and moves in a street, composed of simple solids.
+"""Objects of a street, composed of simple solids.
 
 Every function returns an `Obstacle` at the origin, heading along x, whose solids fit its true
-box. `dataclasses.replace(obstacle, pose=..., speed=...)` puts it somewhere and sets it moving.
+box. `dataclasses.replace(obstacle, pose=..., speed=...)` gives it a place and a speed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ HEDGE = Material(reflectivity=0.40, depth=0.10)
 
 
 def car(length: float = 4.3, width: float = 1.75, height: float = 1.5) -> Obstacle:
-    """A passenger car: body, cabin of mostly glass, four wheels, number plates of foil."""
+    """Build a passenger car: body, cabin of mostly glass, four wheels and foil number plates."""
     floor, waist = 0.24, 0.58 * height
     cabin = 0.66 * length
     wheel = 0.62
@@ -50,7 +50,7 @@ def car(length: float = 4.3, width: float = 1.75, height: float = 1.5) -> Obstac
 
 
 def block_car(length: float = 4.0, width: float = 2.0, height: float = 2.0) -> Obstacle:
-    """The car of the simple highway: full length below, half the length in the upper third."""
+    """Build a car of the simple highway: its upper third has half the length."""
     opaque = Material(PAINT.reflectivity)
     lower = box(length, width, height * 2 / 3, (0, 0, height / 3), opaque)
     upper = box(length / 2, width, height / 3, (0, 0, height * 5 / 6), opaque)
@@ -58,7 +58,7 @@ def block_car(length: float = 4.0, width: float = 2.0, height: float = 2.0) -> O
 
 
 def truck(length: float = 7.5, width: float = 2.3, height: float = 3.1) -> Obstacle:
-    """A delivery lorry: cab in front, load behind, wheels below."""
+    """Build a delivery lorry with a cab in front, a load behind and wheels below."""
     floor, cab = 0.6, 1.9
     load = length - cab - 0.2
     solids = [
@@ -79,7 +79,7 @@ def truck(length: float = 7.5, width: float = 2.3, height: float = 3.1) -> Obsta
 
 
 def pedestrian(height: float = 1.75, stride: float = 0.25) -> Obstacle:
-    """A walker: two legs half a `stride` (metres) before and behind, trunk, arms, head."""
+    """Build a pedestrian with legs half a `stride` (metres) ahead and behind, trunk, arms, head."""
     hip, shoulder = 0.48 * height, 0.82 * height
     solids = (
         cylinder(0.08, hip, (stride / 2, 0.1, 0), CLOTH),
@@ -93,7 +93,7 @@ def pedestrian(height: float = 1.75, stride: float = 0.25) -> Obstacle:
 
 
 def cyclist(length: float = 1.75, height: float = 1.75) -> Obstacle:
-    """A bicycle and its rider."""
+    """Build a bicycle and its rider."""
     wheel, axle = 0.66, length / 2 - 0.33
     solids = (
         box(wheel, 0.05, wheel, (axle, 0, wheel / 2), RUBBER),
@@ -109,7 +109,7 @@ def cyclist(length: float = 1.75, height: float = 1.75) -> Obstacle:
 
 
 def pole(height: float = 5.0, radius: float = 0.07, sign: bool = False) -> Obstacle:
-    """A lamp post, or a post with a traffic sign that faces along x in both directions."""
+    """Build a lamp post, or a post with a traffic sign that faces along x in both directions."""
     solids: list[Solid] = [cylinder(radius, height, material=STEEL)]
     width = 2 * radius
     if sign:
@@ -119,7 +119,7 @@ def pole(height: float = 5.0, radius: float = 0.07, sign: bool = False) -> Obsta
 
 
 def tree(height: float = 6.0, crown: float = 1.8, trunk: float = 0.16) -> Obstacle:
-    """A street tree: a trunk and a crown of five balls, `crown` metres in radius."""
+    """Build a street tree: a trunk and a crown of five balls, `crown` metres in radius."""
     ball = 0.62 * crown
     ring = crown - ball
     middle = height - crown
@@ -130,14 +130,14 @@ def tree(height: float = 6.0, crown: float = 1.8, trunk: float = 0.16) -> Obstac
 
 
 def hedge(length: float = 4.0, width: float = 0.7, height: float = 1.2) -> Obstacle:
-    """A clipped hedge along x."""
+    """Build a clipped hedge along x."""
     solid = box(length, width, height + 0.3, (0, 0, (height - 0.3) / 2), HEDGE)
     return Obstacle("foliage", (length, width, height), (solid,))
 
 
 def house(length: float = 10.0, depth: float = 8.0, height: float = 7.0) -> Obstacle:
-    """A house whose front, with windows at street level, lies on the side of negative y."""
-    # The foundation reaches below the street, so that a slope leaves no gap.
+    """Build a house whose front, with windows at street level, faces negative y."""
+    # The foundation reaches below the street, so that there is no gap on a slope.
     solids = [box(length, depth, height + 1.0, (0, 0, (height - 1.0) / 2), PLASTER)]
     panes = max(1, int(length // 3.0))
     for index in range(panes):
@@ -147,17 +147,17 @@ def house(length: float = 10.0, depth: float = 8.0, height: float = 7.0) -> Obst
 
 
 def garden_wall(length: float = 6.0, height: float = 1.4) -> Obstacle:
-    """A low wall along x."""
+    """Build a low wall along x."""
     solid = box(length, 0.25, height + 0.5, (0, 0, (height - 0.5) / 2), PLASTER)
     return Obstacle("wall", (length, 0.25, height), (solid,))
 
 
 def ego_roof(height: float = 1.73) -> tuple[Solid, ...]:
-    """Parts of the ego car that the lowest beams of a sensor `height` metres up still graze.
+    """Build the parts of the ego car in the lowest beams of a sensor `height` metres up.
 
-    What returns an echo lies in the box (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) in sensor
+    Parts that return an echo are in the box (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) in sensor
     coordinates. Matt parts return none but cast shadows on the road, about where KITTI's car
-    does: straight behind, ahead, and beside its racks.
+    does: straight behind, ahead, and next to its racks.
     """
     tailgate = box(0.2, 0.30, 0.1, (-1.35, 0.45, height - 0.69), PAINT)
     aerial = cylinder(0.012, 0.25, (-1.25, -0.50, height - 0.74), STEEL)

@@ -1,4 +1,4 @@
-"""What a scanner looks at: the ground, obstacles on it, and the car it rides on."""
+"""World of a scanner: the ground, the obstacles on it, and the car that carries the scanner."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from utils.simulator.shapes import Solid
 
 @dataclass(frozen=True, eq=False)
 class Obstacle:
-    """A thing in the world that can be seen, boxed and told from others.
+    """An object in the world with a true box and an identity.
 
     Parameters
     ----------
@@ -21,9 +21,9 @@ class Obstacle:
     size : tuple of float
         Length, width, height of its true box in metres.
     solids : tuple of Solid
-        What it is made of, in its own frame: x forward, the origin in the middle of its floor.
+        Parts in the obstacle's own frame: x forward, the origin in the middle of its floor.
     pose : Pose
-        Where it stands; z is the height above the ground there, usually 0.
+        Position and heading; z is the height above the ground there, usually 0.
     identity : int
         Positive and unique in its world; 0 before it is placed in one.
     speed, turn_rate : float
@@ -39,7 +39,7 @@ class Obstacle:
     turn_rate: float = 0.0
 
     def at(self, time: float) -> Obstacle:
-        """The obstacle `time` seconds later, driving on along its straight line or arc."""
+        """Return the obstacle `time` seconds later on its straight line or arc."""
         turned = self.pose.yaw + self.turn_rate * time
         # The chord of the arc points halfway between the two headings.
         half = self.turn_rate * time / 2
@@ -56,7 +56,7 @@ class Obstacle:
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Everything the rays can meet.
+    """Everything that rays can hit.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class World:
     ego: tuple[Solid, ...] = ()
 
     def seen_from(self, vehicle: Pose, time: float = 0.0) -> World:
-        """The world `time` seconds later in the frame of a vehicle that stands at `vehicle`."""
+        """Return the world `time` seconds later in the frame of a vehicle at pose `vehicle`."""
         outer = replace(vehicle, z=0.0).inverse()
         moved = (obstacle.at(time) for obstacle in self.obstacles)
         return replace(
@@ -81,6 +81,6 @@ class World:
         )
 
     def base(self, obstacle: Obstacle) -> Pose:
-        """Where an obstacle's own frame lies: its pose, lifted onto the ground."""
+        """Return the pose of an obstacle's own frame: its pose, lifted onto the ground."""
         pose = obstacle.pose
         return replace(pose, z=pose.z + float(self.ground.height(pose.x, pose.y)))

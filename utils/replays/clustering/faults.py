@@ -19,16 +19,16 @@ def first_wrong(
     """Return the first step that is certainly wrong because its mistake is in the answer."""
     last = len(frames) - 1
     if ending.stopped:
-        return _asked_twice(frames)
+        return _visited_twice(frames)
     if ending.error:
         return Wrong(last, how_it_ended(ending, function))
     if answer is None:
         return Wrong(last, f"{how_it_ended(ending, function)} One label for each point was wanted.")
-    wrongs = [_joined(frames, answer), _parted(frames, answer), _numbered(frames, answer)]
+    wrongs = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
     return first_of([wrong for wrong in wrongs if wrong])
 
 
-def _joined(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _merged(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """Find points that have the same label but are not joined by a chain of neighbours."""
     for position, frame in enumerate(frames):
         for row in frame.joined:
@@ -51,7 +51,7 @@ def _joined(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     return None
 
 
-def _parted(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _split(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """Find neighbours with different labels in the answer, or points without a label."""
     pairs = [
         (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
@@ -75,7 +75,7 @@ def _parted(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     return None
 
 
-def _numbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _misnumbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """Find a label outside 1 to the number of clusters."""
     count = len(set(answer))
     for position, frame in enumerate(frames):
@@ -89,7 +89,7 @@ def _numbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     return None
 
 
-def _asked_twice(frames: list[ReplayFrame]) -> Wrong | None:
+def _visited_twice(frames: list[ReplayFrame]) -> Wrong | None:
     """Find the first point that an endless run visits a second time."""
     seen = set()
     for position, frame in enumerate(frames):

@@ -106,14 +106,14 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
                 frames.append(ReplayFrame(now.labels, now.labels, blank, asked))
             waiting = state
         elif state != now.labels:
-            if now.is_first or not queue or (not waiting and _begins(now, state)):
+            if now.is_first or not queue or (not waiting and _begins_cluster(now, state)):
                 frames.append(ReplayFrame(now.labels, state, blank))
             frames[-1].labels = state
         frames[-1].waiting = waiting
     return frames
 
 
-def _begins(now: ReplayFrame, state: tuple) -> bool:
+def _begins_cluster(now: ReplayFrame, state: tuple) -> bool:
     """Return whether the changed labels begin a new cluster: the visited point has another one."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.asked is None or now.asked in changed:

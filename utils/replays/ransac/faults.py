@@ -91,10 +91,10 @@ class Rounds:
     @property
     def wrong(self) -> Wrong | None:
         """The first round with a mistake, or None."""
-        found = [_by_itself(round_) for round_ in self.rounds]
+        found = [_own_mistake(round_) for round_ in self.rounds]
         if self.answer is not None:
             found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
-        found.append(self._one_too_many())
+        found.append(self._extra_sample())
         return first_of([wrong for wrong in found if wrong])
 
     @property
@@ -110,7 +110,7 @@ class Rounds:
     def _without_a_model(self) -> Wrong | None:
         if self._best is None or self.answer.model is not None:
             return None
-        why = f"{_has(self._best)}, but your answer has no {self.task.model}."
+        why = f"{_count_in_words(self._best)}, but your answer has no {self.task.model}."
         return Wrong(self._best.number - 1, why)
 
     def _mask(self) -> Wrong | None:
@@ -149,7 +149,7 @@ class Rounds:
             return None
         then = f"your answer is the {self.task.model} of round {winner.number}, with {winner.count}"
         step = max(best.number, winner.number) - 1
-        return Wrong(step, f"{_has(best)}, more than any other; but {then}.")
+        return Wrong(step, f"{_count_in_words(best)}, more than any other; but {then}.")
 
     def _was_closest(self) -> bool:
         """Return whether the winner has the lowest cost of MSAC, a method that the lesson names."""
@@ -162,7 +162,7 @@ class Rounds:
         }
         return self.winner.number == min(costs, key=costs.get)
 
-    def _one_too_many(self) -> Wrong | None:
+    def _extra_sample(self) -> Wrong | None:
         samples = set()
         for round_ in self.rounds:
             if round_.rows is not None:
@@ -175,7 +175,7 @@ class Rounds:
         return None
 
 
-def _by_itself(round_: Round) -> Wrong | None:
+def _own_mistake(round_: Round) -> Wrong | None:
     """Return the mistake in a round's own sample or model, if any."""
     task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:
@@ -201,5 +201,5 @@ def _by_itself(round_: Round) -> Wrong | None:
     return None
 
 
-def _has(round_: Round) -> str:
+def _count_in_words(round_: Round) -> str:
     return f"Round {round_.number} has {round_.count} near points"

@@ -61,27 +61,27 @@ class SampleObserver:
 
     def __init__(self, task: Task, code: CodeType | None) -> None:
         self._task, self._code = task, code
-        self._called: list[Round] = []
-        self._met: list[Round] = []  # found without a call
+        self._calls: list[Round] = []
+        self._inferred: list[Round] = []  # found without a call
         self._last: dict[Hashable, tuple] = {}
         self._points: list[np.ndarray] = []  # points of the latest sample found without a call
 
     @property
     def rounds(self) -> list[Round]:
         """Rounds observed so far."""
-        return self._called or self._met
+        return self._calls or self._inferred
 
     @property
     def was_called(self) -> bool:
         """Whether the rounds are calls, so that none was missed."""
-        return bool(self._called)
+        return bool(self._calls)
 
     def see(self, frame: FrameType, event: str, value: object) -> None:
         """Store new samples, models and masks; `record` calls this at every event."""
         if self._code is not None and frame.f_code is self._code:
             self._see_model(event, frame, value)
             return
-        if not self._called:
+        if not self._calls:
             self._see_sample(frame)
         for name, held in values_in(frame) if self.rounds else ():
             mask = as_mask(held, len(self._task.points))
@@ -96,22 +96,22 @@ class SampleObserver:
 
     def _see_model(self, event: str, frame: FrameType, value: object) -> None:
         if event == "call":
-            self._begin(self._called, _sample_in(frame, self._task.size))
+            self._begin(self._calls, _sample_in(frame, self._task.size))
         elif event == "exception":
-            self._called[-1].raised = True
+            self._calls[-1].raised = True
         elif event == "line":  # the function has caught the exception
-            self._called[-1].raised = False
-        elif event == "return" and not self._called[-1].raised:
-            self._called[-1].model = as_model(value, self._task.size)
+            self._calls[-1].raised = False
+        elif event == "return" and not self._calls[-1].raised:
+            self._calls[-1].model = as_model(value, self._task.size)
 
     def _see_sample(self, frame: FrameType) -> None:
         size = self._task.size
         held = [local for local in frame.f_locals.values() if self._is_point(local)]
         if len(held) == size and not any(point is old for point in held for old in self._points):
             self._points = held
-            self._begin(self._met, np.array([point[:size] for point in held], dtype=float))
-            if len(set(self._met[-1].rows)) == size:
-                self._met[-1].model = _through(self._met[-1].sample)
+            self._begin(self._inferred, np.array([point[:size] for point in held], dtype=float))
+            if len(set(self._inferred[-1].rows)) == size:
+                self._inferred[-1].model = _through(self._inferred[-1].sample)
 
     def _is_point(self, value: object) -> bool:
         if not isinstance(value, np.ndarray) or value.ndim != 1 or value.dtype.kind != "f":
