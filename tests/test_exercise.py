@@ -1,4 +1,4 @@
-"""Checks that are declared by examples and promises."""
+"""Checks that an exercise declares as examples and common checks."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ WORDS = {"why": "It matters.", "hint": "Look."}
 
 @pytest.fixture
 def total(monkeypatch):
-    """An exercise on plain lists."""
+    """Return an exercise on plain lists."""
     monkeypatch.setattr(core, "_CHECKS", {})
     exercise = Exercise(
         __name__, "total", {"numbers": [3.0, 4.0], "start": 1}, 8.0, title="Adds", weight=3, **WORDS
@@ -34,7 +34,7 @@ def total_of(numbers, start):
     return start + sum(numbers)
 
 
-def test_each_line_declares_a_check(total):
+def test_each_declaration_adds_a_check(total):
     checks = checks_of("total")
     assert [(check.name, check.weight) for check in checks] == [
         ("plain_case", 3),
@@ -71,9 +71,7 @@ def test_a_right_answer_passes(total):
     ],
     ids=["the empty list", "another name", "its input", "the plain case"],
 )
-def test_one_slip_fails_one_check_and_without_the_plain_case_the_others_wait(
-    total, function, failed
-):
+def test_a_slip_fails_one_check_but_a_wrong_plain_case_delays_the_others(total, function, failed):
     found = failures_of(function)
     assert found == failed if isinstance(failed, dict) else set(found) == failed
 
@@ -91,7 +89,7 @@ def test_one_slip_fails_one_check_and_without_the_plain_case_the_others_wait(
         ([[1], [2, 3]], [[1], [2, 3]]),
     ],
 )
-def test_numbers_may_differ_a_little_and_everything_else_not_at_all(answer, expected):
+def test_only_numbers_may_differ_a_little(answer, expected):
     assert_answer(answer, expected)
 
 
@@ -107,7 +105,7 @@ def test_numbers_may_differ_a_little_and_everything_else_not_at_all(answer, expe
         ([[1], [2, 4]], [[1], [2, 3]], CheckFailed),
     ],
 )
-def test_a_wrong_answer_is_shown_with_the_right_one(answer, expected, kind):
+def test_the_failure_shows_the_wrong_and_the_right_answer(answer, expected, kind):
     with pytest.raises(CheckFailed) as failure:
         assert_answer(answer, expected, "f(2)")
     assert type(failure.value) is kind and failure.value.given == "f(2)"

@@ -1,4 +1,4 @@
-"""Marks as files: the table for everybody, where files go, and which marks may go out."""
+"""Export of marks: the table of the class, marks of one assignment, and paths of the files."""
 
 import csv
 import dataclasses
@@ -36,48 +36,51 @@ CY, DEE = Person("cy"), Person("dee", "Dee", "")
 DUE = datetime(2026, 10, 12, 22, 0, tzinfo=UTC)
 
 
-def stands(person, scores, late=None, excused=(), penalty=0.0):
-    """How somebody stands: in each lesson points, "waiting", or ("waiting", points so far)."""
+def results_of(person, scores, late=None, excused=(), penalty=0.0):
+    """Return the notebook and stage results of a student.
+
+    `scores` has points, or a status and points, for each lesson that was submitted.
+    """
     notebooks = []
     for lesson, (stage, most) in LESSONS.items():
         score = scores.get(lesson)
-        standing = MISSING if score is None else MARKED
+        status = MISSING if score is None else MARKED
         if isinstance(score, tuple):
-            standing, score = score
-        standing = EXCUSED if stage in excused else standing
-        off = penalty if standing == MARKED else 0.0
-        notebooks.append(NotebookResult(person.id, stage, lesson, standing, score, most, off))
+            status, score = score
+        status = EXCUSED if stage in excused else status
+        deduction = penalty if status == MARKED else 0.0
+        notebooks.append(NotebookResult(person.id, stage, lesson, status, score, most, deduction))
     stages = []
     for stage in (THREE, FOUR):
-        mine = [notebook for notebook in notebooks if notebook.stage == stage]
-        known = [one.score for one in mine if one.score is not None]
-        at = DUE + late if late is not None and known else None
+        in_stage = [notebook for notebook in notebooks if notebook.stage == stage]
+        known = [notebook.score for notebook in in_stage if notebook.score is not None]
+        submitted = DUE + late if late is not None and known else None
         stages.append(
             StageResult(
                 person.id,
                 stage,
-                combined_status(mine),
+                combined_status(in_stage),
                 sum(known) if known else None,
-                sum(one.max_score for one in mine),
-                sum(one.penalty for one in mine),
-                at,
+                sum(notebook.max_score for notebook in in_stage),
+                sum(notebook.penalty for notebook in in_stage),
+                submitted,
                 DUE,
-                max(timedelta(), late) if at else timedelta(),
+                max(timedelta(), late) if submitted else timedelta(),
             )
         )
     return notebooks, stages
 
 
-def class_of(*standing, people=(ADA, BO, CY, DEE), strangers=()):
-    notebooks, stages = zip(*standing, strict=True)
+def class_of(*results, people=(ADA, BO, CY, DEE), strangers=()):
+    notebooks, stages = zip(*results, strict=True)
     return ClassResults(tuple(people), sum(notebooks, []), sum(stages, []), tuple(strangers))
 
 
 CLASS = class_of(
-    stands(ADA, {SIX: 30.0, SEVEN: 12.345678, TWELVE: (WAITING, 25.0)}, timedelta(hours=-1)),
-    stands(BO, {SIX: 0.0}, timedelta(hours=36), penalty=2.5),
-    stands(CY, {}),
-    stands(DEE, {SEVEN: 8.0}, timedelta(0), excused=(FOUR,)),
+    results_of(ADA, {SIX: 30.0, SEVEN: 12.345678, TWELVE: (WAITING, 25.0)}, timedelta(hours=-1)),
+    results_of(BO, {SIX: 0.0}, timedelta(hours=36), penalty=2.5),
+    results_of(CY, {}),
+    results_of(DEE, {SEVEN: 8.0}, timedelta(0), excused=(FOUR,)),
 )
 
 
@@ -86,7 +89,7 @@ def table(results, assignment=None):
     return exported, list(csv.reader(io.StringIO(exported.content.decode())))
 
 
-def test_the_table_has_names_scores_times_penalties_standings_and_totals():
+def test_the_table_has_names_scores_times_penalties_statuses_and_totals():
     exported, rows = table(CLASS)
     assert rows[0] == [
         *("Student", "Last name", "First name", "E-mail", "Section", SIX, SEVEN),
@@ -110,30 +113,30 @@ def test_the_table_has_names_scores_times_penalties_standings_and_totals():
     assert (exported.placed, exported.lost) == (3, ())
 
 
-def test_the_table_of_a_lesson_has_that_lesson_alone():
+def test_the_table_of_a_lesson_has_only_that_lesson():
     _, rows = table(CLASS, SEVEN)
     assert rows[0][5:7] == [SEVEN, f"{THREE}: handed in"]
     assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["0", "20"]] + [
         ["0", "20"],
         ["8", "20"],
     ]
-    standing = rows[0].index(f"{THREE}: standing")
-    assert [row[standing] for row in rows[2:]] == ["marked", "missing", "missing", "marked"]
+    column = rows[0].index(f"{THREE}: standing")
+    assert [row[column] for row in rows[2:]] == ["marked", "missing", "missing", "marked"]
     with pytest.raises(ExportError, match="Nobody has handed in anything for stage1_ransac"):
         table(CLASS, "stage1_ransac")
 
 
 def test_a_lesson_is_marked_while_another_of_its_stage_waits():
-    results = class_of(stands(ADA, {SIX: 30.0, SEVEN: (WAITING, 5.0)}), people=(ADA,))
-    for lesson, standing in ((SIX, "marked"), (SEVEN, f"waiting: {SEVEN}")):
+    results = class_of(results_of(ADA, {SIX: 30.0, SEVEN: (WAITING, 5.0)}), people=(ADA,))
+    for lesson, status in ((SIX, "marked"), (SEVEN, f"waiting: {SEVEN}")):
         rows = table(results, lesson)[1]
-        assert rows[2][rows[0].index(f"{THREE}: standing")] == standing
+        assert rows[2][rows[0].index(f"{THREE}: standing")] == status
 
 
-def test_names_shift_no_column_and_run_no_formula():
+def test_unusual_names_shift_no_column_and_are_not_formulas():
     names = ["O'Neil, Jr", 'the "quoted"', "=cmd|' /C calc'!A0", "+1", "-1", "@x", "zwei\nZeilen"]
     people = [Person(name, name, name, name, name) for name in names]
-    results = class_of(*(stands(person, {SIX: 1.0}) for person in people), people=people)
+    results = class_of(*(results_of(person, {SIX: 1.0}) for person in people), people=people)
     rows = table(results)[1][2:]
     assert [row[5] for row in rows] == ["1"] * len(names)
     for row, name in zip(rows, names, strict=True):
@@ -141,23 +144,23 @@ def test_names_shift_no_column_and_run_no_formula():
         assert not any(cell.startswith(("=", "+", "-", "@")) for cell in row)
 
 
-def test_a_mark_of_who_is_not_on_the_roster_is_lost_aloud():
-    results = class_of(stands(ADA, {SIX: 1.0}), people=(ADA,), strangers=("ghost",))
-    (said,) = table(results)[0].lost
-    (said_elsewhere,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
-    for sentence in (said, said_elsewhere):
+def test_marks_of_students_who_are_not_on_the_roster_are_reported():
+    results = class_of(results_of(ADA, {SIX: 1.0}), people=(ADA,), strangers=("ghost",))
+    (note,) = table(results)[0].lost
+    (other_note,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
+    for sentence in (note, other_note):
         assert sentence.startswith("'ghost' has marks in the gradebook and is not on the roster")
 
 
-# Which marks go out
+# Marks of one assignment
 
 
 def marks(assignment, results=CLASS, **order):
-    found = collect_marks(ExportOptions(Course(), results, assignment, **order))
-    return found, {mark.person.id: mark.points for mark in found.marks}
+    export = collect_marks(ExportOptions(Course(), results, assignment, **order))
+    return export, {mark.person.id: mark.points for mark in export.marks}
 
 
-def test_the_marks_of_a_stage_are_the_sums_less_penalties_and_only_of_who_has_one():
+def test_marks_of_a_stage_are_sums_less_penalties_of_students_with_work():
     found, points = marks(THREE)
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
     assert found.most == 50.0
@@ -166,14 +169,14 @@ def test_the_marks_of_a_stage_are_the_sums_less_penalties_and_only_of_who_has_on
     assert zeros in found.notes
 
 
-def test_the_marks_of_a_lesson_are_its_own():
+def test_marks_of_a_lesson_are_its_points_less_penalties():
     assert marks(SEVEN)[1] == {"ada": pytest.approx(12.345678), "dee": 8.0}
     assert marks(SIX)[1] == {"ada": 30.0, "bo": 0.0}
-    penalised = class_of(stands(BO, {SIX: 10.0}, penalty=2.5), people=(BO,))
+    penalised = class_of(results_of(BO, {SIX: 10.0}, penalty=2.5), people=(BO,))
     assert marks(SIX, penalised)[1] == {"bo": 7.5}
 
 
-def test_what_waits_is_refused_by_name_or_provisional():
+def test_waiting_marks_are_refused_unless_provisional():
     with pytest.raises(ExportError, match=f"^{TWELVE} of ada: waiting. .*--provisional"):
         marks(FOUR)
     found, points = marks(FOUR, provisional=True)
@@ -184,8 +187,8 @@ def test_what_waits_is_refused_by_name_or_provisional():
     assert "Without a mark, because they are excused: dee (Dee)." in found.notes
 
 
-def test_what_is_not_entered_yet_is_no_mark_even_where_it_is_provisional():
-    results = class_of(stands(ADA, {SIX: (WAITING, None)}), people=(ADA,))
+def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
+    results = class_of(results_of(ADA, {SIX: (WAITING, None)}), people=(ADA,))
     with pytest.raises(ExportError, match="grader grade"):
         marks(THREE, results)
     found, points = marks(THREE, results, provisional=True)
@@ -196,27 +199,27 @@ def test_what_is_not_entered_yet_is_no_mark_even_where_it_is_provisional():
     )
 
 
-def test_a_mark_that_may_still_be_late_is_named():
-    notebooks, stages = stands(ADA, {SIX: 1.0})
+def test_marks_with_undecided_lateness_are_named():
+    notebooks, stages = results_of(ADA, {SIX: 1.0})
     why = {THREE: "timestamp.txt is empty"}
     stages = [dataclasses.replace(stage, undecided=why.get(stage.stage, "")) for stage in stages]
     results = ClassResults((ADA,), tuple(notebooks), tuple(stages))
-    said = "Nothing taken off, as whether they were late is undecided: ada."
-    assert said in marks(THREE, results)[0].notes and said in marks(SIX, results)[0].notes
+    note = "Nothing taken off, as whether they were late is undecided: ada."
+    assert note in marks(THREE, results)[0].notes and note in marks(SIX, results)[0].notes
     assert ",undecided," in table(results)[0].content.decode()
-    assert said not in marks(THREE)[0].notes
+    assert note not in marks(THREE)[0].notes
 
 
 @pytest.mark.parametrize("name", [None, "stage9", ""])
-def test_an_assignment_that_there_is_not_is_answered_with_those_that_there_are(name):
+def test_the_error_about_an_unknown_assignment_lists_all(name):
     with pytest.raises(ExportError, match=f"--assignment .*{SIX}, {SEVEN}, .*{THREE}, {FOUR}"):
         marks(name)
 
 
-# Where files go
+# Paths of files
 
 
-def test_a_file_of_ours_is_put_aside_and_one_of_theirs_is_not_touched(tmp_path):
+def test_an_old_export_is_renamed_but_other_files_are_not_overwritten(tmp_path):
     usual = tmp_path / "scores.csv"
     assert write_export(b"1", None, usual, None) == (usual, None)
     assert write_export(b"1", None, usual, None) == (usual, None)
@@ -226,19 +229,19 @@ def test_a_file_of_ours_is_put_aside_and_one_of_theirs_is_not_touched(tmp_path):
     os.utime(usual, (0, 10_000_000))
     _, third = write_export(b"3", None, usual, None)
     assert third != before and third.read_bytes() == b"2"
-    mine = tmp_path / "mine.csv"
-    mine.write_bytes(b"mine")
+    other = tmp_path / "mine.csv"
+    other.write_bytes(b"mine")
     with pytest.raises(ExportError, match="is there already"):
-        write_export(b"3", mine, usual, None)
+        write_export(b"3", other, usual, None)
     with pytest.raises(ExportError, match="is the file that is filled in"):
-        write_export(b"3", tmp_path / "." / "mine.csv", usual, mine)
-    assert mine.read_bytes() == b"mine"
+        write_export(b"3", tmp_path / "." / "mine.csv", usual, other)
+    assert other.read_bytes() == b"mine"
     folder = tmp_path / "folder"
     folder.mkdir()
     assert write_export(b"3", folder, usual, None)[0] == folder / "scores.csv"
     assert write_export(b"3", tmp_path / "new" / "x.csv", usual, None)[0].read_bytes() == b"3"
     with pytest.raises(ExportError, match="cannot be written"):
-        write_export(b"3", mine / "x.csv", usual, None)
+        write_export(b"3", other / "x.csv", usual, None)
     assert not list(tmp_path.rglob("*.part"))
 
 
@@ -247,7 +250,7 @@ def test_a_file_of_ours_is_put_aside_and_one_of_theirs_is_not_touched(tmp_path):
 
 @pytest.fixture
 def export(tmp_path, monkeypatch):
-    """Run the command in an empty course with the class above."""
+    """Return a function that runs the command in an empty course with the class above."""
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
 
     def run(*options, results=CLASS):
@@ -257,7 +260,7 @@ def export(tmp_path, monkeypatch):
     return run
 
 
-def test_the_command_fills_in_a_gradebook_and_gives_account(export, tmp_path, capsys):
+def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, tmp_path, capsys):
     students = [
         CanvasStudent(1, "Bäcker, Jr, Bo", "", "bo"),
         CanvasStudent(2, "Who, Else", "", "x"),
@@ -277,12 +280,12 @@ def test_the_command_fills_in_a_gradebook_and_gives_account(export, tmp_path, ca
     assert canvas.scores == {(1, 7): 0.0}
     assert export(*call, "--to", given) == commands.WRONG_CALL
     assert given.read_bytes() == before
-    one = class_of(stands(BO, {SIX: 3.0}), people=(BO,))
-    assert export(*call, results=one) == commands.GOOD
+    results = class_of(results_of(BO, {SIX: 3.0}), people=(BO,))
+    assert export(*call, results=results) == commands.GOOD
     assert len(list(tmp_path.glob("scores.*"))) == 2
 
 
-def test_a_call_that_makes_no_sense_says_what_would(export, tmp_path, capsys):
+def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
     assert export("--format", "moodle", "--assignment", THREE) == commands.WRONG_CALL
     assert (
         "worksheet that Moodle offers for the assignment. Name that file" in capsys.readouterr().err
@@ -298,7 +301,7 @@ def test_a_call_that_makes_no_sense_says_what_would(export, tmp_path, capsys):
     assert "grader grade" in capsys.readouterr().err
 
 
-def test_without_options_it_is_the_table(export, tmp_path, capsys):
+def test_without_options_the_table_is_exported(export, tmp_path, capsys):
     assert export() == commands.GOOD
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}

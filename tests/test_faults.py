@@ -1,4 +1,4 @@
-"""Faults are told apart: what judge, machine or neighbour does costs no student a point."""
+"""Faults of the judge, the machine or other students' code cost no student a point."""
 
 import contextlib
 import json
@@ -60,13 +60,13 @@ def wait(): time.sleep(1.5)
 
 
 @pytest.fixture(autouse=True)
-def nothing_was_right_before(monkeypatch):
-    """Each test has the judge ask anew: what it remembers is from one before it."""
+def empty_cache(monkeypatch):
+    """Empty the cache of right notebooks, which earlier tests have filled."""
     monkeypatch.setattr(judging, "_RIGHT", {})
 
 
 class Inline(Executor):
-    """Does everything at once, here, where a test can change what the judge is made of."""
+    """Executor that runs every job at once in this process, where tests can replace functions."""
 
     def __init__(self, workers):
         pass
@@ -81,7 +81,7 @@ class Inline(Executor):
 
 
 class Deadly(Pool):
-    """Its processes die of one student, as often as it is asked, up to a number of times."""
+    """Pool in which the process that judges the student "poison" dies `left` times."""
 
     left = 0
 
@@ -95,7 +95,7 @@ class Deadly(Pool):
 
 @pytest.fixture
 def course(tmp_path):
-    """A class of three, all of them right."""
+    """Return a course in which three students submit right answers."""
     made = Course(tmp_path / "course")
     for student in ("ada", "poison", "zoe"):
         path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
@@ -105,13 +105,13 @@ def course(tmp_path):
 
 
 def graded(course, sandbox, open_executor=Inline, workers=1, progress=lambda *news: None):
-    """Verdict of each student."""
+    """Grade the course; return the verdict of each student."""
     judged = grade.judge_class(course, (), SEED, sandbox, open_executor, workers, progress)
     return {submission.student: verdict for submission, verdict in judged}
 
 
-def fatten(path):
-    """Give a notebook 300 KB of text: more than a pipe holds."""
+def add_long_text(path):
+    """Add 300 KB of text to a notebook, which is more than a pipe can buffer."""
     notebook = json.loads(path.read_text("utf-8"))
     essay = {"cell_type": "markdown", "id": "essay", "metadata": {}, "source": "A word. " * 38_000}
     notebook["cells"].append(essay)
@@ -123,7 +123,7 @@ def fatten(path):
 @pytest.mark.parametrize(("deaths", "status", "score"), [(1, JUDGED, 30), (2, FAILED, 0)])
 def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, status, score):
     for path in course.submitted.rglob("*.ipynb"):
-        fatten(path)
+        add_long_text(path)
     Deadly.left = deaths
     verdicts = graded(course, sandbox, Deadly, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
@@ -132,24 +132,24 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
-def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox, monkeypatch):
+def test_a_fault_of_the_judge_takes_no_points_and_is_recorded(course, sandbox, monkeypatch):
     def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    right = program_run.run_checks
+    original = program_run.run_checks
     monkeypatch.setattr(program_run, "run_checks", broken)
     rehearsed(course, LESSON, SEED)
     verdicts = graded(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
-    assert all("not the student's fault" in one.problems[0] for one in verdicts.values())
+    assert all("not the student's fault" in verdict.problems[0] for verdict in verdicts.values())
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
-    assert "faults" not in verdicts["ada"].as_dict()  # for whoever grades, not for students
+    assert "faults" not in verdicts["ada"].as_dict()  # faults are shown to graders only
     # The next run tries again.
-    monkeypatch.setattr(program_run, "run_checks", right)
-    assert {one.score for one in graded(course, sandbox).values()} == {30}
+    monkeypatch.setattr(program_run, "run_checks", original)
+    assert {verdict.score for verdict in graded(course, sandbox).values()} == {30}
 
 
-def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
+def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
     def broken(lesson):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
@@ -160,18 +160,18 @@ def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
-    """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
-    right = program_run.run_checks
+def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
+    """An oracle that also raises for the reference is faulty; the answer is wrong otherwise."""
+    original = program_run.run_checks
 
-    def spoiled(*question):
-        outcomes = right(*question)
+    def raising(*question):
+        outcomes = original(*question)
         return [type(outcome)(outcome.check, ZeroDivisionError("oracle")) for outcome in outcomes]
 
     rehearsed(course, LESSON, SEED)
-    complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
+    complaints = judging.complaints_about_reference.__wrapped__  # without its cache
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
-    monkeypatch.setattr(program_run, "run_checks", spoiled)
+    monkeypatch.setattr(program_run, "run_checks", raising)
     verdict = graded(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
@@ -179,46 +179,48 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     assert (verdict.status, verdict.score) == (JUDGED, 0)
 
 
-def shake_once(monkeypatch):
-    """Let some tests end, the first time, as no answer makes them end; what was asked each time."""
-    right, asked = program_run.run_checks, []
+def fail_once(monkeypatch):
+    """Make some checks raise OSError in the first run; return the list of checks in each run."""
+    original, calls = program_run.run_checks, []
 
-    def shaken(*question):
-        outcomes = right(*question)
-        asked.append([outcome.check.name for outcome in outcomes])
-        if len(asked) > 1:
+    def failing_once(*question):
+        outcomes = original(*question)
+        calls.append([outcome.check.name for outcome in outcomes])
+        if len(calls) > 1:
             return outcomes
         return [
-            type(one)(one.check, OSError("once")) if "columns" in one.check.name else one
-            for one in outcomes
+            type(outcome)(outcome.check, OSError("once"))
+            if "columns" in outcome.check.name
+            else outcome
+            for outcome in outcomes
         ]
 
-    monkeypatch.setattr(program_run, "run_checks", shaken)
-    return asked
+    monkeypatch.setattr(program_run, "run_checks", failing_once)
+    return calls
 
 
 @pytest.mark.slow
-def test_what_befalls_a_rehearsal_once_is_no_fault_of_a_test(sandbox, monkeypatch):
-    asked = shake_once(monkeypatch)
+def test_a_failure_that_does_not_recur_in_a_rehearsal_is_ignored(sandbox, monkeypatch):
+    calls = fail_once(monkeypatch)
     assert judging.complaints_about_reference.__wrapped__(LESSON, SEED, sandbox) == ()
-    assert len(asked) == 2
+    assert len(calls) == 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("answers", [RIGHT, RIGHT | WRONG], ids=["right", "wrong"])
-def test_what_befalls_the_judge_once_takes_no_points(answers, sandbox, tmp_path, monkeypatch):
+def test_a_failure_that_does_not_recur_takes_no_points(answers, sandbox, tmp_path, monkeypatch):
     path = tmp_path / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, answers), "utf-8")
     expected = judging.judge(path, SEED, sandbox)
-    asked = shake_once(monkeypatch)
+    calls = fail_once(monkeypatch)
     judging._RIGHT.clear()
     verdict = judging.judge(path, SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, expected.score)
     assert verdict.exercises == expected.exercises
-    assert len(asked[0]) > 10 > len(asked[1]) > 1  # nothing else is asked again
+    assert len(calls[0]) > 10 > len(calls[1]) > 1  # only failed checks run again
 
 
-def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
+def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
     with pytest.raises(rehearsals.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
         graded(course, sandbox)
@@ -229,161 +231,164 @@ def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, mon
 
 
 def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
-    told = []
-    graded(course, sandbox, progress=lambda done, total, what: told.append((done, what)))
-    assert told[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
+    events = []
+    graded(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
+    assert events[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("never asked",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
-    again = graded(course, sandbox, progress=lambda *news: told.append(news))
-    assert again["ada"].score == 30 and not isinstance(told[-1][2], str)
+    again = graded(course, sandbox, progress=lambda *news: events.append(news))
+    assert again["ada"].score == 30 and not isinstance(events[-1][2], str)
 
 
 @pytest.fixture
 def three_lessons(course, monkeypatch):
-    """The course with three lessons of each student; what is asked, in its order, and complaints.
+    """Return a course with three lessons per student, a list of judged jobs and complaints.
 
-    Nothing is judged in earnest.
+    Functions that only record the job replace the judge. The complaints are about the course's
+    own solutions, by number of the lesson.
     """
     for lesson in ("07_filter_by_distance", "08_bounding_boxes"):
         for student in ("ada", "poison", "zoe"):
             (course.submitted / student / LESSON.stage / f"{lesson}.ipynb").write_text("{}")
-    asked, complaints = [], {}
+    calls, complaints = [], {}
 
     def rehearse_one(lesson, seed, sandbox):
-        asked.append(lesson[:2])
+        calls.append(lesson[:2])
         return complaints.get(lesson[:2], ())
 
     def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
-        asked.append(f"{lesson[:2]} {student}")
+        calls.append(f"{lesson[:2]} {student}")
         return Verdict(lesson, student, JUDGED, 1.0, 1.0, (), (), 0.0, "")
 
     monkeypatch.setattr(rehearsals, "rehearse_one", rehearse_one)
     monkeypatch.setattr(grade, "judge_one", judge_one)
-    return course, asked, complaints
+    return course, calls, complaints
 
 
 def judge_three(course, sandbox, open_executor=ThreadPoolExecutor, workers=1):
     return grade.judge_class(course, (), SEED, sandbox, open_executor, workers, lambda *news: None)
 
 
-def test_the_first_verdict_waits_for_no_other_lesson(three_lessons, sandbox):
-    course, asked, _ = three_lessons
+def test_the_first_verdict_does_not_wait_for_other_lessons(three_lessons, sandbox):
+    course, calls, _ = three_lessons
     assert len(judge_three(course, sandbox)) == 9
-    assert asked == [
+    assert calls == [
         *("06", "06 ada", "06 poison", "06 zoe"),
         *("07", "07 ada", "07 poison", "07 zoe"),
         *("08", "08 ada", "08 poison", "08 zoe"),
     ]
-    asked.clear()
+    calls.clear()
     assert len(judge_three(course, sandbox)) == 9  # these verdicts have no key
-    assert sorted(asked)[:2] == ["06 ada", "06 poison"] and len(asked) == 9
+    assert sorted(calls)[:2] == ["06 ada", "06 poison"] and len(calls) == 9
 
 
 @pytest.mark.parametrize("workers", [1, 2, 9])
-def test_no_lesson_is_judged_whose_own_solution_fails(three_lessons, sandbox, workers):
-    course, asked, complaints = three_lessons
+def test_a_lesson_whose_solution_fails_is_not_judged(three_lessons, sandbox, workers):
+    course, calls, complaints = three_lessons
     complaints.update({"07": ("one",), "08": ("two", "three")})
     with pytest.raises(rehearsals.RehearsalFailed) as failed:
         judge_three(course, sandbox, workers=workers)
     assert str(failed.value).endswith("07_filter_by_distance:\none\n08_bounding_boxes:\ntwo\nthree")
-    assert {what[:2] for what in asked if len(what) > 2} <= {"06"}
+    assert {what[:2] for what in calls if len(what) > 2} <= {"06"}
     judged = [path.parts[-3] for path in course.verdicts.glob("*/*/06*.json")]
-    assert len(judged) == len([what for what in asked if len(what) > 2])  # what was done is kept
+    assert len(judged) == len(
+        [what for what in calls if len(what) > 2]
+    )  # finished verdicts are kept
 
 
-# ---- a class that is judged by nobody ----------------------------------------------------------
+# ---- a class with a fake judge -----------------------------------------------------------------
 
 
-class Fares:
-    """A class of three, who fare as it is said; keeps what was asked and what was told.
+class FakeJudge:
+    """Judge for a class of three that returns given outcomes and records calls and progress.
 
-    `how` is by student and by the time that it is asked: an error, or what a verdict has.
+    `outcomes` has an error or fields of the verdict, by student and number of the call.
     """
 
-    def __init__(self, course, **how):
-        self.course, self.how = course, how
-        self.asked, self.told, self.opened = [], [], []
+    def __init__(self, course, **outcomes):
+        self.course, self.outcomes = course, outcomes
+        self.calls, self.events, self.opened = [], [], []
 
     def judge_one(self, handed_in, lesson, student, seed, sandbox, alone=False):
-        self.asked.append((student, alone))
-        time = [name for name, _ in self.asked].count(student)
-        fares = self.how.get(student, {}).get(time, {})
-        if isinstance(fares, Exception):
-            raise fares
+        self.calls.append((student, alone))
+        attempt = [name for name, _ in self.calls].count(student)
+        outcome = self.outcomes.get(student, {}).get(attempt, {})
+        if isinstance(outcome, Exception):
+            raise outcome
         key = grade.verdict_key(handed_in, LESSON, seed, student)
-        about = {"key": key, "fingerprint": handed_in.fingerprint()} | fares
-        return Verdict(lesson, student, JUDGED, 1.0, 30.0, (), (), 0.0, **about)
+        fields = {"key": key, "fingerprint": handed_in.fingerprint()} | outcome
+        return Verdict(lesson, student, JUDGED, 1.0, 30.0, (), (), 0.0, **fields)
 
-    def judged(self, monkeypatch, room=64):
-        """Verdict of each, in the order in which they come back."""
+    def grade(self, monkeypatch, room=64):
+        """Grade the class; return the verdict of each student in order of completion."""
         monkeypatch.setattr(grade, "judge_one", self.judge_one)
 
-        class Narrow(Inline):
+        class WithRoom(Inline):
             def __init__(self, workers):
                 self.room = room
 
         def open_executor(workers):
             self.opened.append(workers)
-            return Narrow(workers)
+            return WithRoom(workers)
 
-        def tell(done, total, what):
-            self.told.append((done, total, getattr(what, "student", what), len(self.asked)))
+        def record(done, total, what):
+            self.events.append((done, total, getattr(what, "student", what), len(self.calls)))
 
         judged = grade.judge_class(
-            self.course, (), SEED, SANDBOXES["process"], open_executor, 3, tell
+            self.course, (), SEED, SANDBOXES["process"], open_executor, 3, record
         )
         return {submission.student: verdict for submission, verdict in judged}
 
 
 @pytest.fixture
-def seen(course):
-    """The class, and its lesson's own solution has been judged before."""
+def prepared(course):
+    """Return the course after a rehearsal of the lesson's own solution."""
     rehearsed(course, LESSON, SEED)
     return course
 
 
-def test_who_is_judged_is_counted_and_who_has_been_is_asked_no_more(seen, monkeypatch):
-    fares = Fares(seen)
-    verdicts = fares.judged(monkeypatch)
-    assert list(verdicts) == ["ada", "poison", "zoe"] and fares.opened == [3]
-    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False)]
+def test_progress_counts_submissions_and_verdicts_are_reused(prepared, monkeypatch):
+    judge = FakeJudge(prepared)
+    verdicts = judge.grade(monkeypatch)
+    assert list(verdicts) == ["ada", "poison", "zoe"] and judge.opened == [3]
+    assert judge.calls == [("ada", False), ("poison", False), ("zoe", False)]
     counted = [(0, 3, None), (1, 3, "ada"), (2, 3, "poison"), (3, 3, "zoe")]
-    assert [news[:3] for news in fares.told] == counted
-    again = Fares(seen)
-    assert again.judged(monkeypatch) == verdicts
-    assert (again.asked, again.opened, again.told) == ([], [], [(3, 3, None, 0)])
-    seen.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
-    once = Fares(seen)
-    assert once.judged(monkeypatch) == verdicts
-    assert once.asked == [("poison", False)]
-    assert [news[:3] for news in once.told] == [(2, 3, None), (3, 3, "poison")]
+    assert [news[:3] for news in judge.events] == counted
+    second = FakeJudge(prepared)
+    assert second.grade(monkeypatch) == verdicts
+    assert (second.calls, second.opened, second.events) == ([], [], [(3, 3, None, 0)])
+    prepared.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
+    third = FakeJudge(prepared)
+    assert third.grade(monkeypatch) == verdicts
+    assert third.calls == [("poison", False)]
+    assert [news[:3] for news in third.events] == [(2, 3, None), (3, 3, "poison")]
 
 
 @pytest.mark.parametrize("room", [1, 2, 3])
-def test_no_more_is_read_ahead_than_there_is_room_for(seen, monkeypatch, room):
-    fares = Fares(seen)
-    fares.judged(monkeypatch, room)
-    assert [asked for *_, asked in fares.told[1:]] == [min(room + one, 3) for one in range(3)]
+def test_reading_ahead_is_limited_by_the_room(prepared, monkeypatch, room):
+    judge = FakeJudge(prepared)
+    judge.grade(monkeypatch, room)
+    assert [count for *_, count in judge.events[1:]] == [min(room + done, 3) for done in range(3)]
 
 
-def test_who_lacked_a_processor_is_judged_once_more_alone(seen, monkeypatch):
-    fares = Fares(seen, poison={1: {"starved": True}})
-    verdicts = fares.judged(monkeypatch)
-    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
-    assert fares.opened == [3, 1] and not verdicts["poison"].starved
-    assert [news[:3] for news in fares.told[-2:]] == [(3, 3, "zoe"), (3, 3, "poison")]
-    assert Fares(seen).judged(monkeypatch) == verdicts
+def test_a_starved_submission_is_judged_again_alone(prepared, monkeypatch):
+    judge = FakeJudge(prepared, poison={1: {"starved": True}})
+    verdicts = judge.grade(monkeypatch)
+    assert judge.calls == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
+    assert judge.opened == [3, 1] and not verdicts["poison"].starved
+    assert [news[:3] for news in judge.events[-2:]] == [(3, 3, "zoe"), (3, 3, "poison")]
+    assert FakeJudge(prepared).grade(monkeypatch) == verdicts
 
 
-def test_a_notebook_that_kills_is_tried_once_more_alone(seen, monkeypatch):
+def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeypatch):
     death = BrokenExecutor("The process that judged died (signal 9).")
-    fares = Fares(seen, poison={1: death})
-    verdicts = fares.judged(monkeypatch)
-    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
+    judge = FakeJudge(prepared, poison={1: death})
+    verdicts = judge.grade(monkeypatch)
+    assert judge.calls == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
     assert {verdict.status for verdict in verdicts.values()} == {JUDGED}
-    assert [news[:3] for news in fares.told[-2:]] == [(2, 3, "zoe"), (3, 3, "poison")]
-    seen.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
-    verdicts = Fares(seen, poison={1: death, 2: death}).judged(monkeypatch)
+    assert [news[:3] for news in judge.events[-2:]] == [(2, 3, "zoe"), (3, 3, "poison")]
+    prepared.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
+    verdicts = FakeJudge(prepared, poison={1: death, 2: death}).grade(monkeypatch)
     failed = verdicts["poison"]
     assert (failed.status, failed.score, failed.max_score) == (FAILED, 0.0, 30.0)
     assert [(exercise.score, exercise.tests) for exercise in failed.exercises] == [
@@ -396,57 +401,57 @@ def test_a_notebook_that_kills_is_tried_once_more_alone(seen, monkeypatch):
 
 
 @pytest.mark.parametrize("error", [SandboxUnavailable("no"), ExecutorLost("gone")])
-def test_where_nothing_judges_any_more_nobody_has_failed(seen, monkeypatch, error):
+def test_losing_the_sandbox_or_executor_is_not_a_failed_verdict(prepared, monkeypatch, error):
     with pytest.raises(type(error)):
-        Fares(seen, poison={1: error}).judged(monkeypatch)
-    kept = [path.parts[-3] for path in seen.verdicts.glob("[!.]*/*/*.json")]
+        FakeJudge(prepared, poison={1: error}).grade(monkeypatch)
+    kept = [path.parts[-3] for path in prepared.verdicts.glob("[!.]*/*/*.json")]
     assert kept == ["ada"]
-    assert Fares(seen).judged(monkeypatch)["poison"].status == JUDGED
+    assert FakeJudge(prepared).grade(monkeypatch)["poison"].status == JUDGED
 
 
-def test_one_notebook_that_fails_the_judge_stops_no_other(seen, monkeypatch):
-    verdicts = Fares(seen, poison={1: ZeroDivisionError("oracle")}).judged(monkeypatch)
+def test_a_notebook_that_fails_the_judge_does_not_stop_others(prepared, monkeypatch):
+    verdicts = FakeJudge(prepared, poison={1: ZeroDivisionError("oracle")}).grade(monkeypatch)
     assert [verdict.status for verdict in verdicts.values()] == [JUDGED, FAILED, JUDGED]
     assert "ZeroDivisionError: oracle" in verdicts["poison"].faults[0]
-    again = Fares(seen)
-    again.judged(monkeypatch)
-    assert again.asked == [("poison", False)]
+    judge_again = FakeJudge(prepared)
+    judge_again.grade(monkeypatch)
+    assert judge_again.calls == [("poison", False)]
 
 
 @pytest.mark.parametrize("alone", [False, True])
-def test_a_time_limit_is_believed_of_who_had_the_machine_to_itself(course, monkeypatch, alone):
-    asked = []
+def test_a_verdict_of_a_submission_judged_alone_is_not_starved(course, monkeypatch, alone):
+    calls = []
 
     def starving(*about):
-        asked.append(about)
+        calls.append(about)
         return Verdict(LESSON.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "", starved=True)
 
     monkeypatch.setattr(grade, "judge_files", starving)
     (submission, *_) = find_submissions(course)
     verdict = grade.judge_one("a file", LESSON.name, "ada", SEED, "process", alone)
     assert verdict.starved != alone
-    assert asked == [("a file", SEED, SANDBOXES["process"], LESSON, "ada")]
+    assert calls == [("a file", SEED, SANDBOXES["process"], LESSON, "ada")]
     assert grade.judge_one("a file", LESSON.name, "ada", SEED, "process").starved
-    walls = SANDBOXES["process"]
-    assert not grade.current_verdict(course, submission, SEED, walls).starved
-    assert grade.judge_and_store(course, submission, SEED, walls).starved
+    sandbox = SANDBOXES["process"]
+    assert not grade.current_verdict(course, submission, SEED, sandbox).starved
+    assert grade.judge_and_store(course, submission, SEED, sandbox).starved
     assert read_verdict(submission.verdict_path(course)).starved
-    assert asked[-1] == (submission.read(course), SEED, walls, LESSON, "ada")
+    assert calls[-1] == (submission.read(course), SEED, sandbox, LESSON, "ada")
 
 
-def test_who_has_a_verdict_keeps_it(seen, monkeypatch):
-    verdicts = Fares(seen).judged(monkeypatch)
-    (submission, *_) = find_submissions(seen)
-    walls = SANDBOXES["process"]
-    assert grade.current_verdict(seen, submission, SEED, walls) == verdicts["ada"]
-    anew = Fares(seen)
-    monkeypatch.setattr(grade, "judge_one", anew.judge_one)
-    grade.current_verdict(seen, submission, SEED + 1, walls)
-    assert anew.asked == [("ada", True)]
+def test_an_existing_verdict_is_reused(prepared, monkeypatch):
+    verdicts = FakeJudge(prepared).grade(monkeypatch)
+    (submission, *_) = find_submissions(prepared)
+    sandbox = SANDBOXES["process"]
+    assert grade.current_verdict(prepared, submission, SEED, sandbox) == verdicts["ada"]
+    judge_again = FakeJudge(prepared)
+    monkeypatch.setattr(grade, "judge_one", judge_again.judge_one)
+    grade.current_verdict(prepared, submission, SEED + 1, sandbox)
+    assert judge_again.calls == [("ada", True)]
 
 
-class Hesitant(Inline):
-    """Rehearses at once, and judges after some seconds, unless it is called off before."""
+class Delayed(Inline):
+    """Executor that rehearses at once, but judges after five seconds unless it is cancelled."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -458,16 +463,16 @@ class Hesitant(Inline):
         return future
 
 
-def test_who_waits_is_called_off_when_a_rehearsal_fails(three_lessons, sandbox):
-    course, asked, complaints = three_lessons
+def test_waiting_jobs_are_cancelled_when_a_rehearsal_fails(three_lessons, sandbox):
+    course, calls, complaints = three_lessons
     complaints.update({"07": ("one",)})
     with pytest.raises(rehearsals.RehearsalFailed):
-        judge_three(course, sandbox, Hesitant, workers=9)
-    assert asked == ["06", "07", "08"] and not list(course.verdicts.glob("*/stage*/*.json"))
+        judge_three(course, sandbox, Delayed, workers=9)
+    assert calls == ["06", "07", "08"] and not list(course.verdicts.glob("*/stage*/*.json"))
 
 
 class Busy(Inline):
-    """Rehearses at once, and is at work on each notebook for a while: nobody can call it off."""
+    """Executor that rehearses at once, and judges for half a second without being cancellable."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -478,18 +483,18 @@ class Busy(Inline):
         return future
 
 
-def test_what_is_at_work_when_a_rehearsal_fails_is_kept(three_lessons, sandbox):
-    course, asked, complaints = three_lessons
+def test_running_jobs_are_finished_when_a_rehearsal_fails(three_lessons, sandbox):
+    course, calls, complaints = three_lessons
     complaints.update({"07": ("one",)})
     with pytest.raises(rehearsals.RehearsalFailed):
         judge_three(course, sandbox, Busy, workers=9)
     kept = {path.parts[-3] for path in course.verdicts.glob("*/stage*/*.json")}
-    assert {what for what in asked if len(what) > 2} == {f"06 {student}" for student in kept}
+    assert {what for what in calls if len(what) > 2} == {f"06 {student}" for student in kept}
     assert kept == {"ada", "poison", "zoe"}
 
 
 class Dying(ThreadPoolExecutor):
-    """The process that lets the solution of 07 be judged dies, up to a number of times."""
+    """Executor in which the process that judges the solution of lesson 07 dies `left` times."""
 
     left = 0
 
@@ -502,15 +507,15 @@ class Dying(ThreadPoolExecutor):
         return super().submit(function, *arguments)
 
 
-def test_a_process_that_dies_in_a_rehearsal_is_no_fault_of_the_lesson(three_lessons, sandbox):
-    course, asked, _ = three_lessons
+def test_a_rehearsal_whose_process_dies_is_repeated(three_lessons, sandbox):
+    course, calls, _ = three_lessons
     Dying.left = 1
     judged = judge_three(course, sandbox, Dying)
-    assert {(one.student, one.lesson.number) for one, _ in judged} == {
+    assert {(submission.student, submission.lesson.number) for submission, _ in judged} == {
         (student, number) for student in ("ada", "poison", "zoe") for number in ("06", "07", "08")
     }
-    assert len(asked) == 3 + 9
-    before = asked[: asked.index("07")]  # once more when nobody else is at work
+    assert len(calls) == 3 + 9
+    before = calls[: calls.index("07")]  # the second rehearsal runs alone
     assert "08" in before and "06 zoe" in before and "08 ada" not in before
 
 
@@ -525,34 +530,34 @@ def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandb
 
 @pytest.mark.slow
 def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
-    asked = []
-    right = grade.judge_files
+    calls = []
+    original = grade.judge_files
 
     def starving(handed_in, seed, sandbox, lesson, student):
-        asked.append(student)
-        verdict = right(handed_in, seed, sandbox, lesson, student)
-        starved = student == "poison" and asked.count("poison") == 1
+        calls.append(student)
+        verdict = original(handed_in, seed, sandbox, lesson, student)
+        starved = student == "poison" and calls.count("poison") == 1
         return type(verdict)(**{**verdict.__dict__, "starved": starved})
 
     monkeypatch.setattr(grade, "judge_files", starving)
     verdicts = graded(course, sandbox)
-    assert asked == ["ada", "poison", "zoe", "poison"]
+    assert calls == ["ada", "poison", "zoe", "poison"]
     assert not verdicts["poison"].starved and verdicts["poison"].score == 30
-    assert graded(course, sandbox) == verdicts and len(asked) == 4
+    assert graded(course, sandbox) == verdicts and len(calls) == 4
 
 
 @contextlib.contextmanager
 def crowded(student, others):
-    """Have the student's process share one processor with some that never rest."""
-    one = {min(os.sched_getaffinity(0))}
+    """Run `others` busy processes on the same processor as the student's process."""
+    processor = {min(os.sched_getaffinity(0))}
     student._ensure_running()
-    os.sched_setaffinity(student._worker.pids[-1], one)
-    # In sessions of their own: some kernels share a processor out by session.
+    os.sched_setaffinity(student._worker.pids[-1], processor)
+    # Each has its own session, because some kernels share a processor between sessions.
     command = [sys.executable, "-c", "while True: pass"]
     busy = [subprocess.Popen(command, start_new_session=True) for _ in range(others)]
     try:
         for process in busy:
-            os.sched_setaffinity(process.pid, one)
+            os.sched_setaffinity(process.pid, processor)
         yield
     finally:
         for process in busy:
@@ -573,7 +578,7 @@ def wait(seconds): time.sleep(seconds)
 @pytest.mark.slow
 @pytest.mark.parametrize("others", [1, 3, 7])
 def test_who_shares_the_processor_has_as_much_of_it_as_another(sandbox, others):
-    """With three at work beside it, who needs 0.9 s of its 1.0 takes 3.6 by the wall's clock."""
+    """A call needs 0.9 s of its limit of 1 s; next to three busy processes it lasts 3.6 s."""
     limits = Limits(call_seconds=1.0)
     with (
         StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student,
@@ -584,7 +589,7 @@ def test_who_shares_the_processor_has_as_much_of_it_as_another(sandbox, others):
         assert student._budget.seconds > limits.total_seconds - 1.5
 
 
-BRIEFLY = """
+SHORT_WORK = """
 import os, threading, time
 def work():
     end = time.thread_time() + 0.02
@@ -606,8 +611,8 @@ def children():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
 def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep(sandbox, name):
-    """Of what has ended nobody tells how long it was kept waiting; 0.6 s of 2.5 are needed."""
-    program, limits = Program((BRIEFLY,), (name,)), Limits(call_seconds=2.5)
+    """The kernel has no waiting times of finished threads; the call needs 0.6 s of 2.5 s."""
+    program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
     with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None
         assert not student.starved
@@ -623,8 +628,8 @@ def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_star
 
 
 @pytest.mark.slow
-def test_whom_the_walls_clock_gives_up_first_is_called_starved(sandbox):
-    """It gets an eighth of a processor, where it could have needed more."""
+def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
+    """The call gets an eighth of a processor and might have finished with more."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
     with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
         with pytest.raises(StudentStopped, match="4 seconds by the clock on the wall"):
@@ -635,7 +640,7 @@ def test_whom_the_walls_clock_gives_up_first_is_called_starved(sandbox):
 
 
 @pytest.mark.slow
-def test_who_sleeps_is_given_up_as_soon_as_who_works_and_not_called_starved(sandbox):
+def test_a_sleeping_call_is_ended_like_a_busy_one_and_not_starved(sandbox):
     program = Program((NEEDS,), ("f", "wait"))
     for name in ("f", "wait"):
         with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
@@ -648,19 +653,19 @@ def test_who_sleeps_is_given_up_as_soon_as_who_works_and_not_called_starved(sand
 
 
 @pytest.mark.slow
-def test_where_nobody_tells_who_waits_all_have_longer_and_are_starved(sandbox, monkeypatch):
+def test_without_waiting_times_calls_have_longer_and_are_starved(sandbox, monkeypatch):
     monkeypatch.setattr(usage, "_tells_delays", lambda: False)
     program = Program((NEEDS,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
         assert student.f(0.1) == 0.1
-        student.wait(0.8)  # perhaps others were at work
+        student.wait(0.8)  # the processor may have been busy
         with pytest.raises(StudentStopped, match="did not answer"):
             student.wait(60)
         assert student.starved
 
 
-class Pretended:
-    """A worker of which only is told what it takes."""
+class FakeWorker:
+    """Worker of which only the use of time is known."""
 
     def __init__(self):
         self.worked, self.delayed, self.ready = 7.0, {1: 3.0, 2: 5.0}, False
@@ -676,18 +681,16 @@ class Pretended:
     "waited, worked, delayed, seconds",
     [
         (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9),
-        (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # others were at work, too
+        (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # other processes also ran
         (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # it slept
         (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads that wait for each other
-        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several at once
+        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads at once
         (3.0, 0.1, {1: 5.9, 2: 5.0}, 0.1),
         (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the clock of the kernel has not ticked yet
     ],
 )
-def test_a_call_takes_what_passes_while_nobody_keeps_it_waiting(
-    waited, worked, delayed, seconds, monkeypatch
-):
-    now, worker = [100.0], Pretended()
+def test_a_call_is_charged_for_time_without_waiting(waited, worked, delayed, seconds, monkeypatch):
+    now, worker = [100.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: 0.0)
     meter = time_budget.Meter(worker)
@@ -697,26 +700,26 @@ def test_a_call_takes_what_passes_while_nobody_keeps_it_waiting(
     assert meter.seconds == pytest.approx(seconds)
 
 
-def test_while_we_read_an_answer_nobody_sleeps(monkeypatch):
+def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
     now, ours = [100.0], [2.0]
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
-    meter = time_budget.Meter(Pretended())
+    meter = time_budget.Meter(FakeWorker())
     now[0] += 1.0
     ours[0] += 0.6
     meter.look(answered=True)
     assert meter.seconds == pytest.approx(0.4)
 
 
-def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
-    """Of threads and children that have ended, nobody tells how long they were kept waiting."""
-    now, ours, worker = [100.0], [2.0], Pretended()
+def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
+    """The kernel has no waiting times of threads and children that have ended."""
+    now, ours, worker = [100.0], [2.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
     meter = time_budget.Meter(worker)
     for ready, worked, passed, at_work, taken in (
-        (True, 0.1, 1.0, 0.0, 0.1),  # the others had the rest
-        (False, 0.0, 0.5, 0.2, 0.4),  # it slept, but while we were at work
+        (True, 0.1, 1.0, 0.0, 0.1),  # other processes had the rest
+        (False, 0.0, 0.5, 0.2, 0.4),  # it slept, partly while the judge worked
         (True, 0.2, 0.4, 0.0, 0.6),
         (True, 0.3, 1.0, 0.0, 0.9),
     ):
@@ -725,7 +728,7 @@ def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
         ours[0] += at_work
         meter.look()
         assert meter.seconds == pytest.approx(taken)
-    # Who has answered is at rest now, and slept before as often as was found.
+    # A call that has answered sleeps now; before, it slept in as many looks as were counted.
     worker.ready = False
     now[0] += 1.0
     meter.look(answered=True)
@@ -733,17 +736,17 @@ def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
 
 
 @pytest.mark.slow
-def test_who_sleeps_takes_time_and_who_waits_for_a_processor_does_not(sandbox):
+def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
     with StudentProxy(Program((NEEDS,), ("f", "wait")), sandbox) as student:
-        # Sleep is told by looking now and then; beside others, some of it passes for waiting.
+        # Sleep is sampled, so on a busy machine some of it counts as waiting for a processor.
         assert student.wait.timed(1)[1] > 0.3
         with crowded(student, 11):
-            assert student.f.timed(0.3)[1] < 1.8  # by the wall's clock, 3.6
+            assert student.f.timed(0.3)[1] < 1.8  # 3.6 s by the wall clock
         assert not student.starved
 
 
 @pytest.mark.slow
-def test_time_is_counted_wherever_the_work_is_done(sandbox):
+def test_work_of_children_is_counted(sandbox):
     with StudentProxy(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
         own = student.work.timed()[1]
         assert student.delegate.timed()[1] > own / 2 > 0.02
@@ -751,11 +754,11 @@ def test_time_is_counted_wherever_the_work_is_done(sandbox):
 
 
 @pytest.mark.slow
-def test_a_folder_whose_name_is_no_text_stops_nobody(course, sandbox, capsys):
+def test_a_folder_name_that_is_not_text_does_not_stop_grading(course, sandbox, capsys):
     from grader.console import print_class
     from grader.lms.report import write_report
 
-    name = os.fsdecode(b"J\xfcrgen")  # as old zips have it
+    name = os.fsdecode(b"J\xfcrgen")  # old zip programs write such names
     path = course.submitted / name / LESSON.stage / f"{LESSON.name}.ipynb"
     path.parent.mkdir(parents=True)
     path.write_text(fill_in(LESSON, RIGHT), "utf-8")
@@ -781,7 +784,7 @@ def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
         assert "link to another folder" in verdicts[name].problems[0]
 
 
-def test_verdicts_can_be_read_by_fellow_graders(course, sandbox):
+def test_verdicts_have_ordinary_permissions(course, sandbox):
     graded(course, sandbox)
     umask = os.umask(0)
     os.umask(umask)
@@ -790,7 +793,7 @@ def test_verdicts_can_be_read_by_fellow_graders(course, sandbox):
         assert read_verdict(path) or path.parent.name == ".rehearsed"
 
 
-def test_at_least_one_worker(capsys):
+def test_workers_must_be_at_least_one(capsys):
     assert processors() >= 1
     with pytest.raises(SystemExit) as caught:
         cli.main(["grade", "--workers", "0"])
@@ -798,7 +801,7 @@ def test_at_least_one_worker(capsys):
     assert "at least one" in capsys.readouterr().err
 
 
-def test_every_file_is_accounted_for(course):
+def test_files_that_are_not_judged_have_a_reason(course):
     stage = course.submitted / "ada" / LESSON.stage
     (stage / "helper.py").write_text("")
     (stage / "timestamp.txt").write_text("")
@@ -830,10 +833,10 @@ def test_every_file_is_accounted_for(course):
         "06_Filter_Ground.IPYNB",
         "ada_lovelace_123_456_06_filter_ground-2.ipynb",
         "homework/06_filter_ground.ipynb",
-        "8 final.ipynb",  # and what it says inside
+        "8 final.ipynb",  # recognised by its content
     ],
 )
-def test_a_renamed_file_is_recognised_and_said_to_be(course, name):
+def test_a_renamed_file_is_recognised_and_noted(course, name):
     stage = course.submitted / "eve" / LESSON.stage
     (stage / name).parent.mkdir(parents=True)
     (stage / name).write_bytes(notebook(LESSON.name))
@@ -845,7 +848,7 @@ def test_a_renamed_file_is_recognised_and_said_to_be(course, name):
     assert unaccounted_files(course) == []
 
 
-def test_of_several_files_the_newest_counts(course):
+def test_the_newest_of_several_files_counts(course):
     stage = course.submitted / "eve" / LESSON.stage
     stage.mkdir(parents=True)
     for age, name in enumerate(
@@ -858,32 +861,32 @@ def test_of_several_files_the_newest_counts(course):
     ]
     assert found.path.name == "06_filter_ground.ipynb"
     assert "The newest, 06_filter_ground.ipynb, was judged" in found.read(course).notes[0]
-    os.utime(stage / "06_filter_ground.ipynb", (1000, 1000))  # then the number of the copy says
-    (found,) = [one for one in find_submissions(course) if one.student == "eve"]
+    os.utime(stage / "06_filter_ground.ipynb", (1000, 1000))  # now the number of the copy decides
+    (found,) = [item for item in find_submissions(course) if item.student == "eve"]
     assert found.path.name == "06_filter_ground (2).ipynb"
     assert unaccounted_files(course) == []
 
 
-def test_the_doctor_shows_how_far_the_solutions_are(course, sandbox, monkeypatch):
-    """And nothing of the kind where they were seen before."""
-    # Whether this machine can build a sandbox is another finding.
+def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatch):
+    """There is no progress bar if the solutions have been judged before."""
+    # Sandboxes and versions depend on the machine; other tests look at them.
     monkeypatch.setattr(doctor, "_sandboxes", lambda: ())
     monkeypatch.setattr(doctor, "_versions", lambda: ())
-    seen, bars = [], []
+    steps, bars = [], []
     monkeypatch.setattr(rehearsals, "rehearse_one", lambda *about: ())
 
     @contextlib.contextmanager
     def bar(title):
         bars.append(title)
-        yield lambda done, total, what: seen.append((done, total))
+        yield lambda done, total, what: steps.append((done, total))
 
     for _ in range(2):
-        assert all(one.good for one in doctor.examine(course, 1, sandbox, Inline(1), bar))
+        assert all(finding.good for finding in doctor.examine(course, 1, sandbox, Inline(1), bar))
     assert len(bars) == 1
-    assert seen == [(done, 12) for done in range(13)]
+    assert steps == [(done, 12) for done in range(13)]
 
 
-def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
+def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
     (course.submitted / "ada" / "lost.ipynb").write_text("{}")
     course.seed_file.write_text("1")
@@ -897,7 +900,7 @@ def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
 
 
 @pytest.mark.parametrize("with_dask", [False, True])
-def test_the_doctor_compares_dask_where_it_is(monkeypatch, with_dask):
+def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_dask):
     found = {"rich": "0.1"} | dict.fromkeys(("dask", "distributed"), "0.2" if with_dask else None)
 
     def version(name, version=metadata.version):
@@ -915,23 +918,23 @@ def test_the_doctor_compares_dask_where_it_is(monkeypatch, with_dask):
         assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
 
 
-def test_the_doctor_sees_a_course_that_student_code_could_read(tmp_path, monkeypatch):
+def test_the_doctor_reports_a_course_that_student_code_could_read(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, "is_shown", lambda path: path == tmp_path)
     finding = doctor._boundary(Course(tmp_path))
     assert not finding.good and str(tmp_path) in finding.text
 
 
-def test_the_doctor_looks_whether_hidden_tests_could_be_read(monkeypatch):
-    looked_at = []
-    monkeypatch.setattr(doctor, "is_shown", lambda path: looked_at.append(path))
+def test_the_doctor_checks_that_hidden_tests_cannot_be_read(monkeypatch):
+    checked = []
+    monkeypatch.setattr(doctor, "is_shown", lambda path: checked.append(path))
     assert doctor._boundary(Course()).good
     for lesson in all_lessons():
-        assert any(lesson.tests.is_relative_to(path) and path.is_dir() for path in looked_at)
+        assert any(lesson.tests.is_relative_to(path) and path.is_dir() for path in checked)
 
 
 @pytest.mark.slow
 def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
-    """Else a function could keep a hidden question, and tell it in a check that is shown."""
+    """Otherwise a function could store a hidden test's input and reveal it in a visible check."""
 
     def stub(*arguments, **keywords):
         raise NotImplementedError
