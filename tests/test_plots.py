@@ -575,6 +575,10 @@ def test_side_views_say_when_they_are_stretched_and_can_be_to_scale():
     axes = plots.from_side(BOX, to_scale=True)
     assert (axes.get_ylabel(), axes.get_aspect()) == ("z, up (m)", 1)
     assert plots.boxes(BOX[None, :8, :3], view="side to scale").get_aspect() == 1
+    for view, aspect in (("side", "auto"), ("side to scale", 1)):
+        assert plots.graph(BOX, [(0, 1)], view=view).get_aspect() == aspect
+        panels = plots.growth(BOX, np.eye(len(BOX), dtype=int)[:2], view=view)
+        assert [panel.get_aspect() for panel in panels] == [aspect] * 2
 
 
 def test_clusters_keep_the_colours_of_another_figure():

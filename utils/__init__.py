@@ -103,5 +103,5 @@ def health() -> str:
         return "Not ready. The file data/cloud.txt is missing: unzip the whole course folder."
     ready = f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."
     if not ("ipywidgets" in sys.modules or util.find_spec("ipywidgets")):
-        ready += f" Sliders stand still; who wants to move them: {install} ipywidgets"
+        ready += f" To make sliders move, run: {install} ipywidgets"
     return ready

@@ -162,8 +162,8 @@ def load_detector(
     if not hasattr(functions, DETECTOR):
         names = ", ".join(sorted(vars(functions))) or "none"
         raise ValueError(
-            f"{Path(notebook).name} has no function {DETECTOR}(cloud), which a detector is. "
-            f"Lesson 12 is where it is written. The functions in it are: {names}."
+            f"{Path(notebook).name} has no function {DETECTOR}(cloud). "
+            f"You write it in lesson 12. The functions in it are: {names}."
         )
     detect = getattr(functions, DETECTOR)
     if getattr(detect, "is_stub", False):

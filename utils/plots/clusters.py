@@ -226,7 +226,7 @@ def graph(
     edges = _as_edges(edges, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
-    frame(axes, across, up, limits)
+    frame(axes, across, up, limits, equal=view != "side")
     ends = np.stack([across[edges], up[edges]], axis=-1)
     ends = ends[np.isfinite(ends).all(axis=(1, 2))]
     axes.add_collection(LineCollection(ends, colors=MUTED, linewidths=1.0, zorder=1), autolim=False)
@@ -312,7 +312,7 @@ def growth(
         (DONE, "s", BLUE, 1.0),
     )
     for panel, states, panel_title in zip(axes, frames, titles, strict=True):
-        frame(panel, across, up, limits)
+        frame(panel, across, up, limits, equal=view != "side")
         for state, marker, colour, scale in state_styles:
             chosen = states == state
             dots(panel, across[chosen], up[chosen], marker, colour, size * scale)
