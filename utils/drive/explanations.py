@@ -188,7 +188,7 @@ def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> st
 
 
 def collision(drive: Drive) -> str:
-    """Describe what the car hit, how fast, and what the detector knew of it; empty if nothing."""
+    """Describe a collision with its speed and the detections of the object; empty without one."""
     if drive.hit is None:
         return ""
     end = drive.moments[-1]
@@ -197,7 +197,7 @@ def collision(drive: Drive) -> str:
 
 
 def _detections_of_hit(drive: Drive) -> str:
-    """Explain in a sentence what the detector knew of the object that was hit."""
+    """Describe in a sentence the scans and boxes of the object that was hit."""
     examined = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
     seen, boxed = [], []
     for moment in examined:

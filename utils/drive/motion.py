@@ -157,7 +157,7 @@ class MotionOf:
 
 
 def motion_by(tracker: Tracker | None) -> Motion | MotionOf:
-    """Choose what follows boxes: a tracker that knows velocities, or `Motion` with its matching."""
+    """Choose `MotionOf` for a tracker that knows velocities, else `Motion` with its matching."""
     if tracker and tracker.knows_velocities:
         return MotionOf(tracker)
     return Motion(tracker and tracker.match)

@@ -15,7 +15,7 @@ from types import FrameType
 from utils.checks.limits import TimeUp, limited
 
 # More than any correct answer needs for a few points, even while it is observed.
-SECONDS = 3  # of processor time, so that a busy machine gives the same result
+SECONDS = 3  # processor time, so that a busy machine gives the same result
 PATIENCE = 5  # the limit of wall-clock time is this many times SECONDS
 
 

@@ -1,8 +1,8 @@
 """Streets that are filled row by row, so that no two objects overlap.
 
-Road coordinates: x along the road, y to the left of its crown, z up. From the middle outwards a
-side of the road has a driving lane, a row of parked cars, the kerb, a row of poles and trees, a
-row of pedestrians, and the house fronts.
+Road coordinates: x along the road, y to the left of its crown, z up. From the middle outwards each
+side has a driving lane, parked cars and the kerb, then poles and trees, pedestrians and the house
+fronts.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Observer that finds the labels and the queue among the variables of a student's function.
 
-Any list or array with one entry per point may hold the labels. Any deque, list or set may hold the
-waiting points. They are recognised by their changes and not by their names.
+Any list or array with one entry per point may contain the labels. Any deque, list or set may
+contain the waiting points. They are recognised by their changes and not by their names.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class VariableTrack:
 
 
 class LabelObserver:
-    """Records every variable that may hold the labels or the queue, at every line."""
+    """Records every variable that may contain the labels or the queue, at every line."""
 
     def __init__(self) -> None:
         self.tracks: list[VariableTrack] = []
