@@ -432,11 +432,11 @@ def replace_interact(monkeypatch):
     """Return a list that receives the player's slider, which works without a browser."""
     sliders = []
 
-    def interact(**sliders):
+    def interact(step):
         def run(function):
-            sliders.append(sliders["step"])
-            function(sliders["step"].value)
-            sliders["step"].observe(lambda change: function(change["new"]), names="value")
+            sliders.append(step)
+            function(step.value)
+            step.observe(lambda change: function(change["new"]), names="value")
 
         return run
 
