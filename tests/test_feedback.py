@@ -1,4 +1,4 @@
-"""What students get back: pages, and zips that learning platforms know how to hand out."""
+"""Feedback for students: pages, and zips in which learning platforms find each student's file."""
 
 import csv
 import html
@@ -60,8 +60,8 @@ MISTAKE = (
 def check(name, message="", visible=True, title="", kind=Kind.OWN, subject=""):
     passed, hint = not message, next((m for m in message.split("\n") if "Hint:" in m), "")
     title = title or f"It {name}"
-    about = (kind, subject, hint)
-    return CheckResult(name, title, passed, float(passed), 1.0, message, visible, *about)
+    fields = (kind, subject, hint)
+    return CheckResult(name, title, passed, float(passed), 1.0, message, visible, *fields)
 
 
 WRONG = ExerciseResult(
@@ -84,14 +84,14 @@ WRONG = ExerciseResult(
 RIGHT = ExerciseResult(WRONG.name, 30.0, 30.0, (check("joins"), check("parts")))
 
 
-# ---- folding ------------------------------------------------------------------------------------
+# ---- summaries of checks ------------------------------------------------------------------------
 
 
-def test_the_first_failure_is_told_and_the_rest_folded():
+def test_the_first_failure_is_shown_and_the_rest_are_folded():
     folded = summarise_checks(WRONG)
     assert folded.first.name == "parts"
     assert [test.name for test in folded.others] == ["hastens"]
-    assert {one.says: one.count for one in folded.folds} == {
+    assert {fold.says: fold.count for fold in folded.folds} == {
         "1 more fails for the same reason.": 1,
         "12 more cannot be judged before this is right.": 12,
         "2 more fail in the same way.": 2,
@@ -100,16 +100,16 @@ def test_the_first_failure_is_told_and_the_rest_folded():
     assert folded.in_words == "1 of 18 checks hold" and folded.started
 
 
-def test_every_check_is_told_once():
+def test_every_check_is_counted_once():
     folded = summarise_checks(WRONG)
-    told = 1 + len(folded.others) + len(folded.passed) + sum(one.count for one in folded.folds)
-    assert told == len(WRONG.tests)
+    count = 1 + len(folded.others) + len(folded.passed) + sum(fold.count for fold in folded.folds)
+    assert count == len(WRONG.tests)
 
 
-def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
+def test_different_messages_are_not_folded_together():
     tests = (check("a", "One.\n2 rows."), check("b", "4 metres."), check("c", "5 metres."))
     folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
-    assert (folded.others, [one.says for one in folded.folds]) == ((), ["2 more fail: … metres."])
+    assert (folded.others, [fold.says for fold in folded.folds]) == ((), ["2 more fail: … metres."])
     folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
     assert (folded.others, folded.folds) == ((tests[1],), ())
     alike = tuple(
@@ -120,7 +120,7 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
         folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
-        assert [one.says for one in folded.folds] == [says]
+        assert [fold.says for fold in folded.folds] == [says]
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
         ((check("a", "Begin.", kind=Kind.NOT_STARTED),), "", "none of 1 checks hold", False),
     ],
 )
-def test_checks_in_words(tests, first, words, started):
+def test_number_of_passed_checks_in_words(tests, first, words, started):
     folded = summarise_checks(ExerciseResult("f", 0.0, 1.0, tests, "", first))
     assert (folded.in_words, folded.started) == (words, started)
 
@@ -150,13 +150,13 @@ DAY = timedelta(days=1)
 DUE = datetime(2026, 11, 20, 12, tzinfo=UTC)
 
 
-def said(late=timedelta(), **more):
-    about = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
-    return list(lateness_sentences(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **about)))
+def sentences(late=timedelta(), **more):
+    fields = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
+    return list(lateness_sentences(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **fields)))
 
 
-def test_times_are_those_of_the_clocks_where_the_course_is():
-    """Across the end of summer time, too."""
+def test_times_are_in_the_zone_of_the_course():
+    """This also holds at the end of summer time."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
@@ -167,15 +167,15 @@ def test_times_are_those_of_the_clocks_where_the_course_is():
 
 
 def test_lateness_and_penalty_in_words(monkeypatch):
-    (sentence,) = said(-timedelta(hours=1))
+    (sentence,) = sentences(-timedelta(hours=1))
     assert sentence.startswith("Handed in in time, on 20 November 2026 at ")
-    late, off = said(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
+    late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
     assert late.startswith("Handed in 2 days and 3 hours late, on 22 November 2026 at ")
     assert "it was due on 20 November 2026 at " in late
-    assert off == "For lateness 12.5 points are taken off."
-    assert said(timedelta(seconds=5))[0].startswith("Handed in 1 minute late, ")
-    assert said(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
-    assert said(handed_in=None) == said(due=None) == []
+    assert penalty == "For lateness 12.5 points are taken off."
+    assert sentences(timedelta(seconds=5))[0].startswith("Handed in 1 minute late, ")
+    assert sentences(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
+    assert sentences(handed_in=None) == sentences(due=None) == []
 
 
 @pytest.mark.parametrize(
@@ -186,13 +186,13 @@ def test_lateness_and_penalty_in_words(monkeypatch):
         "the table of times has no line about them",
     ],
 )
-def test_what_is_undecided_is_so_whatever_the_reason(why):
-    (sentence,) = said(handed_in=None, undecided=why)
+def test_undecided_lateness_has_one_sentence_for_every_reason(why):
+    (sentence,) = sentences(handed_in=None, undecided=why)
     assert "a person has still to decide: nobody knows yet when it was handed in" in sentence
 
 
-def test_who_is_excused_reads_that_first_and_of_no_penalty():
-    """Who hands in all the same, and late, gets a page."""
+def test_an_excuse_comes_first_and_without_a_penalty():
+    """An excused student who still submits, even late, gets a page."""
     result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
     (sentence,) = Feedback(Person("ada"), result, ()).sentences
     assert sentence.startswith("You are excused from this stage")
@@ -207,7 +207,7 @@ def verdict(lesson, student, exercises):
         student=student,
         status=JUDGED,
         score=sum(exercise.score for exercise in exercises),
-        max_score=sum(one.max_score for one in exercises),
+        max_score=sum(exercise.max_score for exercise in exercises),
         exercises=exercises,
         problems=("The last cell <b>breaks</b> off.",) if student == "bjorn" else (),
         seconds=0.0,
@@ -215,8 +215,8 @@ def verdict(lesson, student, exercises):
     )
 
 
-def judged(lesson, student):
-    """What is said of a student's notebook: bjorn's is wrong, and the others' are right."""
+def invented_verdict(lesson, student):
+    """Return a verdict on a student's notebook, in which only bjorn has a wrong answer."""
     if lesson == TEN:
         return verdict(lesson, student, (WRONG if student == "bjorn" else RIGHT,))
     exercises = tuple(
@@ -227,19 +227,19 @@ def judged(lesson, student):
 
 
 def grade(course):
-    """Enter made-up verdicts on all that lies in the course, and keep them."""
+    """Write and enter invented verdicts on all submissions of a course."""
     entered = []
     for submission in find_submissions(course):
-        content = judged(submission.lesson, submission.student)
-        print_of = submission.read(course).fingerprint()
-        content = Verdict(**{**vars(content), "fingerprint": print_of})
+        content = invented_verdict(submission.lesson, submission.student)
+        fingerprint = submission.read(course).fingerprint()
+        content = Verdict(**{**vars(content), "fingerprint": fingerprint})
         write_verdict(content, submission.verdict_path(course))
         entered.append((submission, content))
     enter_verdicts(course, entered, [STAGE], lambda done, total, student: None)
 
 
 def notebook(lesson, write_up=""):
-    """What a student hands in, with something written."""
+    """Return a student's notebook, with the written answer `write_up`."""
     content = json.loads(fill_in(lesson, {}))
     for cell in content["cells"]:
         if write_up and cell["metadata"].get("nbgrader", {}).get("grade_id") == "write_up":
@@ -247,8 +247,8 @@ def notebook(lesson, write_up=""):
     return json.dumps(content).encode()
 
 
-def handed_in(lessons_of):
-    """Attachments of each student for Canvas: number, name and content."""
+def attachments(lessons_of):
+    """Return each student's attachments in Canvas: number, name and content."""
     return {
         student: [
             (7000 + 10 * number + int(lesson.number), f"{lesson.name}.ipynb", data)
@@ -266,7 +266,7 @@ WORK = {
 
 
 def make_course(root, *archives, who=None):
-    """A course into which zips were collected, which was graded."""
+    """Return a graded course whose submissions were collected from zips."""
     course = Course(root)
     root.mkdir()
     with open(root / "roster.csv", "w", encoding="utf-8", newline="") as file:
@@ -287,16 +287,16 @@ def make_course(root, *archives, who=None):
 def canvas_course(tmp_path_factory):
     files = []
     for (student, first, last, _, number), (_, given) in zip(
-        PEOPLE, handed_in(WORK).items(), strict=False
+        PEOPLE, attachments(WORK).items(), strict=False
     ):
         files += canvas_files(f"{last}, {first}", number, given, late=student == "ada")
     course = make_course(tmp_path_factory.mktemp("canvas") / "course", files)
     with open_gradebook(course) as book:
-        place = (TWELVE.name, STAGE, "bjorn")
-        mark, comment = (book.find_grade("write_up", *place), book.find_comment("write_up", *place))
+        keys = (TWELVE.name, STAGE, "bjorn")
+        mark, comment = (book.find_grade("write_up", *keys), book.find_comment("write_up", *keys))
         mark.manual_score, mark.needs_manual_grade = 7.5, False
         comment.manual_comment = "Mind the *unit*: $m$. <i>No</i>"
-        machine = book.find_grade("test_match_boxes", *place)
+        machine = book.find_grade("test_match_boxes", *keys)
         machine.manual_score = 2.25
         book.db.commit()
     return course
@@ -315,17 +315,17 @@ def pages(canvas_course, tmp_path, monkeypatch):
 
 
 def words(page):
-    """What a page shows, without tags, in one line."""
+    """Return the text of a page in one line, without tags."""
     body = page.partition("<body>")[2]
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
 
 
 @pytest.mark.end_to_end
-def test_a_page_for_each_who_handed_in(pages):
+def test_each_student_who_submitted_gets_a_page(pages):
     assert sorted(pages) == ["ada", "bjorn", "cy"]
 
 
-def test_each_score_says_which_function_it_is_of(pages):
+def test_each_score_names_its_function(pages):
     text = words(pages["bjorn"])
     assert "euclidean_clustering_accelerated 6.25 of 30" in text
     assert "match_boxes 2.25 of 5" in text
@@ -333,7 +333,7 @@ def test_each_score_says_which_function_it_is_of(pages):
     assert "Björn Müller: 36 of 70 points" in text  # 6.25 + 20 + 2.25 + 7.5
 
 
-def test_first_failure_in_full_with_its_hint_and_the_rest_in_lines(pages):
+def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
     text = words(pages["bjorn"])
     assert "✗ Begin here: It parts" in text
     assert "Hint: Compare <cells>." in text
@@ -344,7 +344,7 @@ def test_first_failure_in_full_with_its_hint_and_the_rest_in_lines(pages):
 
 
 @pytest.mark.end_to_end
-def test_written_answers_come_with_mark_and_comment(pages):
+def test_written_answers_have_a_mark_and_a_comment(pages):
     page = pages["bjorn"]
     assert "write up 7.5 of 10" in words(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
@@ -353,12 +353,12 @@ def test_written_answers_come_with_mark_and_comment(pages):
     assert "You left this empty." in words(pages["cy"])
 
 
-def test_what_was_not_handed_in_is_missing_and_not_0(pages):
+def test_missing_notebooks_are_missing_and_not_0(pages):
     assert "10 · Clustering in real time missing, of 30" in words(pages["cy"])
     assert "Nothing was handed in." in words(pages["cy"])
 
 
-def test_text_of_strangers_is_text_and_nothing_is_fetched(pages):
+def test_untrusted_text_is_escaped_and_nothing_is_fetched(pages):
     page = pages["bjorn"]
     assert "<script" not in page and "<i>" not in page and "<b>breaks" not in page
     assert 'src="' not in page and "url(" not in page
@@ -375,34 +375,32 @@ def test_the_same_page_again(canvas_course, pages, tmp_path, monkeypatch):
     assert path.read_text("utf-8") == pages["bjorn"]
 
 
-def test_a_student_may_be_named_in_any_way_and_nobody_is_passed_over(
+def test_students_are_found_by_name_and_missing_ones_are_reported(
     canvas_course, tmp_path, monkeypatch, capsys
 ):
-    called = ("--student", "Björn Müller", "--student", "ADA")
-    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path)) == 0
+    options = ("--student", "Björn Müller", "--student", "ADA")
+    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 0
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn"]
     capsys.readouterr()
-    called = ("--student", "cy", "--student", "noshow")
-    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path)) == 1
+    options = ("--student", "cy", "--student", "noshow")
+    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 1
     assert "There is nothing to hand back to noshow." in capsys.readouterr().err
-    called = ("--student", "ada", "--student", "adda")
-    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path / "none")) == 2
-    said = capsys.readouterr().err
-    assert "'adda' is not on the roster" in said and "grader grade" not in said
+    options = ("--student", "ada", "--student", "adda")
+    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path / "none")) == 2
+    error = capsys.readouterr().err
+    assert "'adda' is not on the roster" in error and "grader grade" not in error
     assert not (tmp_path / "none").exists()
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not browser.BROWSER, reason=CHROMIUM)
 def test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas(pages, tmp_path):
-    shown, asked = browser.seen(pages["bjorn"], tmp_path, "example.org")
-    assert asked == []
+    shown, requests = browser.seen(pages["bjorn"], tmp_path, "example.org")
+    assert requests == []
     assert "alert(" in shown and "<script" not in shown and "<mfrac>" in shown
 
 
-def test_feedback_waits_until_what_was_judged_is_entered(
-    canvas_course, tmp_path, monkeypatch, capsys
-):
+def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, monkeypatch, capsys):
     path = canvas_course.verdicts / "ada" / STAGE / f"{TEN.name}.json"
     before = path.read_text("utf-8")
     try:
@@ -410,13 +408,13 @@ def test_feedback_waits_until_what_was_judged_is_entered(
         assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
     finally:
         path.write_text(before, "utf-8")
-    assert sorted(one.stem for one in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
+    assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
     assert (
         f"ada, {TEN.name}: what was handed in and judged last is not in" in capsys.readouterr().err
     )
 
 
-def test_where_nothing_was_graded_that_is_said(tmp_path, monkeypatch, capsys):
+def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
     assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
     assert "There is nothing to hand back" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -426,7 +424,7 @@ def test_where_nothing_was_graded_that_is_said(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.end_to_end
-def test_nbgrader_s_pages_say_of_which_function_a_score_is(canvas_course):
+def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
     generate = converter(GenerateFeedback, canvas_course.root, STAGE)
     generate.coursedir.student_id = "bjorn"
     generate.start()
@@ -443,8 +441,8 @@ def test_nbgrader_s_pages_say_of_which_function_a_score_is(canvas_course):
 # ---- Canvas -------------------------------------------------------------------------------------
 
 
-def by_canvas(name):
-    """(user, attachment) that Canvas reads in a name: of ``app/models/abstract_assignment.rb``."""
+def parse_canvas(name):
+    """Return the (user, attachment) of a name as Canvas's ``abstract_assignment.rb`` reads it."""
     parts = [part for part in name.split("_") if part != "LATE"]
     user, attachment = [part for part in parts if re.fullmatch(r"\d+", part)][:2]
     return user, int(attachment)
@@ -455,14 +453,14 @@ def archive(path):
         return {name: opened.read(name) for name in opened.namelist()}
 
 
-def test_canvas_gives_each_the_feedback_on_each_file(canvas_course, tmp_path, monkeypatch):
+def test_canvas_zip_has_feedback_on_each_attachment(canvas_course, tmp_path, monkeypatch):
     assert write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_canvas.zip")
-    answered = {by_canvas(name): name for name in files}
+    answered = {parse_canvas(name): name for name in files}
     numbers = {student: number for student, *_, number in PEOPLE}
     assert answered.keys() == {
         (numbers[student], attachment)
-        for student, given in handed_in(WORK).items()
+        for student, given in attachments(WORK).items()
         for attachment, _, _ in given
     }
     for name, content in files.items():
@@ -471,8 +469,8 @@ def test_canvas_gives_each_the_feedback_on_each_file(canvas_course, tmp_path, mo
         nbformat.validate(notebook)
         head = html.unescape(notebook.cells[0].source)
         assert head.startswith("<div>") and f"<h1>{lesson.number} · " in head
-    (mine,) = [name for (user, _), name in answered.items() if user == "4002" and "12_" in name]
-    text = "\n".join(cell.source for cell in nbformat.reads(files[mine].decode(), 4).cells)
+    (name,) = [name for (user, _), name in answered.items() if user == "4002" and "12_" in name]
+    text = "\n".join(cell.source for cell in nbformat.reads(files[name].decode(), 4).cells)
     assert "7.5 of 10" in text and "Mind the *unit*: $m$." in text
     assert "<script" not in text and "<i>" not in text
 
@@ -485,20 +483,20 @@ def test_html_in_a_notebook_is_one_block_of_markdown(canvas_course, tmp_path, mo
                 assert "\n\n" not in cell.source and "$" not in cell.source
 
 
-def test_the_same_zip_again(canvas_course, tmp_path, monkeypatch):
+def test_the_zip_is_reproducible(canvas_course, tmp_path, monkeypatch):
     for folder in ("one", "two"):
         write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path / folder))
     name = f"{STAGE}_canvas.zip"
     assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
-def test_who_handed_in_a_zip_gets_a_zip(tmp_path, monkeypatch):
+def test_a_student_who_submitted_a_zip_gets_a_zip(tmp_path, monkeypatch):
     inner = io.BytesIO(zipped([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
     files = canvas_files("Lovelace, Ada", "4001", [(8123, "my work.zip", inner.getvalue())])
     course = make_course(tmp_path / "course", files)
     assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     ((name, content),) = archive(tmp_path / f"{STAGE}_canvas.zip").items()
-    assert by_canvas(name) == ("4001", 8123) and name.endswith("_my work.zip")
+    assert parse_canvas(name) == ("4001", 8123) and name.endswith("_my work.zip")
     with zipfile.ZipFile(io.BytesIO(content)) as opened:
         assert opened.namelist() == [f"{STAGE}_feedback.html"]
 
@@ -506,8 +504,8 @@ def test_who_handed_in_a_zip_gets_a_zip(tmp_path, monkeypatch):
 # ---- Moodle -------------------------------------------------------------------------------------
 
 
-def by_moodle(name):
-    """(participant, file) that Moodle reads in a name: of ``importziplib.php``."""
+def parse_moodle(name):
+    """Return the (participant, file) of a name as Moodle's ``importziplib.php`` reads it."""
     full_name, number, kind, plugin, file = name.split("_", 4)
     assert (kind, plugin) == ("assignsubmission", "file") and full_name
     return number, file
@@ -517,27 +515,27 @@ def moodle_course(root, teams=(), who=None):
     files, teams = [], dict(teams)
     for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
-        if student not in list(teams)[1:]:  # a team hands in once
+        if student not in list(teams)[1:]:  # a team submits once
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
     return make_course(root, files, who=who)
 
 
 @pytest.mark.end_to_end
-def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
+def test_moodle_zip_has_a_page_for_each_student(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course")
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_moodle.zip")
-    assert {by_moodle(name) for name in files} == {
+    assert {parse_moodle(name) for name in files} == {
         (str(number), f"{STAGE}_feedback.html") for number in (51, 52, 53)
     }
-    (mine,) = [content for name, content in files.items() if by_moodle(name)[0] == "52"]
-    assert mine == (tmp_path / STAGE / "bjorn.html").read_bytes()
+    (page,) = [content for name, content in files.items() if parse_moodle(name)[0] == "52"]
+    assert page == (tmp_path / STAGE / "bjorn.html").read_bytes()
     assert "Upload multiple feedback files in a zip" in capsys.readouterr().out
 
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("is_team", [False, True])
-def test_who_handed_in_to_two_assignments_gets_a_page_in_each(
+def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
     tmp_path, monkeypatch, capsys, is_team
 ):
     files = {TEN: [], TWELVE: []}
@@ -550,7 +548,7 @@ def test_who_handed_in_to_two_assignments_gets_a_page_in_each(
     who = {"Team Red_21": "ada"} if is_team else None
     course = make_course(tmp_path / "course", files[TEN], files[TWELVE], who=who)
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == int(is_team)
-    numbers = {by_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")}
+    numbers = {parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")}
     given = {
         str({TEN: 21, TWELVE: 31}[lesson] + place)
         for place, (student, *_) in enumerate(PEOPLE[:3])
@@ -560,19 +558,19 @@ def test_who_handed_in_to_two_assignments_gets_a_page_in_each(
     assert ("ada: handed in as Team Red" in capsys.readouterr().err) == is_team
 
 
-def test_who_was_not_collected_from_there_is_named(canvas_course, tmp_path, monkeypatch, capsys):
+def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
     assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
-    # Canvas's numbers look like Moodle's.
+    # The numbers of Canvas look like those of Moodle.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
     assert "bjorn: their work was not collected from a zip of Moodle's" in capsys.readouterr().err
 
 
 @pytest.mark.end_to_end
-def test_a_team_is_nobody_s_participant(tmp_path, monkeypatch, capsys):
+def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     answers = {"Team Red_53": "ada,bjorn"}
     teams = {"ada": ("Team Red", 53), "bjorn": ("Team Red", 53)}
     course = moodle_course(tmp_path / "course", teams, answers)
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
-    assert [by_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
+    assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
     assert "bjorn: handed in as Team Red, which may be a team" in capsys.readouterr().err
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]

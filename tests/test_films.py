@@ -1,4 +1,4 @@
-"""Films are really written, read again, and counted."""
+"""Films are written to files, read again, and their frames counted."""
 
 import gc
 
@@ -37,14 +37,14 @@ def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
     path = tmp_path / "film.mp4"
     film = record(frames, path, box_of_everything, size=(161, 91), renderer=renderer)
     pictures = imageio.imread(path)
-    assert pictures.shape == (3, 90, 160, 3)  # even, as players want it
+    assert pictures.shape == (3, 90, 160, 3)  # players require even sizes
     assert not np.array_equal(pictures[0], pictures[2])
     assert film.frames == 3 and film.boxes == (1, 1, 1) and len(film.seconds) == 3
     assert "1 box per frame; detection took" in film.recap
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_gif_moves_for_ever_at_the_speed_asked_for(tmp_path, frames):
+def test_a_gif_repeats_forever_at_the_given_rate(tmp_path, frames):
     path = tmp_path / "film.gif"
     record(frames, path, camera="TopDown", size=SIZE, frames_per_second=5, renderer="matplotlib")
     image = Image.open(path)
@@ -59,7 +59,7 @@ def test_a_png_is_the_first_frame(tmp_path, frames):
     assert film.frames == 1 and Image.open(film.path).size == SIZE
 
 
-def test_bare_clouds_and_a_scene_of_ones_own_are_recorded(tmp_path, frames):
+def test_bare_clouds_and_a_custom_scene_are_recorded(tmp_path, frames):
     composed = []
 
     def compose(sight):
@@ -71,21 +71,21 @@ def test_bare_clouds_and_a_scene_of_ones_own_are_recorded(tmp_path, frames):
     assert composed == [1, 2, 3]
 
 
-def test_what_cannot_be_recorded_is_refused(tmp_path, frames):
+def test_unknown_formats_and_empty_recordings_are_refused(tmp_path, frames):
     with pytest.raises(ValueError, match=".mp4, .gif, .png"):
         record(frames, tmp_path / "film.avi")
     with pytest.raises(ValueError, match="no frames"):
         record([], tmp_path / "film.gif")
 
 
-def test_a_detector_that_fails_at_once_is_heard_and_leaves_no_file(tmp_path, frames):
+def test_a_detector_that_fails_at_once_raises_and_leaves_no_file(tmp_path, frames):
     with pytest.raises(ZeroDivisionError):
         record(frames, tmp_path / "film.gif", lambda cloud: 1 / 0, renderer="matplotlib")
     assert not list(tmp_path.iterdir())
 
 
-def test_ctrl_c_leaves_neither_a_file_nor_words_of_the_writer(tmp_path, capfd):
-    """Who writes an MP4 is a process of its own, and once complained that its file was gone."""
+def test_ctrl_c_leaves_neither_a_file_nor_messages(tmp_path, capfd):
+    """A separate process writes an MP4; it once complained that its file had been deleted."""
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
 
     def images():
@@ -101,17 +101,17 @@ def test_ctrl_c_leaves_neither_a_file_nor_words_of_the_writer(tmp_path, capfd):
 
 
 @pytest.mark.parametrize("answer", [np.zeros((8, 3)), None, [[1, 2], [3]]])
-def test_a_detector_that_returns_no_boxes_is_told(frames, answer):
+def test_a_detector_that_does_not_return_boxes_raises(frames, answer):
     with pytest.raises((ValueError, TypeError), match="boxes|sequence|NoneType"):
         list(watch(frames, lambda cloud: answer))
 
 
-def test_a_detector_that_fails_later_costs_one_frame(tmp_path, frames):
+def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
     calls = []
 
     def detect(cloud):
         calls.append(len(cloud))
-        if len(calls) == 3:  # it has seen the first frame twice
+        if len(calls) == 3:  # the first frame is detected twice
             raise IndexError("too far")
         return box_of_everything(cloud)
 
@@ -121,23 +121,23 @@ def test_a_detector_that_fails_later_costs_one_frame(tmp_path, frames):
     assert "failed in 1 of them; first: frame 2" in film.recap
 
 
-def test_the_caption_tells_time_and_number(frames):
+def test_the_caption_has_time_and_number(frames):
     sights = list(watch(frames, box_of_everything))
     assert sights[1].caption.startswith("frame 2 of 3 · 0.1 s · detected in ")
     assert sights[1].caption.endswith(" ms · 1 box")
     assert next(watch(frames)).caption == "frame 1 of 3 · 0.0 s"
 
 
-def test_true_boxes_are_dashed_and_named_only_while_nothing_is_detected(frames):
-    alone, beside = (scene_of(next(watch(frames, how))) for how in (None, box_of_everything))
-    assert "3 true boxes" in alone.describe() and "detected" not in alone.describe()
-    assert "1 detected boxes" in beside.describe()
-    kinds = [part.text for part in alone.parts if hasattr(part, "text")]
+def test_true_boxes_are_named_only_without_a_detector(frames):
+    plain, detected = (scene_of(next(watch(frames, how))) for how in (None, box_of_everything))
+    assert "3 true boxes" in plain.describe() and "detected" not in plain.describe()
+    assert "1 detected boxes" in detected.describe()
+    kinds = [part.text for part in plain.parts if hasattr(part, "text")]
     assert kinds == ["car"] * 3
-    assert [part.text for part in beside.parts if hasattr(part, "text")] == ["0"]
+    assert [part.text for part in detected.parts if hasattr(part, "text")] == ["0"]
 
 
-def test_houses_are_no_road_users():
+def test_houses_are_not_among_the_true_boxes():
     sight = next(watch(scenes.city_block(frames=1)))
     assert isinstance(sight, Sight) and sight.true_boxes
     assert {box.kind for box in sight.true_boxes} <= {"car", "truck", "cyclist", "pedestrian"}
@@ -152,7 +152,7 @@ def test_progress_goes_to_standard_output(tmp_path, frames, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize(("suffix", "tag"), [(".gif", "<img alt="), (".mp4", "<video controls")])
-def test_a_film_shows_itself_with_words(tmp_path, frames, suffix, tag):
+def test_a_film_in_a_notebook_has_a_description(tmp_path, frames, suffix, tag):
     if suffix == ".mp4":
         pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     film = record(frames, tmp_path / f"f{suffix}", size=SIZE, renderer="matplotlib")

@@ -1,4 +1,4 @@
-"""A forbidden module is forbidden to a student, and not to the libraries that import it."""
+"""A forbidden module is refused to students, but not to the libraries that import it."""
 
 import functools
 import json
@@ -17,8 +17,8 @@ from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import Refusing
 from utils.notebooks.forbidden import StandIn, StandInModule
 
-# Imports all public modules of some packages; what became of each that failed: what was raised,
-# and which module was missing in the end.
+# Import all public modules of some packages. For each that fails, record the exception and the
+# module that was missing in the end.
 SWEEP = '''
 import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 
@@ -49,7 +49,7 @@ def public_modules(tops):
             if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
                 yield found.name
 '''
-# The same in a notebook: before anything was imported, or after everything was.
+# The same in a notebook, in which modules may have been imported before.
 IN_A_NOTEBOOK = (
     SWEEP
     + """
@@ -72,27 +72,27 @@ print(json.dumps([*told, left]))
 )
 
 
-def tops_of(packages):
-    """What these are called in Python."""
+def import_names(packages):
+    """Return the names with which Python imports packages."""
     names = {"scikit-learn": "sklearn"}
     return [names.get(package, package) for package in packages]
 
 
 @functools.cache
 def in_the_sandbox(packages, without, forbidden, sandbox):
-    """What cannot be imported where notebooks are judged."""
+    """Return the modules that cannot be imported in the sandbox, and the number of others."""
     source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
     limits = Limits(call_seconds=100.0, total_seconds=200.0)
     with StudentProxy(program, sandbox, limits) as student:
-        failed, count = student.f(tops_of(packages), list(without))
-    return {name: tuple(told) for name, told in failed.items()}, count
+        failed, count = student.f(import_names(packages), list(without))
+    return {name: tuple(failure) for name, failure in failed.items()}, count
 
 
 @functools.cache
 def in_a_notebook(packages, without, forbidden, first=()):
-    """What cannot be imported while `check` runs; and where stand-ins are left afterwards."""
-    given = json.dumps([tops_of(packages), without, forbidden, first])
+    """Return the same for a notebook while `check` runs; assert that no stand-in is left."""
+    given = json.dumps([import_names(packages), without, forbidden, first])
     done = subprocess.run(
         [sys.executable, "-c", IN_A_NOTEBOOK, given],
         cwd=PROJECT,
@@ -103,33 +103,33 @@ def in_a_notebook(packages, without, forbidden, first=()):
     assert done.returncode == 0, done.stderr
     failed, count, left = json.loads(done.stdout.splitlines()[-1])
     assert left == []
-    return {name: tuple(told) for name, told in failed.items()}, count
+    return {name: tuple(failure) for name, failure in failed.items()}, count
 
 
 @pytest.mark.slow
 def test_everything_that_a_lesson_allows_can_be_imported(lesson, sandbox):
-    """In the sandbox, in a notebook while it is checked, and without any rule alike."""
+    """The result is the same in the sandbox, in a checked notebook, and without rules."""
     packages = (*PACKAGES, *lesson.header.packages)
     forbidden = lesson.header.forbidden
     plain, count = in_a_notebook(packages, forbidden, ())
     assert count > 300
     judged = in_the_sandbox(packages, forbidden, forbidden, sandbox)
     assert judged == in_the_sandbox(packages, forbidden, (), sandbox)
-    loaded = tuple(name for name in forbidden if name.partition(".")[0] in tops_of(packages))
+    loaded = tuple(name for name in forbidden if name.partition(".")[0] in import_names(packages))
     for first in {(), loaded}:
         assert in_a_notebook(packages, forbidden, forbidden, first) == (plain, count)
-    # What is missing in the sandbox alone is of packages that no lesson needs.
-    shown = {path.stem for path in files_of_packages(packages)}
+    # Modules that are missing only in the sandbox belong to packages that no lesson needs.
+    visible = {path.stem for path in files_of_packages(packages)}
     only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}
     installed = metadata.packages_distributions()
     for name, missing in only_there.items():
         top = missing.partition(".")[0]
-        assert top in installed and top not in shown, f"{name}: {judged[0][name]}"
+        assert top in installed and top not in visible, f"{name}: {judged[0][name]}"
 
 
-# ---- used, and not only imported -----------------------------------------------------------------
+# ---- use of libraries ----------------------------------------------------------------------------
 
-WORKS = {
+USES = {
     "04_kd_tree": """
 import numpy as np
 from scipy import integrate, interpolate, optimize, signal, stats
@@ -168,11 +168,11 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize("name", WORKS)
-def test_libraries_that_import_it_work(name, sandbox):
+@pytest.mark.parametrize("name", USES)
+def test_libraries_that_import_a_forbidden_module_work(name, sandbox):
     header = find_lesson(name).header
     packages = (*PACKAGES, *header.packages)
-    program = Program((WORKS[name],), ("f",), forbidden=header.forbidden, packages=packages)
+    program = Program((USES[name],), ("f",), forbidden=header.forbidden, packages=packages)
     with StudentProxy(program, sandbox, Limits()) as student:
         assert student.f() == pytest.approx(EXPECTED[name])
 
@@ -180,8 +180,8 @@ def test_libraries_that_import_it_work(name, sandbox):
 # ---- in a notebook -------------------------------------------------------------------------------
 
 
-def test_what_is_hidden_in_a_notebook_comes_back():
-    """Everywhere, and as it was, whatever happens in between."""
+def test_hidden_modules_are_restored():
+    """All references are restored, even after an exception."""
     import scipy.sparse
     import sklearn.manifold._isomap as library
     from scipy.sparse import csgraph
@@ -204,7 +204,7 @@ def test_what_is_hidden_in_a_notebook_comes_back():
     assert sys.modules["scipy.sparse.csgraph"] is csgraph
 
 
-def test_what_is_not_forbidden_is_left_alone():
+def test_modules_that_are_not_forbidden_are_unchanged():
     import scipy.spatial
     import sklearn.metrics.cluster
 
@@ -218,7 +218,7 @@ def test_what_is_not_forbidden_is_left_alone():
         assert not refusing.hide()
 
 
-def test_a_stand_in_can_be_all_that_a_library_makes_of_a_class():
+def test_a_stand_in_supports_the_uses_of_a_class():
     module = StandInModule("package.part", "package")
     tree = module.Tree
     assert module.Tree is tree and tree.__module__ == "package.part"
@@ -226,7 +226,7 @@ def test_a_stand_in_can_be_all_that_a_library_makes_of_a_class():
     assert {tree: 1}[tree] == 1 and tree | None and not hasattr(tree, "__len__")
 
     class Better(tree):
-        """On top."""
+        """Subclass of a stand-in."""
 
     for thing in (tree, Better, tree.build, module.function):
         with pytest.raises(ImportError, match="^package is not allowed in this lesson"):

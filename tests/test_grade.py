@@ -42,7 +42,7 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
-# Another file comes to lie where the judged one lay.
+# Replace the file of a submission after it has been judged.
 JUDGE_AND_REPLACE = """
 from grader.lms import nbgrader_plugin
 right = nbgrader_plugin.current_verdict
@@ -56,7 +56,7 @@ nbgrader_plugin.current_verdict = judge_and_replace
 
 
 def answer(*wrong):
-    """A notebook of lesson 06: right, but for the exercises named."""
+    """Return a notebook of lesson 06 with right answers, except to the given exercises."""
     return fill_in(
         LESSON,
         {
@@ -75,13 +75,13 @@ def quiet(done, total, what):
 
 
 def rehearsed(course, lesson, seed=SEED):
-    """Note that a lesson's own solution has been judged, which takes longer than a student's."""
+    """Store a record that a lesson's own solution has been judged, because judging it is slow."""
     path, key = note_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
 
 
 def make_course(root, lesson, texts, sandbox):
-    """A course of one lesson, rehearsed before, with a notebook's text from each student."""
+    """Return a rehearsed course of one lesson; `texts` has the notebook of each student."""
     made = Course(root)
     rehearsed(made, lesson)
     for folder in ("solutions", "notebooks"):
@@ -90,9 +90,9 @@ def make_course(root, lesson, texts, sandbox):
             made.root / folder / lesson.stage,
             ignore=lambda folder, names: [name for name in names if not name.endswith(".ipynb")],
         )
-        for stray in (made.root / folder / lesson.stage).glob("*.ipynb"):
-            if stray.stem != lesson.name:
-                stray.unlink()
+        for path in (made.root / folder / lesson.stage).glob("*.ipynb"):
+            if path.stem != lesson.name:
+                path.unlink()
     (made.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(
             project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name
@@ -116,13 +116,13 @@ def four_students():
 
 @pytest.fixture
 def course(tmp_path, sandbox):
-    """A course of its own, with four students."""
+    """Return a new course with four students."""
     return make_course(tmp_path / "course", LESSON, four_students(), sandbox)
 
 
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
-    """What was judged of these four; nothing tells one course's verdicts from another's."""
+    """Judge the four students once; copies of the course can use the same verdicts."""
     made = make_course(
         tmp_path_factory.mktemp("judged") / "course", LESSON, four_students(), sandbox
     )
@@ -132,7 +132,7 @@ def verdicts(tmp_path_factory, sandbox):
 
 @pytest.fixture
 def judged_course(course, verdicts):
-    """The same course, judged before."""
+    """Return the course with its verdicts."""
     shutil.copytree(verdicts, course.verdicts, dirs_exist_ok=True)
     return course
 
@@ -145,7 +145,7 @@ def scores_by_verdict(judged):
 
 
 def entered(course):
-    """Score by student, stage and notebook, as the gradebook holds them."""
+    """Return the score of each student, stage and notebook in the gradebook."""
     results = class_results(course).notebooks
     return {
         (result.student, result.stage, result.lesson): result.score
@@ -181,7 +181,7 @@ def test_scores_reach_the_gradebook(judged_course, sandbox):
 
 
 @pytest.mark.slow
-def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(course, sandbox):
+def test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests(course, sandbox):
     made = nbgrader(course, "generate_assignment", LESSON.stage, "--force")
     assert made.returncode == 0, made.stderr
     assert (
@@ -258,7 +258,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         "test_match_boxes": (5, None, False),
         "second_data_set": (None, None, True),
         "write_up": (0, None, False),
-    }  # left as it was
+    }  # the exercise is untouched
     assert not any(by_hand for _, _, by_hand in grades("untouched").values())
 
     with gradebook.open_gradebook(course) as book:
@@ -284,51 +284,49 @@ def test_second_run_judges_only_what_changed(judged_course, sandbox, monkeypatch
 
 
 @pytest.mark.slow
-def test_a_verdict_that_does_not_say_of_what_is_reached_again(judged_course, sandbox):
-    """As those do that were written before it was noted."""
+def test_a_verdict_without_a_fingerprint_is_judged_again(judged_course, sandbox):
+    """Verdicts of older versions have no fingerprint of the submission."""
     path = judged_course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json"
     verdict = json.loads(path.read_text("utf-8"))
     fingerprint = verdict.pop("fingerprint")
     path.write_text(json.dumps(verdict), "utf-8")
-    (half,) = [
-        submission for submission in find_submissions(judged_course) if submission.student == "half"
-    ]
+    (half,) = [item for item in find_submissions(judged_course) if item.student == "half"]
     assert grade.stored_verdict(judged_course, half, SEED) is None
-    judged = {one.student: verdict for one, verdict in judge_it(judged_course, sandbox)}
+    judged = {item.student: verdict for item, verdict in judge_it(judged_course, sandbox)}
     assert json.loads(path.read_text("utf-8"))["fingerprint"] == fingerprint
     assert judged["half"] == grade.stored_verdict(judged_course, half, SEED)
-    assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # whom does it concern?
+    assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # students do not see these
 
 
 @pytest.mark.slow
-def test_what_was_replaced_after_it_was_judged_is_not_entered(
+def test_a_submission_replaced_after_judging_is_not_entered(
     judged_course, sandbox, monkeypatch, capsys
 ):
-    def place(student):
+    def folder(student):
         return judged_course.submitted / student / LESSON.stage
 
     def judge_and_replace(*about):
-        judged = right(*about)
-        (place("half") / f"{LESSON.name}.ipynb").write_text(answer(), "utf-8")
-        (place("untouched") / "helper.py").write_text("x = 1", "utf-8")
-        (place("broken") / f"{LESSON.name}.ipynb").unlink()
+        judged = original(*about)
+        (folder("half") / f"{LESSON.name}.ipynb").write_text(answer(), "utf-8")
+        (folder("untouched") / "helper.py").write_text("x = 1", "utf-8")
+        (folder("broken") / f"{LESSON.name}.ipynb").unlink()
         return judged
 
-    right = grade.judge_class
+    original = grade.judge_class
     monkeypatch.setattr(grade, "judge_class", judge_and_replace)
     grading = (judged_course, (), SEED, sandbox, 2)
     assert commands.grade_course(*grading) == commands.FAULT
-    said = " ".join(capsys.readouterr().err.split())
+    errors = " ".join(capsys.readouterr().err.split())
     for student in ("half", "untouched", "broken"):
-        told = (
+        sentence = (
             f"{student}, {LESSON.stage}: {LESSON.name}.ipynb, or a module beside it, was replaced"
         )
-        assert f"{told} after it was judged" in said
-        assert said.count(f"{student}, {LESSON.stage}") == 1
+        assert f"{sentence} after it was judged" in errors
+        assert errors.count(f"{student}, {LESSON.stage}") == 1
     assert [student for student, *_ in entered(judged_course)] == ["right"]
     assert [path.name for path in judged_course.autograded.glob("*/*")] == [LESSON.stage]
 
-    monkeypatch.setattr(grade, "judge_class", right)
+    monkeypatch.setattr(grade, "judge_class", original)
     assert commands.grade_course(*grading) == commands.GOOD
     scores = {student: score for (student, *_), score in entered(judged_course).items()}
     assert scores == {"right": 30, "half": 30, "untouched": 0}
@@ -349,11 +347,11 @@ def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_co
 
 
 @pytest.mark.slow
-def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
-    """Whatever is done to it while it is copied."""
-    place = judged_course.submitted / "half" / LESSON.stage
-    (place / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
-    (place / "seen.txt").write_bytes(b"\xfc")
+def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
+    """Copies have the text that the judge read, even if it replaced bytes."""
+    folder = judged_course.submitted / "half" / LESSON.stage
+    (folder / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
+    (folder / "seen.txt").write_bytes(b"\xfc")
     enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     copies = judged_course.autograded / "half" / LESSON.stage
     assert (copies / "helper.py").read_bytes() == "x = 'J\ufffdrgen'\r\n".encode()
@@ -414,21 +412,21 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
     assert kept
     judged = judge_it(course, sandbox)
     assert len(judged) == 12
-    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+    assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
 
 
 @pytest.mark.slow
 def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
-    """Without our plugin the graded cells are ordinary nbgrader tests."""
+    """Without the course's plugin, the graded cells are ordinary tests of nbgrader."""
     import nbclient
     import nbformat
     from nbgrader.utils import determine_grade
 
     for text, score in ((answer(), 10.0), (answer("filter_ground"), 0.0)):
-        whole = nbformat.reads(text, as_version=4)
-        whole.cells = [
+        notebook = nbformat.reads(text, as_version=4)
+        notebook.cells = [
             cell
-            for cell in whole.cells
+            for cell in notebook.cells
             if cell.cell_type == "code"
             and (
                 cell.source.startswith(("# Run this", "import matplotlib"))
@@ -437,15 +435,15 @@ def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
             )
         ]
         nbclient.NotebookClient(
-            whole,
+            notebook,
             allow_errors=True,
             timeout=600,
             resources={"metadata": {"path": str(LESSON.released.parent)}},
         ).execute()
-        assert determine_grade(whole.cells[-1]) == (score, 10.0)
+        assert determine_grade(notebook.cells[-1]) == (score, 10.0)
 
 
-def test_submissions_are_found_and_others_ignored(course):
+def test_submissions_are_found_and_other_files_ignored(course):
     (course.submitted / "right" / LESSON.stage / "notes.ipynb").write_text("{}")
     (course.submitted / "right" / "stage9" / "x.ipynb").parent.mkdir()
     found = grade.find_submissions(course)
@@ -454,7 +452,7 @@ def test_submissions_are_found_and_others_ignored(course):
 
 
 @pytest.mark.slow
-def test_odd_files_and_names_do_not_stop_the_class(judged_course, sandbox, capsys):
+def test_unusual_files_and_names_do_not_stop_grading(judged_course, sandbox, capsys):
     from grader.console import print_class
 
     stage = judged_course.submitted / "[red]" / LESSON.stage
@@ -473,7 +471,7 @@ def test_odd_files_and_names_do_not_stop_the_class(judged_course, sandbox, capsy
     write_report(judged_course, judged)
 
 
-def test_a_failing_judge_stops_nobody_and_tries_again(course, sandbox, monkeypatch):
+def test_a_failed_verdict_is_judged_again(course, sandbox, monkeypatch):
     submission = grade.find_submissions(course)[0]
     verdict = grade.failed_verdict(submission, ValueError("oh"))
     assert "not the student's fault" in verdict.problems[0]
@@ -489,10 +487,10 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
     from grader.lms.autograded import write_verdict
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
-    whole = {
+    verdicts_by_student = {
         submission.student: verdict for submission, verdict in judge_it(judged_course, sandbox)
     }
-    verdict = whole["right"]
+    verdict = verdicts_by_student["right"]
     problem = "![](http://example.org) [a](javascript:alert) <script>"
     write_verdict(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
     text = notebook.cells[0].source
@@ -500,7 +498,7 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
 
 
 @pytest.mark.slow
-def test_report_tells_and_escapes(judged_course, sandbox):
+def test_the_report_escapes_text_of_students(judged_course, sandbox):
     path = judged_course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(
         fill_in(
@@ -521,19 +519,19 @@ def test_report_tells_and_escapes(judged_course, sandbox):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    # Twelve hold one of each kind; the stage with the fewest notebooks is enough for that.
+    # Twelve students include one of each kind, which the stage with the fewest notebooks tests.
     "stage, students",
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )
 def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
-    wanted = ["--students", str(students), "--stages", stage]
-    assert cli.main(["demo", *wanted, "--workers", "2"]) == 0
-    shown = capsys.readouterr().out
-    assert "Report: " in shown
+    options = ["--students", str(students), "--stages", stage]
+    assert cli.main(["demo", *options, "--workers", "2"]) == 0
+    output = capsys.readouterr().out
+    assert "Report: " in output
     course = Course(tmp_path / "demo")
     scores = entered(course)
-    whole = sum(
+    most = sum(
         exercise.points
         for lesson in all_lessons()
         if lesson.stage == stage
@@ -543,16 +541,16 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     by_student = {}
     for (student, _, _), score in scores.items():
         by_student[student] = by_student.get(student, 0) + score
-    assert by_student["ada"] == whole
+    assert by_student["ada"] == most
     assert by_student["untouched"] == by_student.get("cut_off", 0) == 0
     if not sandbox.warning:
         assert by_student.get("mallory", 0) == 0
     assert len(by_student) == students
-    assert 0 < by_student["chioma"] < whole
+    assert 0 < by_student["chioma"] < most
     assert (course.report / "index.html").stat().st_size > 10_000
 
 
-def test_demo_of_all_stages_is_of_every_lesson(monkeypatch, tmp_path):
+def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     graded = []
     monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
     monkeypatch.setattr(
@@ -561,7 +559,7 @@ def test_demo_of_all_stages_is_of_every_lesson(monkeypatch, tmp_path):
     assert cli.main(["demo", "--students", "2", "--stages"]) == 0
     assert cli.main(["demo", "--students", "1"]) == 0
     assert cli.main(["demo", "--stages", "stage9_none"]) == 2
-    everything, usual = ([one.lesson for one in found] for found in graded)
+    everything, usual = ([submission.lesson for submission in found] for found in graded)
     assert everything == [*all_lessons(), *all_lessons()]
     assert {lesson.stage for lesson in usual} == {"stage3_obstacles"}
 

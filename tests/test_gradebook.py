@@ -1,4 +1,4 @@
-"""What the gradebook says is what the verdicts say: entered, compared, mended and withdrawn."""
+"""The gradebook agrees with the verdicts: entering, comparing, repairing and withdrawing."""
 
 import dataclasses
 import datetime
@@ -32,7 +32,7 @@ GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
 STREAM = find_lesson("12_streaming_obstacles")
 STAGE = GROUND.stage
-# Of each student what each exercise earns, by lesson; nothing round.
+# Points of each exercise, by student and lesson; the numbers are not round.
 EARNED = {
     "ada": {GROUND: (3.25, 8.5), DISTANCE: (11.75, 2.0, 4.5)},
     "bob": {DISTANCE: (19.5, 0.0, 1.25)},
@@ -50,7 +50,7 @@ def verdict_on(course, submission, earned, **more):
         ExerciseResult(exercise.name, score, exercise.points, ())
         for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
     )
-    about = {
+    fields = {
         "status": "".join(JUDGED),  # equal, and another object: verdicts are read from files
         "key": f"of {submission.student} {earned}",
         "fingerprint": submission.read(course).fingerprint(),
@@ -63,12 +63,12 @@ def verdict_on(course, submission, earned, **more):
         exercises=exercises,
         problems=(),
         seconds=0.0,
-        **about,
+        **fields,
     )
 
 
 def verdicts(course, earned=EARNED, **more):
-    """(submission, verdict) of everything that was handed in and is to be entered."""
+    """Return (submission, verdict) of each submission that has points in `earned`."""
     return [
         (
             submission,
@@ -84,7 +84,7 @@ def quiet(done, total, student):
 
 
 def make_course(root):
-    """A course that has released two lessons of a stage; two students handed in."""
+    """Return a course with two released lessons of a stage and submissions of two students."""
     course = Course(root)
     (course.released / STAGE).mkdir(parents=True)
     for lesson in (GROUND, DISTANCE):
@@ -110,14 +110,14 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def entered(entered_once, tmp_path):
-    """The same course, and its two students in the gradebook."""
+    """Return a copy of the course whose two students are in the gradebook."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def marks(course):
-    """What each cell earned of what it may, by student and cell."""
+    """Return the points and maximum of each graded cell, by student and cell."""
     with gradebook.open_gradebook(course) as book:
         return {
             (submission.student.id, grade.name): (grade.auto_score, grade.max_score)
@@ -129,13 +129,13 @@ def marks(course):
 
 
 def penalties(course):
-    """What is taken off for lateness, by student; only where something is."""
+    """Return the penalty for lateness of each student who has one."""
     stages = class_results(course).stages
     return {stage.student: stage.penalty for stage in stages if stage.penalty}
 
 
 def expected_marks(earned=EARNED):
-    """The same, as the verdicts say; 0 for what was not handed in."""
+    """Return the marks that follow from the verdicts, with 0 for missing notebooks."""
     return {
         (student, exercise.cell): (score, exercise.points)
         for student, lessons in earned.items()
@@ -151,39 +151,39 @@ def expected_marks(earned=EARNED):
 # ---- entering -----------------------------------------------------------------------------------
 
 
-def test_what_is_entered_is_what_was_judged(course):
-    told = []
+def test_entered_marks_agree_with_the_verdicts(course):
+    events = []
     assert (
-        enter_verdicts(course, verdicts(course), [STAGE], lambda *news: told.append(news)) is None
+        enter_verdicts(course, verdicts(course), [STAGE], lambda *news: events.append(news)) is None
     )
     assert marks(course) == expected_marks()
-    assert told == [(1, 2, "ada"), (2, 2, "bob")]
+    assert events == [(1, 2, "ada"), (2, 2, "bob")]
     results = class_results(course)
     assert [
         (notebook.student, notebook.lesson, notebook.score) for notebook in results.notebooks
     ] == [
         ("ada", GROUND.name, 11.75),
         ("ada", DISTANCE.name, 18.25),
-        ("bob", GROUND.name, None),  # not handed in
+        ("bob", GROUND.name, None),  # missing
         ("bob", DISTANCE.name, 20.75),
     ]
-    assert {(one.stage, one.max_score) for one in results.notebooks} == {(STAGE, 30.0)}
-    assert [one.standing for one in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
+    assert {(result.stage, result.max_score) for result in results.notebooks} == {(STAGE, 30.0)}
+    assert [result.standing for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
     assert penalties(course) == {}
 
 
 def inode(course, student="ada"):
-    """Of the folder of copies: another one when it was written again."""
+    """Return the inode of a student's folder of copies, which changes if it is written again."""
     return (course.autograded / student / STAGE).stat().st_ino
 
 
-def test_what_is_there_is_not_written_again(entered):
+def test_unchanged_marks_are_not_written_again(entered):
     before = [inode(entered, student) for student in EARNED]
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert [inode(entered, student) for student in EARNED] == before
 
 
-def test_of_who_is_judged_anew_the_marks_are_new(entered):
+def test_a_new_verdict_replaces_the_marks(entered):
     before = inode(entered, "bob")
     hand_in(entered, "ada", GROUND, " ")
     earned = EARNED | {"ada": {GROUND: (10.0, 0.25), DISTANCE: (11.75, 2.0, 4.5)}}
@@ -192,7 +192,7 @@ def test_of_who_is_judged_anew_the_marks_are_new(entered):
     assert inode(entered, "bob") == before
 
 
-def test_who_judging_failed_on_is_not_entered_and_stays_as_before(entered):
+def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
     judged = verdicts(entered)
     failed = dataclasses.replace(judged[0][1], status=FAILED, score=0.0)
     hand_in(entered, "bob", DISTANCE, " ")
@@ -201,14 +201,14 @@ def test_who_judging_failed_on_is_not_entered_and_stays_as_before(entered):
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(entered, judged, [STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
-    where = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
+    path = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
     assert sentence == (
-        f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}; see {where}"
+        f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}; see {path}"
     )
     assert marks(entered) == expected_marks(earned)
 
 
-def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
+def test_a_submission_replaced_after_judging_is_not_entered(entered):
     earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
     judged = verdicts(entered, earned)
     hand_in(entered, "ada", GROUND, " ")
@@ -219,15 +219,13 @@ def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
     assert marks(entered) == expected_marks()
 
 
-def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_half_done(
-    course, monkeypatch
-):
-    right, tries = gradebook_writer._save, []
+def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(course, monkeypatch):
+    original, tries = gradebook_writer._save, []
 
     def fail(notebook, *about):
-        right(notebook, *about)
+        original(notebook, *about)
         tries.append(notebook)
-        if len(tries) == 2:  # of two notebooks of ada's the first was written
+        if len(tries) == 2:  # the first of ada's two notebooks is written
             raise ValueError("no")
 
     monkeypatch.setattr(gradebook_writer, "_save", fail)
@@ -244,7 +242,7 @@ def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_hal
     assert marks(course) == expected_marks()
 
 
-def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
+def test_ctrl_c_leaves_no_partial_marks(course, monkeypatch):
     def kill(*about):
         raise KeyboardInterrupt
 
@@ -254,19 +252,19 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
     assert marks(course) == {}
 
 
-# ---- what is different --------------------------------------------------------------------------
+# ---- differences --------------------------------------------------------------------------------
 
 
-def found_in(course, entry=None):
-    """The differences between the gradebook and the verdicts on ada."""
+def differences_in(course, entry=None):
+    """Return the differences between the gradebook and the verdicts on Ada or in `entry`."""
     entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
-    late = load_penalty_plugin(course)
+    plugin = load_penalty_plugin(course)
     with gradebook.open_gradebook(course) as book:
-        return differences(course, book, entry, late, Deadlines({}))
+        return differences(course, book, entry, plugin, Deadlines({}))
 
 
 def alter(course, change):
-    """Change something of ada's in the gradebook, as nbgrader or a person might."""
+    """Change Ada's submission in the gradebook, as nbgrader or a person might."""
     with gradebook.open_gradebook(course) as book:
         change(book.find_submission(STAGE, "ada"))
         book.db.commit()
@@ -281,24 +279,24 @@ def grade_of(submission, exercise):
     )
 
 
-def change_score(by):
+def change_score(difference):
     def change(submission):
-        grade_of(submission, "voxel_grid").auto_score += by
+        grade_of(submission, "voxel_grid").auto_score += difference
 
     return change
 
 
-def change_worth(by):
+def change_worth(difference):
     def change(submission):
-        grade_of(submission, "voxel_grid").cell.max_score += by
+        grade_of(submission, "voxel_grid").cell.max_score += difference
 
     return change
 
 
-def set_penalty(to):
+def set_penalty(penalty):
     def change(submission):
-        (notebook,) = (one for one in submission.notebooks if one.name == GROUND.name)
-        notebook.late_submission_penalty = to
+        (notebook,) = (book for book in submission.notebooks if book.name == GROUND.name)
+        notebook.late_submission_penalty = penalty
 
     return change
 
@@ -322,40 +320,40 @@ def set_time(submission):
         (set_time, f"ada, {STAGE}: the gradebook has another time of submission"),
     ],
 )
-def test_every_difference_is_named_and_mended(entered, change, says):
+def test_every_difference_is_named_and_corrected(entered, change, says):
     alter(entered, change)
-    found = found_in(entered)
+    found = differences_in(entered)
     assert len(found) == (says is not None)
     assert all(sentence.endswith(says) for sentence in found)
     before = inode(entered)
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert found_in(entered) == []
+    assert differences_in(entered) == []
     assert marks(entered) == {
         cell: (pytest.approx(score, abs=1e-8), most)
         for cell, (score, most) in expected_marks().items()
     }
-    # What a cell is worth is mended with the release, before anybody is entered.
+    # The worth of a cell is corrected with the release, before students are entered.
     assert (inode(entered) == before) == (says is None or "is worth" in says)
 
 
-def test_points_for_what_was_not_handed_in_are_a_difference(entered):
+def test_points_for_a_missing_notebook_are_a_difference(entered):
     entry = StageEntry("bob", STAGE, tuple(verdicts(entered)[2:]))
-    assert found_in(entered, entry) == []
+    assert differences_in(entered, entry) == []
     with gradebook.open_gradebook(entered) as book:
         grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
         book.db.commit()
-    (sentence,) = found_in(entered, entry)
+    (sentence,) = differences_in(entered, entry)
     assert sentence.endswith("test_filter_ground has 0.5 points, judged were 0.0")
 
 
-def test_who_is_not_in_the_gradebook_is_named(entered):
+def test_students_who_are_not_in_the_gradebook_are_named(entered):
     entry = StageEntry("eve", STAGE, ())
-    assert found_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
+    assert differences_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
     (submission, verdict), _ = verdicts(entered)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
     judged = (*verdicts(entered)[:2], (later, other))
-    assert found_in(entered, StageEntry("ada", STAGE, judged)) == [
+    assert differences_in(entered, StageEntry("ada", STAGE, judged)) == [
         f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
     ]
 
@@ -364,15 +362,15 @@ def test_who_is_not_in_the_gradebook_is_named(entered):
 @pytest.mark.parametrize(
     "content", [None, "{", "[]", "{}", '{"metadata": 7}', '{"metadata": {"verdict_key": "x"}}']
 )
-def test_a_copy_that_is_not_of_this_verdict_is_made_again(entered, content):
+def test_a_copy_of_another_verdict_is_replaced(entered, content):
     path = entered.autograded / "ada" / STAGE / f"{DISTANCE.name}.ipynb"
     path.unlink()
     if content is not None:
         path.write_text(content)
-    (sentence,) = found_in(entered)
+    (sentence,) = differences_in(entered)
     assert sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy is of another verdict"
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert found_in(entered) == []
+    assert differences_in(entered) == []
     assert json.loads(path.read_text())["metadata"]["verdict_key"]
 
 
@@ -385,23 +383,23 @@ def registered(course):
         return trouble, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
-def test_lessons_that_are_released_are_registered_and_no_others(course):
+def test_only_released_lessons_are_registered(course):
     assert registered(course) == ([], {GROUND.name, DISTANCE.name})
-    shutil.rmtree(course.released)  # then all there are
+    shutil.rmtree(course.released)  # then all lessons of the stage are registered
     _, names = registered(course)
     assert len(names) == 4 and "08_bounding_boxes" in names
     assert not (course.root / "notebooks").exists()  # the release is only read
 
 
-def test_a_stage_that_is_known_keeps_no_other_from_being_registered(course):
+def test_a_registered_stage_does_not_prevent_registering_another(course):
     registered(course)
     with gradebook.open_gradebook(course) as book:
         assert register_stages(course, book, [STAGE, "stage1_ransac"]) == []
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
-# A cell that no release has, by what it is for.
-OF_OLD = {
+# Cells that are in no release, by their kind.
+EXTRA_CELLS = {
     "source": functools.partial(SourceCell, name="of_old", cell_type="code", source=""),
     "points": functools.partial(GradeCell, name="of_old", cell_type="code", max_score=0.0),
     "solution": functools.partial(SolutionCell, name="of_old"),
@@ -422,11 +420,11 @@ def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
 ):
     registered(course)
     saved = []
-    right = registration.SaveCells.preprocess
+    original = registration.SaveCells.preprocess
 
     def save(self, notebook, about):
         saved.append(about["nbgrader"]["notebook"])
-        return right(self, notebook, about)
+        return original(self, notebook, about)
 
     monkeypatch.setattr(registration.SaveCells, "preprocess", save)
     assert registered(course)[0] == saved == []
@@ -437,15 +435,15 @@ def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
             "points": notebook.grade_cells,
             "solution": notebook.solution_cells,
         }
-        *how, kind = what.split()
+        *words, kind = what.split()
         if what == "checksum":
             notebook.source_cells[1].checksum = "another"
         elif what == "name":
             notebook.grade_cells[0].name = "test_another"
-        elif how == ["no"]:
+        elif words == ["no"]:
             book.db.delete(cells[kind][0])
-        elif how:
-            book.db.add(OF_OLD[kind](notebook=notebook))
+        elif words:
+            book.db.add(EXTRA_CELLS[kind](notebook=notebook))
         else:
             notebook.grade_cells[0].max_score += 1
         book.db.commit()
@@ -468,9 +466,9 @@ def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
 # ---- withdrawn ----------------------------------------------------------------------------------
 
 
-def test_what_is_withdrawn_is_taken_out_and_no_other(entered):
+def test_only_withdrawn_work_is_removed(entered):
     judged = verdicts(entered)
-    enter_verdicts(entered, judged, ["stage1_ransac"], quiet)  # of another stage
+    enter_verdicts(entered, judged, ["stage1_ransac"], quiet)  # another stage
     enter_verdicts(entered, judged[:2], [STAGE], quiet)
     assert {student for student, _ in marks(entered)} == {"ada"}
     assert not (entered.autograded / "bob" / STAGE).exists()
@@ -479,7 +477,7 @@ def test_what_is_withdrawn_is_taken_out_and_no_other(entered):
     assert {student for student, _ in marks(entered)} == {"ada"}
 
 
-def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
+def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered):
     shutil.rmtree(entered.autograded)
     enter_verdicts(entered, verdicts(entered)[2:], [STAGE], quiet)
     assert {student for student, _ in marks(entered)} == {"bob"}
@@ -489,9 +487,9 @@ def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
 @pytest.mark.parametrize(
     "given", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
 )
-def test_what_a_person_gave_is_never_taken_out(entered, given):
+def test_manual_marks_and_comments_are_never_removed(entered, given):
     with gradebook.open_gradebook(entered) as book:
-        for student in EARNED:  # which Formgrader leaves where something was and is taken back
+        for student in EARNED:  # Formgrader leaves these if an entry is revoked
             for notebook in book.find_submission(STAGE, student).notebooks:
                 notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
         notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
@@ -506,7 +504,7 @@ def test_what_a_person_gave_is_never_taken_out(entered, given):
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence.startswith(f"ada, {STAGE}: nothing is handed in any more")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
-    assert {student for student, _ in marks(entered)} == {"ada"}  # and bob is out
+    assert {student for student, _ in marks(entered)} == {"ada"}  # bob is removed
     assert (entered.autograded / "ada" / STAGE).is_dir()
 
 
@@ -529,27 +527,27 @@ def set_due(course, hour):
     ("seconds", "lost"),
     [(-1, {}), (0, {}), (1, {"ada": pytest.approx(3.0)}), (2400, {"ada": pytest.approx(3.0)})],
 )
-def test_who_is_late_loses_what_the_course_says(entered, seconds, lost):
+def test_late_students_lose_the_penalty_of_the_course(entered, seconds, lost):
     (entered.root / "nbgrader_config.py").write_text(LATE)
-    when = entered.submitted / "ada" / STAGE / "timestamp.txt"
+    path = entered.submitted / "ada" / STAGE / "timestamp.txt"
     handed_in = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
-    when.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
+    path.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
     set_due(entered, "12")
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
     with gradebook.open_gradebook(entered) as book:
         assert book.find_submission(STAGE, "ada").timestamp == handed_in
         assert book.find_submission(STAGE, "bob").timestamp is None
-    assert found_in(entered) == []
-    set_due(entered, "14")  # somebody is kind
-    assert len(found_in(entered)) == 2 * len(lost)
+    assert differences_in(entered) == []
+    set_due(entered, "14")  # the due date moves
+    assert len(differences_in(entered)) == 2 * len(lost)
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == {}
 
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(("hour", "lost"), [("14", {}), ("12", {}), ("11", {"ada": 30.0})])
-def test_a_penalty_that_asks_for_no_time_is_for_who_is_late(entered, hour, lost):
+def test_a_penalty_without_time_applies_to_late_students(entered, hour, lost):
     (entered.root / "nbgrader_config.py").write_text(
         "c = get_config()\nc.LateSubmissionPlugin.penalty_method = 'zero'\n"
     )
@@ -559,7 +557,7 @@ def test_a_penalty_that_asks_for_no_time_is_for_who_is_late(entered, hour, lost)
     assert penalties(entered) == lost
 
 
-def test_without_a_penalty_nobody_loses_anything(entered):
+def test_without_a_penalty_plugin_late_students_lose_no_points(entered):
     (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
     set_due(entered, "11")
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
@@ -568,43 +566,43 @@ def test_without_a_penalty_nobody_loses_anything(entered):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400, b"", b" \n"])
-def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
-    when = entered.submitted / "ada" / STAGE / "timestamp.txt"
-    when.write_bytes(text)
+def test_lateness_of_an_unreadable_time_is_undecided(entered, text):
+    path = entered.submitted / "ada" / STAGE / "timestamp.txt"
+    path.write_bytes(text)
 
     def undecided():
         enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
         stages = class_results(entered).stages
         return [stage.student for stage in stages if stage.undecided]
 
-    assert undecided() == []  # nothing is due
+    assert undecided() == []  # there is no due date
     set_due(entered, "11")
     assert undecided() == ["ada"]
     assert marks(entered) == expected_marks() and penalties(entered) == {}
-    when.unlink()  # nobody wants to know
+    path.unlink()  # without the file, no time is expected
     assert undecided() == []
-    assert found_in(entered) == []
+    assert differences_in(entered) == []
 
 
 # ---- files --------------------------------------------------------------------------------------
 
 
 @pytest.mark.end_to_end
-def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
-    place = course.submitted / "ada" / STAGE
-    (place / "figures" / "first").mkdir(parents=True)
-    (place / "figures" / "first" / "street.txt").write_text("a picture")
-    (place / "helper.py").write_bytes(b"x = 1  # caf\xe9")
-    (place / "README").write_text("read me")
-    (place / "distances.csv").write_text("1,2")
+def test_files_next_to_a_notebook_are_copied(course):
+    folder = course.submitted / "ada" / STAGE
+    (folder / "figures" / "first").mkdir(parents=True)
+    (folder / "figures" / "first" / "street.txt").write_text("a picture")
+    (folder / "helper.py").write_bytes(b"x = 1  # caf\xe9")
+    (folder / "README").write_text("read me")
+    (folder / "distances.csv").write_text("1,2")
     for hidden in (".ipynb_checkpoints", "__pycache__"):
-        (place / hidden).mkdir()
-        (place / hidden / "old.txt").write_text("old")
-    (place / ".hidden").write_text("hidden")
-    (place / "essay.ipynb").write_text("{}")
+        (folder / hidden).mkdir()
+        (folder / hidden / "old.txt").write_text("old")
+    (folder / ".hidden").write_text("hidden")
+    (folder / "essay.ipynb").write_text("{}")
     (course.root / "secret.txt").write_text("secret")
-    (place / "link.txt").symlink_to(course.root / "secret.txt")
-    os.mkfifo(place / "pipe.txt")
+    (folder / "link.txt").symlink_to(course.root / "secret.txt")
+    os.mkfifo(folder / "pipe.txt")
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     copies = course.autograded / "ada" / STAGE
     files = {str(path.relative_to(copies)): path for path in copies.rglob("*") if path.is_file()}
@@ -613,14 +611,14 @@ def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
         *("helper.py", "README", "distances.csv", os.path.join("figures", "first", "street.txt")),
     }
     assert {path.stat().st_mode & 0o777 for path in files.values()} == {0o444}
-    assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # as it was judged
-    assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no draft, no old one
-    (place / "helper.py").unlink()
+    assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # the text that was judged
+    assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no temporary folders
+    (folder / "helper.py").unlink()
     enter_verdicts(course, verdicts(course, key="another"), [STAGE], quiet)
     assert not files["helper.py"].exists() and files[f"{GROUND.name}.ipynb"].exists()
 
 
-def test_what_a_killed_run_left_is_cleared_away(entered):
+def test_folders_of_a_killed_run_are_removed(entered):
     for name in (f".{STAGE}.part", f".{STAGE}.old"):
         (entered.autograded / "ada" / name).mkdir()
         (entered.autograded / "ada" / name / "stray.txt").write_text("stray")
@@ -633,33 +631,33 @@ def test_what_a_killed_run_left_is_cleared_away(entered):
 
 
 class Session(SimpleNamespace):
-    """What was asked of a database."""
+    """Database session that records calls."""
 
     def __init__(self):
         super().__init__(asked=[])
 
     def flush(self):
-        self.asked.append("flush")
+        self.calls.append("flush")
 
     def rollback(self):
-        self.asked.append("rollback")
+        self.calls.append("rollback")
 
     def commit(self):
-        self.asked.append("commit")
+        self.calls.append("commit")
 
 
-def test_what_nbgrader_commits_step_by_step_is_committed_at_the_end():
+def test_commits_of_nbgrader_are_delayed_to_the_end():
     session = Session()
     with gradebook_writer._one_transaction(SimpleNamespace(db=lambda: session)):
         session.commit()
         session.commit()
-        assert session.asked == ["flush", "flush"]
+        assert session.calls == ["flush", "flush"]
     session.commit()
-    assert session.asked == ["flush", "flush", "commit", "commit"]
+    assert session.calls == ["flush", "flush", "commit", "commit"]
 
 
 @pytest.mark.parametrize("error", [ValueError("no"), KeyboardInterrupt()])
-def test_or_not_at_all(error):
+def test_an_error_rolls_the_transaction_back(error):
     session = Session()
     with (
         pytest.raises(type(error)),
@@ -668,7 +666,7 @@ def test_or_not_at_all(error):
         session.commit()
         raise error
     session.commit()
-    assert session.asked == ["flush", "rollback", "commit"]
+    assert session.calls == ["flush", "rollback", "commit"]
 
 
 # ---- written answers ----------------------------------------------------------------------------
@@ -676,7 +674,7 @@ def test_or_not_at_all(error):
 
 @pytest.fixture
 def written(tmp_path):
-    """A course of lesson 12, where a person grades; and a function that enters an answer."""
+    """Return a course of lesson 12, which has manual grading, and a function to enter an answer."""
     course = Course(tmp_path / "course")
     (course.released / STREAM.stage).mkdir(parents=True)
     shutil.copy(STREAM.released, course.released / STREAM.stage)
@@ -696,7 +694,10 @@ def written(tmp_path):
 
 
 def about_answer(course, manual_score=None):
-    """(mark, whether it waits for a person, comment on an answer); and give it a mark."""
+    """Return the mark, whether it waits for manual grading, and the comment on an answer.
+
+    A `manual_score` is entered after the answer was read.
+    """
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade("write_up", STREAM.name, STREAM.stage, "ada")
         comment = book.find_comment("write_up", STREAM.name, STREAM.stage, "ada")
@@ -706,7 +707,7 @@ def about_answer(course, manual_score=None):
         return grade.manual_score, grade.needs_manual_grade, comment.auto_comment
 
 
-def test_a_mark_is_for_the_answer_that_was_read(written):
+def test_a_changed_answer_must_be_graded_again(written):
     course, enter_answer = written
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course) == (None, True, None)
@@ -720,20 +721,20 @@ def test_a_mark_is_for_the_answer_that_was_read(written):
 
 
 @pytest.mark.end_to_end
-def test_of_an_answer_that_was_not_given_the_comment_says_so(written):
+def test_the_comment_on_a_missing_answer_says_so(written):
     course, enter_answer = written
     enter_answer("")
     assert about_answer(course)[2] == "No response."
     assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
-    for found in range(8):  # whichever of two checksums comes first
+    for found in range(8):  # for either order of two checksums
         enter_answer(f"It finds {found} of 17 cars.")
         assert about_answer(course)[2] is None
 
 
-# ---- where it is --------------------------------------------------------------------------------
+# ---- location -----------------------------------------------------------------------------------
 
 
-def test_where_the_gradebook_is_is_said_without_a_password(course):
+def test_the_location_of_the_gradebook_hides_the_password(course):
     assert gradebook.gradebook_location(course) == str(course.root / "gradebook.db")
     assert not gradebook.gradebook_exists(course)
     with gradebook.open_gradebook(course):
@@ -744,7 +745,7 @@ def test_where_the_gradebook_is_is_said_without_a_password(course):
         "c.CourseDirectory.db_url = 'postgresql+pg8000://teacher:secret@host/grades'\n"
     )
     assert gradebook.gradebook_location(course) == "postgresql+pg8000://teacher:***@host/grades"
-    assert gradebook.gradebook_exists(course)  # or else the server says so
+    assert gradebook.gradebook_exists(course)  # only the server knows whether it exists
 
 
 @pytest.mark.parametrize(
@@ -755,7 +756,7 @@ def test_where_the_gradebook_is_is_said_without_a_password(course):
         ("postgresql+psycopg2cffi://host/grades", "needs the package psycopg2cffi, which is not"),
     ],
 )
-def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
+def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course, url, says):
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
@@ -767,10 +768,10 @@ def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
 
 
 @pytest.mark.parametrize("kind", [StageEntry, GradebookRow])
-def test_what_is_entered_and_what_is_read_stays_as_it_is(kind):
+def test_entries_and_rows_are_frozen(kind):
     assert kind.__dataclass_params__.frozen
 
 
-def test_a_student_who_handed_in_nothing_is_not_there(entered):
+def test_a_student_without_work_is_not_in_the_gradebook(entered):
     with gradebook.open_gradebook(entered) as book, pytest.raises(MissingEntry):
         book.find_submission(STAGE, "eve")
