@@ -1,4 +1,4 @@
-"""Marks for Gradescope: the autograder that hands them out, run as Gradescope runs it."""
+"""Marks for Gradescope: the exported autograder, run in the same way as by Gradescope."""
 
 import dataclasses
 import io
@@ -28,7 +28,7 @@ VISIBLE = {"hidden", "after_due_date", "after_published", "visible"}
 
 @pytest.fixture
 def course(tmp_path):
-    """Two students with a notebook each, judged."""
+    """Return a course with the verdicts on two students' notebooks."""
     course = Course(tmp_path / "course")
     for student in ("anna", "bo"):
         folder = course.submitted / student / STAGE
@@ -72,14 +72,17 @@ def write(course, people=(ANNA, BO), **settings):
 
 @pytest.fixture
 def run(tmp_path, course):
-    """Upload the zip, hand in a folder as somebody, return what Gradescope reads then."""
+    """Return a function that runs an exported autograder on a student's folder.
 
-    def running(exported, student, email):
+    The result is what Gradescope would read, or the error message if the autograder fails.
+    """
+
+    def run_autograder(exported, student, email):
         root = tmp_path / "autograder"
         shutil.rmtree(root, ignore_errors=True)
         with zipfile.ZipFile(io.BytesIO(exported.content)) as archive:
             archive.extractall(root / "source")
-            modes = {one.filename: one.external_attr >> 16 for one in archive.infolist()}
+            modes = {member.filename: member.external_attr >> 16 for member in archive.infolist()}
         assert modes["setup.sh"] & modes["run_autograder"] & stat.S_IXUSR
         shutil.copytree(course.submitted / student / STAGE, root / "submission")
         (root / "submission" / "__MACOSX").mkdir()
@@ -88,27 +91,27 @@ def run(tmp_path, course):
         (root / "submission_metadata.json").write_text(json.dumps({"users": users}))
         script = (root / "source" / "run_autograder").read_text()
         assert script.startswith("#!/usr/bin/env python3\n")
-        # Gradescope runs it from /autograder; the path is all that differs here.
+        # Gradescope runs the script in /autograder; only the path is different here.
         script = script.replace('Path("/autograder")', f"Path({str(root)!r})")
-        ended = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-I", "-c", script], cwd=root, capture_output=True, text=True
         )
         path = root / "results" / "results.json"
-        assert path.exists() == (ended.returncode == 0), ended.stderr
-        return json.loads(path.read_text()) if path.exists() else ended.stderr
+        assert path.exists() == (process.returncode == 0), process.stderr
+        return json.loads(path.read_text()) if path.exists() else process.stderr
 
-    return running
+    return run_autograder
 
 
-def test_a_submission_gets_the_marks_that_were_made_for_it(course, run):
+def test_a_submission_gets_its_marks(course, run):
     exported = write(course)
     assert (exported.placed, exported.lost) == (2, ())
-    found = run(exported, "anna", "anna@X.edu")
-    assert found["score"] == 12.5 and found["visibility"] in VISIBLE
-    assert found["output"] == (
+    result = run(exported, "anna", "anna@X.edu")
+    assert result["score"] == 12.5 and result["visibility"] in VISIBLE
+    assert result["output"] == (
         f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nTaken off for lateness: 2.5 points"
     )
-    six, seven = found["tests"]
+    six, seven = result["tests"]
     assert (six["name"], six["score"], six["max_score"]) == (SIX, 15.0, 30.0)
     assert six["output"].splitlines() == [
         "A cell moved.",
@@ -120,15 +123,15 @@ def test_a_submission_gets_the_marks_that_were_made_for_it(course, run):
         "Given by a person: +5 points",
     ]
     assert (seven["score"], seven["output"]) == (0.0, "Nothing was handed in.")
-    assert all(test["visibility"] in VISIBLE for test in found["tests"])
+    assert all(test["visibility"] in VISIBLE for test in result["tests"])
 
 
-def test_the_same_marks_are_the_same_file(course):
+def test_the_export_is_reproducible(course):
     assert write(course).content == write(course).content
 
 
 @pytest.mark.parametrize("change", ["other", "new", "module", "empty"])
-def test_what_was_handed_in_since_gets_no_mark(course, run, change):
+def test_a_submission_changed_after_judging_gets_no_mark(course, run, change):
     exported = write(course)
     folder = course.submitted / "anna" / STAGE
     if change == "other":
@@ -142,17 +145,17 @@ def test_what_was_handed_in_since_gets_no_mark(course, run, change):
     assert "not the one that was judged" in run(exported, "anna", "anna@x.edu")
 
 
-def test_nobody_gets_anothers_mark(course, run):
+def test_no_student_gets_the_mark_of_another(course, run):
     exported = write(course)
     assert "not the one that was judged" in run(exported, "anna", "bo@x.edu")
     assert "There is no mark for cy@x.edu" in run(exported, "anna", "cy@x.edu")
 
 
-def test_a_team_gets_the_mark_of_whose_work_it_is(course, run):
+def test_a_team_gets_the_mark_of_the_member_whose_work_it_submits(course, run):
     assert run(write(course), "bo", "cy@x.edu bo@x.edu")["score"] == 12.5
 
 
-def test_marks_of_a_team_that_differ_are_a_question(course, run):
+def test_different_marks_of_team_members_are_an_error(course, run):
     folders = [course.submitted / student / STAGE for student in ("anna", "bo")]
     shutil.copytree(*folders, dirs_exist_ok=True)
     judge(course)
@@ -164,7 +167,7 @@ def test_marks_of_a_team_that_differ_are_a_question(course, run):
     assert "differ, and the submission is one" in run(differing, "bo", "anna@x.edu bo@x.edu")
 
 
-def test_two_with_one_address_get_no_mark_and_both_are_named(course):
+def test_two_students_with_one_address_are_named_and_get_no_mark(course):
     twin = dataclasses.replace(BO, email=" anna@X.edu")
     exported = write(course, (ANNA, twin))
     assert exported.placed == 0
@@ -172,9 +175,9 @@ def test_two_with_one_address_get_no_mark_and_both_are_named(course):
     assert all("anna@x.edu is another's, too" in sentence for sentence in exported.lost)
 
 
-def test_a_mark_that_cannot_be_handed_out_is_named(course):
-    without = Person("anna", "Anna", "Schmidt")
-    (lost,) = write(course, (without, BO)).lost
+def test_marks_that_cannot_be_exported_are_named(course):
+    without_email = Person("anna", "Anna", "Schmidt")
+    (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
         "anna (Anna Schmidt), 12.5 points: Gradescope knows them by e-mail, and the roster has "
         "none."

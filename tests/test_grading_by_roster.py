@@ -1,4 +1,4 @@
-"""What the instructor is shown goes by the roster: table, doctor, and one student again."""
+"""Output for the instructor follows the roster: the table, the doctor, and one student's marks."""
 
 from datetime import timedelta
 from pathlib import Path
@@ -32,28 +32,32 @@ DATES = (
     f'timezone = "UTC"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n[{STAGE}.students]\n'
     'eve = "excused"\nidle = 2026-03-02T12:00:00\n'
 )
-UNWALLED = SANDBOXES["process"]
+WITHOUT_SANDBOX = SANDBOXES["process"]
 
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Ada and Bob handed in, and a ghost; what is judged of them is said here."""
+    """Return a course with submissions of Ada, Bob and a ghost; a fake judge has their points."""
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
     (made.root / "nbgrader_config.py").write_text(LATE)
     for student in EARNED:
-        when = made.submitted / student / STAGE / "timestamp.txt"
-        when.write_text("2026-03-02 15:00:00 UTC")
+        path = made.submitted / student / STAGE / "timestamp.txt"
+        path.write_text("2026-03-02 15:00:00 UTC")
     hand_in(made, "ghost", GROUND)
     earned = EARNED | {"ghost": {GROUND: (1.0, 2.0)}}
 
     def judge_class(course, stages, seed, sandbox, executor, workers, progress, student=None):
         progress(0, 1, None)
         found = verdicts(course, earned)
-        for one, verdict in found:
-            write_verdict(verdict, one.verdict_path(course))
-        return [(one, verdict) for one, verdict in found if student in (None, one.student)]
+        for submission, verdict in found:
+            write_verdict(verdict, submission.verdict_path(course))
+        return [
+            (submission, verdict)
+            for submission, verdict in found
+            if student in (None, submission.student)
+        ]
 
     monkeypatch.setattr(grading, "judge_class", judge_class)
     monkeypatch.setattr(cli.commands, "Course", lambda: made)
@@ -62,53 +66,54 @@ def course(tmp_path, monkeypatch):
 
 
 def grade(course, student=None):
-    return commands.grade_course(course, (), 2**64, UNWALLED, 1, student=student)
+    return commands.grade_course(course, (), 2**64, WITHOUT_SANDBOX, 1, student=student)
 
 
-def cells(shown, student):
-    """A line of the table."""
-    (line,) = [line.split() for line in shown.splitlines() if line.split()[:1] == [student]]
+def cells(output, student):
+    """Return the cells of a student's line in the table."""
+    (line,) = [line.split() for line in output.splitlines() if line.split()[:1] == [student]]
     return line
 
 
 @pytest.mark.end_to_end
-def test_the_table_has_everybody_on_the_roster_and_tells_four_things_apart(course, capsys):
+def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(course, capsys):
     assert grade(course) == commands.FAULT
-    said = capsys.readouterr()
-    assert "'ghost' is not on the roster, so that its marks are not entered." in said.err
-    # 27 hours late: of 30 points and of 20.75 a tenth for each of two days.
-    assert cells(said.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
-    assert cells(said.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
-    assert cells(said.out, "idle")[1:] == ["-", "-"]
-    assert cells(said.out, "eve")[1:] == ["ex", "ex"]
-    assert cells(said.out, "ghost")[1:3] == ["3", "-"]
-    assert "not on the roster, so not entered" in said.out
-    assert "- handed in nothing · ex excused" in said.out and "a person has" not in said.out
+    output = capsys.readouterr()
+    assert "'ghost' is not on the roster, so that its marks are not entered." in output.err
+    # They are 27 hours late, and lose a tenth of 30 and of 20.75 points for each of two days.
+    assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
+    assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
+    assert cells(output.out, "idle")[1:] == ["-", "-"]
+    assert cells(output.out, "eve")[1:] == ["ex", "ex"]
+    assert cells(output.out, "ghost")[1:3] == ["3", "-"]
+    assert "not on the roster, so not entered" in output.out
+    assert "- handed in nothing · ex excused" in output.out and "a person has" not in output.out
     page = (course.report / "index.html").read_text("utf-8")
-    on_it = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
-    assert f"{on_it} students and 1 who is not on the roster, " in page
+    people = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
+    assert f"{people} students and 1 who is not on the roster, " in page
 
 
-def test_a_zero_and_what_waits_are_no_dash(course, capsys, monkeypatch):
+def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
     grade(course)
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_submission_notebook(GROUND.name, STAGE, "ada")
-        for grade_ in notebook.grades:
-            grade_.manual_score = 0.0
+        for row in notebook.grades:
+            row.manual_score = 0.0
         notebook.grades[0].needs_manual_grade = True
         book.db.commit()
-    hand_in(course, "yan", GROUND)  # and was not judged
+    hand_in(course, "yan", GROUND)  # not judged
     capsys.readouterr()
     commands._print_all(course, verdicts(course), class_results(course), [])
-    shown = capsys.readouterr().out
-    assert cells(shown, "ada")[1] == "0*" and cells(shown, "yan")[1:3] == ["?", "-"]
-    assert "* a person has still to grade · ? not entered yet" in shown
+    output = capsys.readouterr().out
+    assert cells(output, "ada")[1] == "0*" and cells(output, "yan")[1:3] == ["?", "-"]
+    assert "* a person has still to grade · ? not entered yet" in output
 
 
-def test_where_there_are_several_stages_each_lateness_names_its_own(capsys):
+def test_lateness_names_its_stage_if_there_are_several(capsys):
     late = {"stage1_ransac": timedelta(hours=30), "stage3_obstacles": timedelta(hours=5)}
     stages = [
-        StageResult("ada", stage, MARKED, 10.0, 10.0, 2.0, late=how) for stage, how in late.items()
+        StageResult("ada", stage, MARKED, 10.0, 10.0, 2.0, late=lateness)
+        for stage, lateness in late.items()
     ]
     marks = [
         NotebookResult("ada", lesson.stage, lesson.name, MARKED, 10.0, 10.0)
@@ -123,21 +128,21 @@ def test_where_there_are_several_stages_each_lateness_names_its_own(capsys):
     print_class(judged, results)
     assert "stage1 1.2 d -2, stage3 5.0 h -2" in capsys.readouterr().out
     print_class(judged[:1], results)
-    assert "1.2 d -2" in (shown := capsys.readouterr().out) and "stage" not in shown
+    assert "1.2 d -2" in (output := capsys.readouterr().out) and "stage" not in output
 
 
 @pytest.mark.end_to_end
-def test_without_a_roster_the_table_has_who_handed_in(course, capsys):
+def test_without_a_roster_the_table_has_students_who_submitted(course, capsys):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
     assert grade(course) == commands.GOOD
-    shown = capsys.readouterr().out
-    assert cells(shown, "ghost")[1:3] == ["3", "-"] and "idle" not in shown
-    assert "on the roster" not in shown
+    output = capsys.readouterr().out
+    assert cells(output, "ghost")[1:3] == ["3", "-"] and "idle" not in output
+    assert "on the roster" not in output
 
 
 @pytest.mark.end_to_end
-def test_one_student_is_graded_alone_and_told_how_the_marks_came_to_be(course, capsys):
+def test_grading_one_student_shows_the_history_of_the_marks(course, capsys):
     grade(course)
     (course.root / "roster.csv").write_text(ROSTER + "ghost,,,\n")
     with gradebook.open_gradebook(course) as book:
@@ -145,30 +150,33 @@ def test_one_student_is_graded_alone_and_told_how_the_marks_came_to_be(course, c
         book.db.commit()
     capsys.readouterr()
     assert grade(course, "ada") == commands.GOOD
-    shown = capsys.readouterr().out
-    assert f"{GROUND.name}: 11.75 of 30 points" in shown
-    rows = [line.split() for line in shown.splitlines() if " voxel_grid " in line]
+    output = capsys.readouterr().out
+    assert f"{GROUND.name}: 11.75 of 30 points" in output
+    rows = [line.split() for line in output.splitlines() if " voxel_grid " in line]
     assert [row[4:8] for row in rows] == [
         ["-", "8.5", "verdict", "of"],
         ["8.5", "15", "a", "person"],
     ]
-    assert {change.student for change in read_changes(course)} == {"ada", "bob"}  # and no ghost yet
+    assert {change.student for change in read_changes(course)} == {
+        "ada",
+        "bob",
+    }  # the ghost is not entered yet
     with gradebook.open_gradebook(course) as book:
         students = {submission.student.id for submission in book.find_assignment(STAGE).submissions}
     assert students == {"ada", "bob"}
-    assert "bob" in (course.report / "index.html").read_text()  # it is of the whole class
+    assert "bob" in (course.report / "index.html").read_text()  # the report covers the class
     assert grade(course, "ghost") == commands.GOOD
-    assert {one.student for one in read_changes(course)} == {"ada", "bob", "ghost"}
+    assert {change.student for change in read_changes(course)} == {"ada", "bob", "ghost"}
 
 
 @pytest.mark.parametrize(
     ("text", "student"), [("ada", "ada"), ("Bell, Bob", "bob"), ("ADA ", "ada"), ("ghost", "ghost")]
 )
-def test_whoever_is_named_is_found(course, text, student):
+def test_students_are_found_by_id_or_name(course, text, student):
     assert find_student(course, text) == student
 
 
-def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
+def test_unknown_and_ambiguous_students_are_reported(course, capsys):
     assert cli.main(["grade", "--student", "nobody"]) == commands.WRONG_CALL
     assert (
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
@@ -182,35 +190,35 @@ def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
 
 
 @pytest.mark.end_to_end
-def test_one_student_is_judged_again_and_nobody_else(course, monkeypatch):
+def test_only_the_named_student_is_judged_again(course, monkeypatch):
     monkeypatch.undo()
     judged = []
 
-    def judge_one(handed_in, lesson, student, *about):
+    def judge_one(handed_in, lesson, student, *arguments):
         judged.append((student, lesson))
         return next(
             verdict
-            for one, verdict in verdicts(course)
-            if (one.student, one.lesson.name) == judged[-1]
+            for submission, verdict in verdicts(course)
+            if (submission.student, submission.lesson.name) == judged[-1]
         )
 
     stored = verdicts(course)[0][1]
-    monkeypatch.setattr(grading, "stored_verdict", lambda *about: stored)
+    monkeypatch.setattr(grading, "stored_verdict", lambda *arguments: stored)
     monkeypatch.setattr(grading, "judge_one", judge_one)
-    monkeypatch.setattr(grading.Rehearsals, "passed", lambda *about: True)
-    about = (course, (), 2**64, UNWALLED, Inline, 1, lambda *news: None)
-    done = grading.judge_class(*about, student="ada")
-    assert {one.student for one, _ in done} == {"ada"}
+    monkeypatch.setattr(grading.Rehearsals, "passed", lambda *arguments: True)
+    arguments = (course, (), 2**64, WITHOUT_SANDBOX, Inline, 1, lambda *news: None)
+    done = grading.judge_class(*arguments, student="ada")
+    assert {submission.student for submission, _ in done} == {"ada"}
     assert sorted(judged) == [("ada", lesson.name) for lesson in EARNED["ada"]]
     judged.clear()
-    assert len(grading.judge_class(*about)) == len(find_submissions(course)) and judged == []
+    assert len(grading.judge_class(*arguments)) == len(find_submissions(course)) and judged == []
 
 
 @pytest.mark.parametrize(
     ("file", "text"), [("roster.csv", "name\n"), ("deadlines.toml", "[stage9]\n")]
 )
 @pytest.mark.parametrize("command", ["grade", "export"])
-def test_what_cannot_be_read_is_said_before_anything_is_done(course, capsys, command, file, text):
+def test_unreadable_settings_are_reported_before_judging(course, capsys, command, file, text):
     (course.root / file).write_text(text)
     assert cli.main([command]) == commands.WRONG_CALL
     assert capsys.readouterr().err.startswith(file)
@@ -222,12 +230,12 @@ def test_what_cannot_be_read_is_said_before_anything_is_done(course, capsys, com
 
 def findings(course, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
-    about_grading = doctor.examine(course, 1, UNWALLED, Inline(1), progress_bar)
+    about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, Inline(1), progress_bar)
     found = [*about_grading, *check_gradebook(course)]
-    return [(one.subject, one.good, one.text) for one in found]
+    return [(finding.subject, finding.good, finding.text) for finding in found]
 
 
-def test_the_doctor_goes_by_the_roster(course, monkeypatch):
+def test_the_doctor_uses_the_roster(course, monkeypatch):
     hand_in(course, "yan ", GROUND)
     found = findings(course, monkeypatch)
     assert (
@@ -237,37 +245,37 @@ def test_the_doctor_goes_by_the_roster(course, monkeypatch):
     ) in found
     assert (STAGE, True, "3 of 5 handed in; missing: idle; excused: eve") in found
     assert ("roster", True, "'yan ' in submitted/ is taken for yan (Yan Yip).") in found
-    (stranger,) = [text for subject, good, text in found if subject == "roster" and not good]
-    assert stranger.startswith("'ghost' is not on the roster")
+    (unknown,) = [text for subject, good, text in found if subject == "roster" and not good]
+    assert unknown.startswith("'ghost' is not on the roster")
     assert ("deadlines", True, f"{STAGE} 2026-03-01 12:00 UTC, 1 later, 1 excused") in found
 
 
-def test_the_doctor_says_when_a_stage_is_due_for_a_section(course, monkeypatch):
+def test_the_doctor_shows_due_dates_of_sections(course, monkeypatch):
     dates = course.root / "deadlines.toml"
     dates.write_text(f"{dates.read_text()}\n[{STAGE}.sections]\nB = 2026-03-02T09:30:00\n")
-    said = {subject: text for subject, _, text in findings(course, monkeypatch)}
+    texts = {subject: text for subject, _, text in findings(course, monkeypatch)}
     words = f"{STAGE} 2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 later, 1 excused"
-    assert said["deadlines"] == words
+    assert texts["deadlines"] == words
 
 
-def test_the_doctor_says_what_is_not_there(course, monkeypatch):
+def test_the_doctor_reports_missing_files(course, monkeypatch):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
-    said = {subject: text for subject, good, text in findings(course, monkeypatch) if good}
-    assert said["roster"] == "there is no roster.csv: who has a folder takes the course"
-    assert said["deadlines"].startswith("there is no deadlines.toml: the dates are those of the")
-    assert said["sandbox process"].startswith("has no walls, and is only used where you say")
-    assert said["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
+    texts = {subject: text for subject, good, text in findings(course, monkeypatch) if good}
+    assert texts["roster"] == "there is no roster.csv: who has a folder takes the course"
+    assert texts["deadlines"].startswith("there is no deadlines.toml: the dates are those of the")
+    assert texts["sandbox process"].startswith("has no walls, and is only used where you say")
+    assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
 
 
 @pytest.mark.parametrize("file", ["roster.csv", "deadlines.toml"])
-def test_the_doctor_names_a_file_that_cannot_be_read(course, monkeypatch, file):
+def test_the_doctor_names_an_unreadable_file(course, monkeypatch, file):
     (course.root / file).write_text("?")
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}
     assert wrong[file.partition(".")[0]].startswith(file)
 
 
-def test_the_doctor_names_marks_of_who_is_not_on_the_roster(course, monkeypatch):
+def test_the_doctor_names_marks_of_students_who_are_not_on_the_roster(course, monkeypatch):
     grade(course)
     (course.root / "roster.csv").write_text(ROSTER.replace("bob,", "rob,"))
     wrong = [text for subject, good, text in findings(course, monkeypatch) if not good]
@@ -282,11 +290,11 @@ def test_the_doctor_names_marks_of_who_is_not_on_the_roster(course, monkeypatch)
         ("nonsense", "cannot be opened: "),
     ],
 )
-def test_a_gradebook_that_cannot_be_opened_is_a_sentence(course, monkeypatch, capsys, url, says):
+def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, says):
     with (course.root / "nbgrader_config.py").open("a") as file:
         file.write(f"c.CourseDirectory.db_url = {url!r}\n")
     assert cli.main(["export"]) == commands.WRONG_CALL
-    said = capsys.readouterr().err
-    assert said.startswith("The gradebook") and says in said and "c.CourseDirectory.db_url" in said
+    text = capsys.readouterr().err
+    assert text.startswith("The gradebook") and says in text and "c.CourseDirectory.db_url" in text
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}
     assert says in wrong["gradebook"]

@@ -1,4 +1,4 @@
-"""An instructor's day by commands alone: from the zips of two platforms to marks back in them."""
+"""A grading day with commands only: from zips of two platforms to marks in both platforms."""
 
 import csv
 import re
@@ -19,7 +19,7 @@ from tests.test_grade import CONFIGURATION, SEED, answer
 from tests.test_gradebook import LATE
 
 SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
-PEOPLE = (  # id, first and last name, section, Canvas's number, Moodle's
+PEOPLE = (  # id, first and last name, section, number in Canvas, number in Moodle
     ("ada", "Ada", "Ash", "A", 4001, 51),
     ("bjorn", "Björn", "Müller", "A", 4002, 52),
     ("cy", "Cy", "O'Neil, Jr", "B", 4003, 53),
@@ -38,19 +38,19 @@ gus = 2999-01-01T12:00:00
 [{TWELVE.stage}]
 due = 2026-10-12T23:59:00
 """
-LATELY = "id,Last modified (submission)\nbjorn,2026-10-14 08:00\ngus,2026-10-20 08:00\n"
+LATE_TIMES = "id,Last modified (submission)\nbjorn,2026-10-14 08:00\ngus,2026-10-20 08:00\n"
 
 
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch):
-    """A course with roster, dates and a penalty, and nothing handed in."""
+    """Return a course with a roster, dates and a penalty, but without submissions."""
     made = Course(tmp_path / "course")
-    for folder, lesson in ((f, one) for f in ("solutions", "notebooks") for one in (SIX, TWELVE)):
-        place = made.root / folder / lesson.stage
-        place.mkdir(parents=True)
-        shutil.copy(PROJECT / folder / lesson.stage / f"{lesson.name}.ipynb", place)
-    about = {"project": str(PROJECT), "root": str(made.root), "seed": SEED}
-    settings = CONFIGURATION.format(**about, sandbox=sandbox.name) + LATE
+    for kind, lesson in ((f, item) for f in ("solutions", "notebooks") for item in (SIX, TWELVE)):
+        folder = made.root / kind / lesson.stage
+        folder.mkdir(parents=True)
+        shutil.copy(PROJECT / kind / lesson.stage / f"{lesson.name}.ipynb", folder)
+    values = {"project": str(PROJECT), "root": str(made.root), "seed": SEED}
+    settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE
     (made.root / "nbgrader_config.py").write_text(settings)
     with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
@@ -63,38 +63,38 @@ def course(tmp_path, sandbox, monkeypatch):
     return made
 
 
-def half():
-    """A notebook of lesson 06 in which the ground is right, and the voxels are not begun."""
+def half_right():
+    """Return a notebook of lesson 06 with a right filter_ground and an untouched voxel_grid."""
     (right, *_) = (answer.source for answer in answers_to("filter_ground") if answer.right)
     return fill_in(SIX, {"filter_ground": right}).encode()
 
 
 def from_canvas(again=False):
-    """Stage 3: a zip, a number for a name, a mark by Canvas, and somebody who has left."""
+    """Return Canvas's zip of stage 3, with unusual file names and a student who has left."""
     right = answer().encode()
     work = {
-        "ada": [(f"{SIX.name}.ipynb", half())],
-        "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half())],
+        "ada": [(f"{SIX.name}.ipynb", half_right())],
+        "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half_right())],
         "cy": [("homework.zip", zipped([(f"hw/{SIX.name}.ipynb", right)]))],
         "dan": [("6.ipynb", right)],
-        "gus": [(f"{SIX.name}.ipynb", half())],
+        "gus": [(f"{SIX.name}.ipynb", half_right())],
     }
     files = canvas_files("Ghost, Gil", 9999, [(99, f"{SIX.name}.ipynb", right)])
     for place, (id, first, last, _, number, _) in enumerate(PEOPLE):
-        given = [(100 * (1 + again) + place, *one) for one in work.get(id, ())]
+        given = [(100 * (1 + again) + place, *attachment) for attachment in work.get(id, ())]
         files += canvas_files(f"{last}, {first}", number, given, late=id in ("bjorn", "gus"))
     return zipped(files)
 
 
 def from_moodle():
-    """Stage 4: two write-ups, of which one is a team's."""
+    """Return Moodle's zip of stage 4, with a write-up of a student and one of a team."""
     data = with_report(REPORT).encode()
     files = moodle_files("Ada Ash", 51, [(f"{TWELVE.name}.ipynb", data)])
     return zipped(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
 
 
 @pytest.mark.proof
-def test_a_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys):
+def test_grading_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys):
     def run(*words):
         capsys.readouterr()
         status = cli.main([str(word) for word in words])
@@ -104,29 +104,30 @@ def test_a_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys)
         (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
         return tmp_path / name
 
-    # Handed out; and handed in, once and again.
+    # Release the stage and collect it twice.
     assert run("release", SIX.stage, "--to", tmp_path / "out")[0] == 0
     first, again = (file(f"canvas{n}.zip", from_canvas(bool(n))) for n in (0, 1))
-    status, said = run("collect", first, "--stage", SIX.stage)
-    assert status == 1 and "--who ghostgil_9999=ID" in said
+    status, output = run("collect", first, "--stage", SIX.stage)
+    assert status == 1 and "--who ghostgil_9999=ID" in output
     assert run("collect", first, "--stage", SIX.stage, "--who", "ghostgil_9999=-")[0] == 0
-    times = ("--timestamps", file("times.csv", LATELY))
-    status, said = run("collect", again, "--stage", SIX.stage, *times)
-    assert status == 0 and "1 in place of an older one" in said and "undecided" not in said
+    times = ("--timestamps", file("times.csv", LATE_TIMES))
+    status, output = run("collect", again, "--stage", SIX.stage, *times)
+    assert status == 0 and "1 in place of an older one" in output and "undecided" not in output
     rows = [(n, f"{a} {b}", "", f"{i}@x.edu", "-") for i, a, b, _, _, n in PEOPLE]
     rows = [(*row[:4], "12 October 2026, 10:00 AM") for row in rows]
     moodle = ("collect", file("moodle.zip", from_moodle()), "--stage", TWELVE.stage)
     moodle += ("--timestamps", file("worksheet.csv", worksheet(rows)))
     assert run(*moodle, "--who", "Team Red_7=bjorn,cy")[0] == 0
 
-    # Judged, and read by a person.
-    status, said = run("grade")
-    assert status == 0 and "8 notebooks: 8 judged" in said
+    # Judge it, and enter marks by hand.
+    status, output = run("grade")
+    assert status == 0 and "8 notebooks: 8 judged" in output
     for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):
         by_hand(course, student, mark)
     assert "0 judged" in run("grade")[1]
 
-    # Into Canvas, where somebody has worked meanwhile: 30 less 20 %, gus in time by his extension.
+    # Export to Canvas, in which a mark has changed meanwhile. Bjorn loses 20 % of 30 points, and
+    # gus is in time because of his extension.
     site = Canvas(
         [CanvasStudent(number, f"{last}, {first}") for _, first, last, _, number, _ in PEOPLE],
         {501: ["Quiz", 10.0], 502: ["Stage 3 Obstacles", 30.0]},
@@ -135,15 +136,15 @@ def test_a_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys)
     given = file("gradebook.csv", site.export())
     site.scores[4001, 501] = 9.0
     export = ("export", "--to", tmp_path / "marks.csv", "--into", given, "--assignment", SIX.stage)
-    status, said = run(*export, "--format", "canvas")
-    assert status == 0 and "handed in nothing: finn" in said
+    status, output = run(*export, "--format", "canvas")
+    assert status == 0 and "handed in nothing: finn" in output
     site.import_((tmp_path / "marks.csv").read_bytes())
     marks = {number: score for (number, place), score in site.scores.items() if place == 502}
     expected = {4001: 10.0, 4002: 24.0, 4003: 30.0, 4004: 30.0, 4005: "EX", 4006: 3.0}
     assert marks == expected | {4007: 10.0}
     assert site.scores[4001, 501] == 9.0
 
-    # Into Moodle: 5 points of match_boxes and the mark by hand.
+    # Export to Moodle: 5 points of match_boxes and the manual mark.
     site = Moodle([MoodleStudent(n, f"{a} {b}", f"{i}@x.edu") for i, a, b, _, _, n in PEOPLE], 40)
     given = file("grading.csv", site.export())
     export = ("export", "--to", tmp_path / "marks2.csv", "--into", given)
@@ -152,14 +153,15 @@ def test_a_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys)
     site.import_((tmp_path / "marks2.csv").read_bytes())
     assert site.grades == {51: 13.0, 52: 14.0, 53: 14.0} and not site.skipped
 
-    # Handed back, asked about, compared; solutions wait for gus.
+    # Write feedback, explain a mark and compare answers. Solutions are not released before gus's
+    # extension ends.
     assert run("feedback", SIX.stage, "--for", "canvas", "--to", tmp_path / "back")[0] == 0
     with zipfile.ZipFile(tmp_path / "back" / f"{SIX.stage}_canvas.zip") as archive:
         assert len(archive.namelist()) == 5
     page = (tmp_path / "back" / SIX.stage / "bjorn.html").read_text()
     assert "Björn Müller: 24 of 30 points" in page and "14 October 2026 at 08:00 CEST" in page
-    status, said = run("grade", "--student", "Björn Müller", SIX.stage)
-    assert status == 0 and re.search(r"voxel_grid +- +20 +verdict", said)
-    status, said = run("similarity", SIX.stage)
-    assert status == 0 and "the same file: bjorn, cy, dan" in said
+    status, output = run("grade", "--student", "Björn Müller", SIX.stage)
+    assert status == 0 and re.search(r"voxel_grid +- +20 +verdict", output)
+    status, output = run("similarity", SIX.stage)
+    assert status == 0 and "the same file: bjorn, cy, dan" in output
     assert run("release", "--solutions", SIX.stage)[0] == 1

@@ -1,4 +1,4 @@
-"""Nothing but submission, rules and seed decides a verdict; and tests that demand a wall fail."""
+"""A verdict depends only on submission, rules and seed; tests that require a sandbox can fail."""
 
 import json
 import os
@@ -27,7 +27,7 @@ print(json.dumps(verdict.as_dict()))
 
 @pytest.fixture(scope="module")
 def half(tmp_path_factory):
-    """A notebook of lesson 06 that earns some points and loses others."""
+    """Return a notebook of lesson 06 that earns some points and loses others."""
     lesson = find_lesson("06_filter_ground")
     wrong = next(variant.source for variant in answers_to("filter_ground") if not variant.right)
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
@@ -36,8 +36,8 @@ def half(tmp_path_factory):
     return path
 
 
-def judged(path, sandbox, folder=PROJECT, python=sys.executable, **environment):
-    """The verdict that a process of its own reaches, less the time it took."""
+def verdict_of(path, sandbox, folder=PROJECT, python=sys.executable, **environment):
+    """Judge in a new process; return the verdict without its run time."""
     done = subprocess.run(
         [python, "-c", JUDGE, str(path), str(SEED), sandbox.name],
         cwd=folder,
@@ -54,8 +54,8 @@ def judged(path, sandbox, folder=PROJECT, python=sys.executable, **environment):
 
 @pytest.fixture(scope="module")
 def plain(half, sandbox):
-    """The verdict where nothing is odd."""
-    verdict = judged(half, sandbox)
+    """Return the verdict in an ordinary environment."""
+    verdict = verdict_of(half, sandbox)
     assert 0 < verdict["score"] < verdict["max_score"]
     return verdict
 
@@ -80,14 +80,12 @@ def plain(half, sandbox):
     ids=lambda environment: " ".join(f"{name}={text}" for name, text in environment.items()),
 )
 def test_no_variable_changes_a_verdict(environment, half, plain, sandbox):
-    assert judged(half, sandbox, **environment) == plain
+    assert verdict_of(half, sandbox, **environment) == plain
 
 
 @pytest.mark.slow
-def test_no_conftest_and_no_settings_above_the_course_change_a_verdict(
-    half, plain, sandbox, tmp_path
-):
-    """A file that pytest would read, in the folder of the course, of the notebook, or above."""
+def test_files_of_pytest_do_not_change_a_verdict(half, plain, sandbox, tmp_path):
+    """Files that pytest would read are in the notebook's folder and the folders above it."""
     course = tmp_path / "above" / "course"
     course.mkdir(parents=True)
     for folder in (tmp_path, course.parent, course):
@@ -95,36 +93,36 @@ def test_no_conftest_and_no_settings_above_the_course_change_a_verdict(
         (folder / "pytest.ini").write_text("[pytest]\naddopts = -k visible\n")
         (folder / "sitecustomize.py").write_text("raise SystemExit('read')")
         (folder / "pytest.py").write_text("raise SystemExit('read')")
-    there = course / half.name
-    there.write_bytes(half.read_bytes())
+    copy = course / half.name
+    copy.write_bytes(half.read_bytes())
     assert "raise" in (course / "conftest.py").read_text()
-    # `-c` puts the working folder on the path of modules, so the judge is started from elsewhere.
-    assert judged(there, sandbox) == plain
+    # With `-c`, Python searches the working folder for modules, so the judge starts in another one.
+    assert verdict_of(copy, sandbox) == plain
 
 
 @pytest.mark.slow
-def test_python_may_be_called_by_a_relative_path(half, plain, sandbox, tmp_path):
-    """And from a folder from which it is far up and down again."""
+def test_python_may_have_a_relative_path(half, plain, sandbox, tmp_path):
+    """The path leads up several folders and down again."""
     python = os.path.relpath(sys.executable, tmp_path)
     assert not os.path.isabs(python)
-    assert judged(half, sandbox, folder=tmp_path, python=python) == plain
+    assert verdict_of(half, sandbox, folder=tmp_path, python=python) == plain
 
 
 @pytest.mark.slow
-def test_the_folder_of_the_grader_decides_nothing(half, plain, sandbox, tmp_path):
-    odd = tmp_path / "ein Ordner mit \N{LATIN SMALL LETTER U WITH DIAERESIS} [red] $(x) %s"
-    odd.mkdir()
-    there = odd / half.name
-    there.write_bytes(half.read_bytes())
-    assert judged(there, sandbox, folder=odd) == plain
+def test_the_working_folder_does_not_change_a_verdict(half, plain, sandbox, tmp_path):
+    folder = tmp_path / "ein Ordner mit \N{LATIN SMALL LETTER U WITH DIAERESIS} [red] $(x) %s"
+    folder.mkdir()
+    copy = folder / half.name
+    copy.write_bytes(half.read_bytes())
+    assert verdict_of(copy, sandbox, folder=folder) == plain
 
 
-# ---- Tests that can fail ----------------------------------------------------------------------
+# ---- Tests that require a sandbox -------------------------------------------------------------
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("required, outcome", [("1", "error"), ("", "skipped")])
-def test_attacks_without_a_wall_fail_where_it_is_required(required, outcome, tmp_path):
+def test_attacks_fail_without_a_required_sandbox(required, outcome, tmp_path):
     attacks = Path(__file__).parent / "attacks" / "test_visibility.py"
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", str(attacks)],

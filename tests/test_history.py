@@ -1,4 +1,4 @@
-"""The log of marks says what changed, when, and by which verdict or that it was a person."""
+"""The log of marks records each change, its time, and the verdict or person that made it."""
 
 import dataclasses
 import json
@@ -42,7 +42,7 @@ def course(entered_once, tmp_path):
 
 
 def enter_again(course, earned=EARNED, **more):
-    """What is noted when the class is entered once more: (student, exercise, from, to, by)."""
+    """Enter the class again; return (student, exercise, from, to, by) of each new change."""
     before = len(list(read_changes(course)))
     enter_verdicts(course, verdicts(course, earned, **more), [STAGE], quiet)
     return [
@@ -59,31 +59,33 @@ def by_hand(course, student, exercise, **values):
         book.db.commit()
 
 
-def test_the_first_marks_are_noted_with_the_verdict_they_come_from(course):
+def test_the_first_marks_are_logged_with_their_verdict(course):
     changes = list(read_changes(course))
-    assert {(one.student, one.lesson, one.exercise): one.after for one in changes} == {
+    assert {
+        (change.student, change.lesson, change.exercise): change.after for change in changes
+    } == {
         (student, lesson.name, exercise.name): score
         for student, lessons in EARNED.items()
-        for lesson, scores in lessons.items()  # nothing of what was not handed in
+        for lesson, scores in lessons.items()  # only submitted lessons
         for exercise, score in zip(lesson.machine_graded, scores, strict=True)
     }
-    assert {change.before for change in changes} == {None} and {one.stage for one in changes} == {
-        STAGE
-    }
-    keys = {(one.student, one.lesson): one.by for one in changes}
+    assert {change.before for change in changes} == {None} and {
+        change.stage for change in changes
+    } == {STAGE}
+    keys = {(change.student, change.lesson): change.by for change in changes}
     assert keys["ada", GROUND.name] == f"verdict of ada {EARNED['ada'][GROUND]}"
-    assert all(one.when.endswith("+00:00") for one in changes)
+    assert all(change.when.endswith("+00:00") for change in changes)
     assert enter_again(course) == []
 
 
-def test_a_line_is_as_people_read_it(course):
+def test_each_line_has_readable_keys(course):
     first, *_ = (course.root / "marks.jsonl").read_text().splitlines()
     assert list(json.loads(first)) == [
         *("when", "student", "stage", "lesson", "exercise", "from", "to", "by"),
     ]
 
 
-def test_another_verdict_is_named(course):
+def test_a_change_names_the_new_verdict(course):
     hand_in(course, "ada", GROUND, " ")
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 20.0)}}
     assert enter_again(course, earned, key="k2") == [
@@ -92,7 +94,7 @@ def test_another_verdict_is_named(course):
 
 
 @pytest.mark.end_to_end
-def test_marks_of_a_person_are_noticed(course):
+def test_manual_marks_are_logged(course):
     by_hand(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
     assert enter_again(course) == [("ada", SECOND, 8.5, 12.0, "a person")]
     by_hand(course, "ada", SECOND, extra_credit=0.5)
@@ -101,7 +103,7 @@ def test_marks_of_a_person_are_noticed(course):
     assert enter_again(course) == [("ada", SECOND, 12.5, 8.5, "a person")]
 
 
-def test_a_verdict_under_a_persons_mark_changes_no_mark(course):
+def test_a_new_verdict_does_not_change_a_manual_mark(course):
     by_hand(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
     enter_again(course)
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 2.0)}}
@@ -110,12 +112,12 @@ def test_a_verdict_under_a_persons_mark_changes_no_mark(course):
     assert enter_again(course, earned, key="k2") == [("ada", SECOND, 12.0, 2.0, "a person")]
 
 
-def test_a_mark_by_hand_for_what_was_not_handed_in(course):
+def test_a_manual_mark_for_a_missing_notebook_is_logged(course):
     by_hand(course, "bob", FIRST, manual_score=0.0)
     assert enter_again(course) == [("bob", FIRST, None, 0.0, "a person")]
 
 
-def test_a_penalty_is_noted_apart(course):
+def test_a_penalty_is_logged_separately(course):
     (course.root / "nbgrader_config.py").write_text(LATE)
     (course.submitted / "bob" / STAGE / "timestamp.txt").write_text("2026-03-01 12:00:00 UTC")
     set_due(course, "11")
@@ -128,34 +130,34 @@ def test_a_penalty_is_noted_apart(course):
     ]
 
 
-def test_what_is_withdrawn_is_noted(course):
+def test_withdrawn_work_is_logged(course):
     shutil.rmtree(course.submitted / "bob")
     found = enter_again(course)
-    assert [(one[0], one[3:]) for one in found] == [
+    assert [(change[0], change[3:]) for change in found] == [
         ("bob", (None, "taken out of the gradebook"))
     ] * 3
 
 
-def test_a_run_that_was_killed_before_noting_is_noted_by_the_next(course, monkeypatch):
+def test_changes_of_a_killed_run_are_logged_by_the_next(course, monkeypatch):
     calls = []
-    right = gradebook_writer.log_changes
+    original = gradebook_writer.log_changes
 
-    def die(*about):
+    def fail_second(*about):
         calls.append(about)
         if len(calls) == 2:
             raise KeyboardInterrupt
-        right(*about)
+        original(*about)
 
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 20.0)}}
-    monkeypatch.setattr(gradebook_writer, "log_changes", die)
+    monkeypatch.setattr(gradebook_writer, "log_changes", fail_second)
     with pytest.raises(KeyboardInterrupt):
         enter_again(course, earned, key="k2")
-    monkeypatch.setattr(gradebook_writer, "log_changes", right)
+    monkeypatch.setattr(gradebook_writer, "log_changes", original)
     assert enter_again(course, earned, key="k2") == [("ada", SECOND, 8.5, 20.0, "verdict k2")]
 
 
 @pytest.mark.parametrize("spoil", ["torn", "lost", "other"])
-def test_a_spoilt_log_is_written_on_and_keeps_what_can_be_read(course, spoil):
+def test_a_damaged_log_is_continued_and_keeps_readable_lines(course, spoil):
     path = course.root / "marks.jsonl"
     lines = path.read_bytes().splitlines(keepends=True)
     if spoil == "torn":
@@ -172,10 +174,11 @@ def test_a_spoilt_log_is_written_on_and_keeps_what_can_be_read(course, spoil):
     assert enter_again(course) == []
 
 
-def test_a_student_graded_alone_leaves_the_others(course):
+def test_grading_one_student_does_not_remove_others(course):
     judged = [pair for pair in verdicts(course) if pair[0].student == "ada"]
     changed = [
-        (one, dataclasses.replace(verdict, key=f"{verdict.key}, again")) for one, verdict in judged
+        (submission, dataclasses.replace(verdict, key=f"{verdict.key}, again"))
+        for submission, verdict in judged
     ]
     enter_verdicts(course, changed, [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
@@ -185,9 +188,11 @@ def test_a_student_graded_alone_leaves_the_others(course):
     shutil.rmtree(course.submitted / "ada")
     enter_verdicts(course, [], [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
-        assert {one.student.id for one in book.find_assignment(STAGE).submissions} == {"bob"}
+        assert {
+            submission.student.id for submission in book.find_assignment(STAGE).submissions
+        } == {"bob"}
 
 
-def test_lessons_of_the_stage_are_told_apart(course):
+def test_the_log_distinguishes_lessons_of_a_stage(course):
     lessons = {change.lesson for change in read_changes(course)}
     assert lessons == {GROUND.name, DISTANCE.name}

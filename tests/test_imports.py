@@ -1,4 +1,4 @@
-"""What is loaded when something of utils is imported, and what utils never imports."""
+"""Modules that importing a part of utils loads, and packages that utils never imports."""
 
 import ast
 import importlib
@@ -36,7 +36,7 @@ WITH_PICTURES = ("utils.drive", "utils.films", "utils.play", "utils.plots", "uti
 
 
 def loaded_with(module):
-    """The packages that a fresh interpreter holds when it has imported `module`."""
+    """Return the packages that a new interpreter has loaded after importing `module`."""
     command = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", command], cwd=PROJECT, capture_output=True, text=True, timeout=600
@@ -47,7 +47,7 @@ def loaded_with(module):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("module", WITHOUT_A_PICTURE)
-def test_what_draws_nothing_loads_nothing_heavy(module):
+def test_modules_without_pictures_load_no_heavy_package(module):
     assert not loaded_with(module) & HEAVY
 
 
@@ -57,13 +57,13 @@ def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
     assert loaded_with(module) & HEAVY == {"matplotlib"}
 
 
-def test_utils_alone_does_not_even_load_numpy():
+def test_utils_does_not_load_numpy():
     assert "numpy" not in loaded_with("utils")
 
 
 @pytest.mark.parametrize("part", ["ground", "streets", "traffic"])
-def test_lessons_find_parts_of_the_simulator_by_shorter_names(part):
-    """The very module: a `Ground` of the one is a `Ground` of the other."""
+def test_parts_of_the_simulator_have_shorter_names(part):
+    """Both names refer to the same module, so that classes like `Ground` are the same."""
     short = importlib.import_module(f"utils.{part}")
     assert short is importlib.import_module(f"utils.simulator.{part}")
     assert short is getattr(importlib.import_module("utils"), part)
@@ -72,7 +72,7 @@ def test_lessons_find_parts_of_the_simulator_by_shorter_names(part):
 
 
 def imported_by(path):
-    """Every module that a file imports, at its top or within a function."""
+    """Yield each module that a file imports, at its top or within a function."""
     for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -80,7 +80,7 @@ def imported_by(path):
             yield node.module or ""
 
 
-def test_utils_imports_no_grader():
+def test_utils_never_imports_the_grader():
     imports = {path: set(imported_by(path)) for path in (PROJECT / "utils").rglob("*.py")}
     assert any("numpy" in names for names in imports.values())  # the files were really read
     for path, names in imports.items():

@@ -1,4 +1,4 @@
-"""The judge gives right answers everything, wrong ones what they earn, and always a verdict."""
+"""The judge: full points for right answers, fitting points for wrong ones, always a verdict."""
 
 import ast
 import dataclasses
@@ -33,7 +33,7 @@ from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
 SHORT = Limits(call_seconds=3)  # for wrong answers, some of which never end
-# What lesson 12 builds on, and the detector that its hints spell out.
+# Functions of earlier lessons that lesson 12 uses, and the detector that its hints describe.
 EARLIER = {
     "01_point_clouds": ("drop_invalid",),
     "06_filter_ground": ("filter_ground", "voxel_grid"),
@@ -56,28 +56,28 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 
 
 def notebooks(right, few):
-    """Parameters (lesson, variants): notebooks that hold each right, or wrong, variant.
+    """Yield parameters (lesson, variants) of notebooks that contain each right or wrong variant.
 
-    One of each exercise in a notebook, until all have had their turn; after a few notebooks of a
-    lesson, `make proof` alone runs the others. Where wrong ones have run out, their place stays as
-    it was; and a wrong one that brings along an exercise that is another's stays alone.
+    A notebook has one variant of each exercise, until all have been used. If an exercise has no
+    wrong variants left, its stub stays. A wrong variant that defines another exercise as well is
+    alone in its notebook. Only `make proof` runs more than `few` notebooks of a lesson.
     """
     for lesson in COURSE:
         names = [exercise.name for exercise in lesson.machine_graded]
         columns, alone = [], []
         for name in names:
-            mine = [variant for variant in answers_to(name) if variant.right == right]
+            variants = [variant for variant in answers_to(name) if variant.right == right]
             others = "|".join(other for other in names if other != name) or "no other"
-            brings = [
-                not right and bool(re.search(rf"^def ({others})\b", one.source, re.M))
-                for one in mine
+            twofold = [
+                not right and bool(re.search(rf"^def ({others})\b", item.source, re.M))
+                for item in variants
             ]
-            alone += [[one] for one, brought in zip(mine, brings, strict=True) if brought]
-            columns.append([one for one, brought in zip(mine, brings, strict=True) if not brought])
+            alone += [[item] for item, both in zip(variants, twofold, strict=True) if both]
+            columns.append([item for item, both in zip(variants, twofold, strict=True) if not both])
         if right:
             longest = max(map(len, columns))
             columns = [(column * longest)[:longest] for column in columns]
-        rows = [[one for one in row if one] for row in itertools.zip_longest(*columns)]
+        rows = [[variant for variant in row if variant] for row in itertools.zip_longest(*columns)]
         for turn, chosen in enumerate([*rows, *alone]):
             yield pytest.param(
                 lesson,
@@ -98,15 +98,15 @@ def test_solution_earns_everything(lesson, sandbox):
 
 
 def is_hidden(check):
-    """What students see is the same for every seed."""
+    """Return whether a check is hidden; shown checks are the same for every seed."""
     return not check.is_shown
 
 
 def faults_on_other_seeds(path, lesson, sandbox):
-    """What the hidden tests find on four more seeds.
+    """Return the failures of hidden tests with four more seeds.
 
-    That depends on the scenes and not on the walls, so trees excepted, which the lesson gives
-    behind them, the functions answer here.
+    They depend on the scenes and not on the sandbox, so the functions run in this process. The
+    exception are lessons with a given class, which exists only in the sandbox.
     """
     cells = read_notebook(path).code
     if lesson.header.given:
@@ -115,7 +115,7 @@ def faults_on_other_seeds(path, lesson, sandbox):
     try:
         return faults_of(lesson, student_with(lesson, answers_in(lesson, cells)))
     finally:
-        plt.close("all")  # some draw on the way
+        plt.close("all")  # some answers draw figures
 
 
 def faults_of(lesson, student):
@@ -162,19 +162,19 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
 def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
     for_colab.write_bytes(standalone(lesson.released.read_bytes()))
-    # Told from the text: nothing is run, so no sandbox is needed.
-    told = [judge(path, 1, None) for path in (lesson.released, for_colab)]
+    # The text shows that they are untouched: no code runs, so no sandbox is needed.
+    from_text = [judge(path, 1, None) for path in (lesson.released, for_colab)]
     monkeypatch.setattr(preflight, "_is_as_released", lambda *about: False)
-    asked = judge(lesson.released, 1, sandbox)
-    assert asked.score == 0
+    judged = judge(lesson.released, 1, sandbox)
+    assert judged.score == 0
     assert all(
         "is not started" in test.message or "For the same reason" in test.message
-        for exercise in asked.exercises
+        for exercise in judged.exercises
         for test in exercise.tests
     )
-    for verdict in told:
-        differing = {"seconds": asked.seconds, "key": asked.key, "fingerprint": asked.fingerprint}
-        assert dataclasses.replace(verdict, **differing) == asked
+    for verdict in from_text:
+        own = {"seconds": judged.seconds, "key": judged.key, "fingerprint": judged.fingerprint}
+        assert dataclasses.replace(verdict, **own) == judged
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch
     ],
     ids=["the last cell", "a cell less", "each stub", "a cell behind", "a cell between"],
 )
-def test_what_is_not_as_it_was_released_is_asked(change):
+def test_changed_notebooks_are_not_as_released(change):
     lesson = find_lesson("06_filter_ground")
     released = read_notebook(lesson.released).code
     assert preflight._is_as_released(lesson, ["", *released, " \n"])
@@ -221,7 +221,7 @@ def test_right_variants_earn_everything_on_four_more_seeds(chosen, variants, san
 
 
 def notebook_of(lesson, variants, folder):
-    """A notebook that holds some variants."""
+    """Write a notebook that contains the given variants; return its path."""
     path = folder / f"{lesson.name}.ipynb"
     answers = {variant.exercise: variant.source for variant in variants}
     path.write_text(fill_in(lesson, answers), "utf-8")
@@ -230,7 +230,7 @@ def notebook_of(lesson, variants, folder):
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
-    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # what the checks say by themselves
+    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=SHORT)
     broken = {answer.name: broken_claims(answer, verdict) for answer in variants}
     assert broken == {answer.name: [] for answer in variants}
@@ -252,7 +252,7 @@ def test_cluster_oracle_agrees_with_brute_force():
     cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
     labels = samples.cluster_labels(cloud, 0.5)
     reach = np.linalg.norm(cloud[:, None] - cloud[None], axis=2) < 0.5
-    for _ in range(8):  # 2^8 steps reach across any cluster of 200 points
+    for _ in range(8):  # 2^8 steps are enough for any cluster of 200 points
         reach = reach @ reach
     assert np.array_equal(reach, labels[:, None] == labels[None])
 
@@ -269,7 +269,7 @@ def test_cluster_oracle_agrees_with_brute_force():
         (b"[" * 100_000, "not valid JSON"),
     ],
 )
-def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, sandbox, tmp_path):
+def test_an_unreadable_file_gets_a_verdict_with_the_reason(content, sentence, sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(content)
     verdict = judge(path, 1, sandbox)
@@ -302,7 +302,7 @@ def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
 
 
 @pytest.mark.slow
-def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
+def test_a_bad_cell_does_not_affect_the_other_exercise(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     good = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     path.write_text(
@@ -318,7 +318,7 @@ def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     assert "does not define it" in verdict.exercises[0].tests[0].message
 
 
-def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox, tmp_path):
+def test_an_answer_above_its_stub_counts(sandbox, tmp_path):
     lesson = find_lesson("09_filter_clusters")
     content = json.loads(lesson.released.read_text("utf-8"))
     first = next(cell for cell in content["cells"] if cell["cell_type"] == "code")
@@ -330,48 +330,48 @@ def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox
 
 
 @pytest.mark.slow
-def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path, monkeypatch):
-    lesson, asked = find_lesson("09_filter_clusters"), []
+def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
+    lesson, calls = find_lesson("09_filter_clusters"), []
     right, wrong = (
-        next(one.source for one in answers_to("filter_clusters") if one.right is wanted)
+        next(answer.source for answer in answers_to("filter_clusters") if answer.right is wanted)
         for wanted in (True, False)
     )
 
     def reach(*about):
-        asked.append(about)
+        calls.append(about)
         return judging_reach(*about)
 
     judging_reach = judging._reach
     monkeypatch.setattr(judging, "_reach", reach)
     monkeypatch.setattr(judging, "_RIGHT", {})
 
-    def judged(answer, seed=1, student="", module=None):
+    def judge_notebook(answer, seed=1, student="", module=None):
         folder = tmp_path / str(len(list(tmp_path.iterdir())))
         folder.mkdir()
         path = folder / f"{lesson.name}.ipynb"
         path.write_text(fill_in(lesson, {"filter_clusters": answer}), "utf-8")
         if module:
             (folder / "helpers.py").write_text(module, "utf-8")
-        before = len(asked)
+        before = len(calls)
         verdict = judge(path, seed, sandbox, student=student)
-        return verdict, len(asked) - before
+        return verdict, len(calls) - before
 
-    first, times = judged(right, student="ada")
-    assert (first.score, times) == (first.max_score, 1)
-    (kept,) = judging._RIGHT.values()
-    second, times = judged(right, student="bob")
-    assert (second.exercises, second.student, times) == (first.exercises, "bob", 0)
+    first, runs = judge_notebook(right, student="ada")
+    assert (first.score, runs) == (first.max_score, 1)
+    (stored,) = judging._RIGHT.values()
+    second, runs = judge_notebook(right, student="bob")
+    assert (second.exercises, second.student, runs) == (first.exercises, "bob", 0)
     assert second.key != first.key
-    assert judged(right + "\n# mine", student="eve")[1] == 1
-    # What is remembered of one more is its key: the results are those of the first.
+    assert judge_notebook(right + "\n# mine", student="eve")[1] == 1
+    # The cache stores only one more key for another notebook; it shares the first results.
     assert all(
-        exercise is kept.exercises[0]
-        for also in judging._RIGHT.values()
-        for exercise in also.exercises
+        exercise is stored.exercises[0]
+        for others in judging._RIGHT.values()
+        for exercise in others.exercises
     )
-    assert judged(right, seed=2)[1] == 1
-    assert judged(right, module="x = 1")[1] == 1
-    assert [judged(wrong)[1] for _ in range(2)] == [1, 1]
+    assert judge_notebook(right, seed=2)[1] == 1
+    assert judge_notebook(right, module="x = 1")[1] == 1
+    assert [judge_notebook(wrong)[1] for _ in range(2)] == [1, 1]
 
 
 def test_renamed_file_is_recognised(tmp_path, sandbox):
@@ -386,19 +386,19 @@ def test_renamed_file_is_recognised(tmp_path, sandbox):
         judge(path, 1, sandbox)
 
 
-def test_what_verdicts_have_in_common_is_in_memory_once(sandbox, tmp_path):
-    """Most checks end alike for most of ten thousand students."""
+def test_verdicts_share_equal_results_in_memory(sandbox, tmp_path):
+    """In a class of ten thousand, most results of checks are equal."""
     lesson = find_lesson("06_filter_ground")
     verdict = judge(lesson.released, 1, sandbox)
     write_verdict(verdict, tmp_path / "verdict.json")
-    one, other = read_verdict(tmp_path / "verdict.json"), read_verdict(tmp_path / "verdict.json")
-    assert one == other == verdict == verdict.compact()
+    copy, other = read_verdict(tmp_path / "verdict.json"), read_verdict(tmp_path / "verdict.json")
+    assert copy == other == verdict == verdict.compact()
     assert all(
-        first is second for first, second in zip(one.exercises, other.exercises, strict=True)
+        first is second for first, second in zip(copy.exercises, other.exercises, strict=True)
     )
 
 
-def test_verdict_survives_the_disk(sandbox, tmp_path):
+def test_a_stored_verdict_is_read_back(sandbox, tmp_path):
     lesson = find_lesson("06_filter_ground")
     verdict = judge(lesson.released, 1, sandbox)
     write_verdict(verdict, tmp_path / "a" / "verdict.json")
@@ -459,7 +459,7 @@ def test_command_line_prints_one_json_object(sandbox):
 
 
 @pytest.mark.slow
-def test_command_line_says_what_is_wrong_with_a_call(tmp_path):
+def test_command_line_explains_wrong_arguments(tmp_path):
     assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
     assert "There is no file" in command("judge", tmp_path / "nothing.ipynb").stderr
     assert command("grade", "stage9_none").returncode == 2

@@ -1,4 +1,4 @@
-"""Answers that are kept with the course, some of them as edits of others."""
+"""Kept answers of the course, some of which are edits of other answers."""
 
 import pytest
 
@@ -27,7 +27,7 @@ SOURCE = "def f(a):\n    b = a + 1\n\n    for c in b:\n        print(c)\n    ret
     ],
     ids=["a line", "a last line", "an insertion", "a blank line", "two", "two less", "context"],
 )
-def test_an_edit_changes_its_lines_and_no_others(edits, becomes):
+def test_an_edit_changes_only_its_lines(edits, becomes):
     if becomes.startswith("…"):
         first, _, _ = becomes[1:].partition("\n")
         becomes = SOURCE.replace(first, becomes[1:])
@@ -37,12 +37,12 @@ def test_an_edit_changes_its_lines_and_no_others(edits, becomes):
 @pytest.mark.parametrize(
     ("edits", "count"), [("-     b = a - 1\n+     b = a", 0), ("- x\n+ y", 0), ("- 1\n+ 2", 2)]
 )
-def test_lines_that_are_not_there_exactly_once_are_named(edits, count):
+def test_lines_that_do_not_occur_exactly_once_are_named(edits, count):
     with pytest.raises(ValueError, match=f"^voxels: .* {count} times"):
         edited(SOURCE + "\n1\n1", edits, "voxels")
 
 
-def test_an_answer_may_be_an_edit_of_one_below_it(tmp_path, monkeypatch):
+def test_an_answer_may_be_an_edit_of_a_later_one(tmp_path, monkeypatch):
     folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
     folder.mkdir(parents=True)
     text = """# %% wrong: minus

@@ -1,4 +1,4 @@
-"""Lesson 03: a right loop that calls a wrong exercise, and the pictures of planes."""
+"""Lesson 03: a right RANSAC loop that calls a wrong exercise, and figures of planes."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -33,7 +33,7 @@ def answer_to(exercise, name):
     return next(answer.source for answer in answers_to(exercise) if answer.name == name)
 
 
-def right_one(exercise):
+def right_answer_to(exercise):
     return next(answer.source for answer in answers_to(exercise) if answer.right)
 
 
@@ -50,12 +50,13 @@ def right_one(exercise):
 def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, tmp_path):
     lesson = find_lesson("03_ransac_plane")
     answers = {
-        exercise: right_one(exercise) for exercise in ("plane_through", "point_plane_distance")
+        exercise: right_answer_to(exercise)
+        for exercise in ("plane_through", "point_plane_distance")
     }
     answers |= {helper: answer_to(helper, name), "ransac_plane": RANSAC_PLANE}
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
-    results = {one.name: one for one in judge(path, 7, sandbox).exercises}
+    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox).exercises}
     assert results[helper].score < results[helper].max_score
     assert results["ransac_plane"].score == results["ransac_plane"].max_score
     assert f"{helper}, which ransac_plane calls, is wrong" in results["ransac_plane"].cause
@@ -66,7 +67,7 @@ def test_a_wrong_loop_stays_wrong_with_right_helpers(sandbox, tmp_path):
     lesson = find_lesson("03_ransac_plane")
     answers = {
         "plane_through": answer_to("plane_through", "the sign of d"),
-        "point_plane_distance": right_one("point_plane_distance"),
+        "point_plane_distance": right_answer_to("point_plane_distance"),
         "ransac_plane": RANSAC_PLANE.replace("continue", "break"),
     }
     path = tmp_path / f"{lesson.name}.ipynb"
