@@ -1,4 +1,4 @@
-"""A league: drives behind walls, what counts in them, and the page on which nobody has a name."""
+"""The league: drives in the sandbox, their points, and a page with pseudonyms."""
 
 import csv
 import html
@@ -69,12 +69,12 @@ def detect_obstacles(cloud):
 )
 
 
-def answering(expression, before=""):
-    """A notebook whose detector answers with this, whatever it sees."""
+def returning(expression, before=""):
+    """Return code of a detector that answers every cloud with `expression`."""
     return f"{IMPORTS}{before}\ndef detect_obstacles(cloud):\n    return {expression}\n"
 
 
-def driven_by(sandbox, source, street=FREE, seconds=2.0, **limits):
+def drive_with(sandbox, source, street=FREE, seconds=2.0, **limits):
     program = Program((source,), (DETECTOR,))
     limits = Limits(**{"call_seconds": 1.0, "total_seconds": 20.0, **limits})
     with StudentProxy(program, sandbox, limits) as student:
@@ -84,36 +84,36 @@ def driven_by(sandbox, source, street=FREE, seconds=2.0, **limits):
 # Streets and names --------------------------------------------------------------------------
 
 
-def test_streets_come_of_the_seed_and_of_nothing_else():
+def test_streets_depend_only_on_the_seed():
     once, again, others = streets_of(SEED), streets_of.__wrapped__(SEED), streets_of(SEED + 1)
     assert [street.number for street in once] == [1, 2, 3, 4, 5, 6]
-    for one, same, other in zip(once, again, others, strict=True):
-        assert one.seed == same.seed != other.seed
-        places = [[actor.obstacle.pose.x for actor in street.actors] for street in (one, same)]
+    for first, second, other in zip(once, again, others, strict=True):
+        assert first.seed == second.seed != other.seed
+        places = [[actor.obstacle.pose.x for actor in street.actors] for street in (first, second)]
         assert places[0] == places[1] != [actor.obstacle.pose.x for actor in other.actors]
     assert len({street.seed for street in once}) == len(once)
     assert all(SEED not in (street.seed, street.number) for street in once)
 
 
-def test_a_pseudonym_is_the_same_each_time_and_another_in_another_course():
-    class_ = [f"student{number}" for number in range(300)]
-    names = pseudonyms(class_, SEED)
+def test_pseudonyms_are_stable_and_different_in_another_course():
+    students = [f"student{number}" for number in range(300)]
+    names = pseudonyms(students, SEED)
     assert len(set(names.values())) == 300
-    assert pseudonyms(reversed(class_), SEED) == names
-    others = pseudonyms(class_, SEED + 1)
-    assert sum(names[one] == others[one] for one in class_) < 5
+    assert pseudonyms(reversed(students), SEED) == names
+    others = pseudonyms(students, SEED + 1)
+    assert sum(names[student] == others[student] for student in students) < 5
     alone = pseudonyms(["student7"], SEED)["student7"]
     assert alone == names["student7"]
 
 
-def test_a_folder_that_is_no_text_has_a_pseudonym_too():
+def test_a_folder_name_that_is_not_text_has_a_pseudonym():
     assert pseudonyms(["\udcff"], SEED)["\udcff"]
 
 
-# One drive behind walls ---------------------------------------------------------------------
+# One drive in the sandbox -------------------------------------------------------------------
 
 
-def test_a_drive_behind_walls_is_the_same_drive(sandbox):
+def test_a_drive_in_the_sandbox_is_the_same(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
     with StudentProxy(program, sandbox) as student:
         driven = drive_behind_walls(BLOCKED, student, seconds=5.0, sensor=FEW)
@@ -125,8 +125,8 @@ def test_a_drive_behind_walls_is_the_same_drive(sandbox):
     assert 18 < driven.metres < 28 and driven.needless == (False,)
 
 
-def test_what_was_answered_makes_the_same_drive_again(sandbox):
-    driven = driven_by(sandbox, answering("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED, 3.0)
+def test_stored_answers_reproduce_the_drive(sandbox):
+    driven = drive_with(sandbox, returning("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED, 3.0)
     assert not driven.stopped
     kept = from_json(driven.as_json())
     assert kept == driven
@@ -150,8 +150,8 @@ ODD = {
 
 
 @pytest.mark.parametrize("answer", ODD.values(), ids=ODD)
-def test_who_has_no_boxes_to_give_is_broken_off_in_our_words(answer, sandbox):
-    driven = driven_by(sandbox, answering(answer), seconds=4.0)
+def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
+    driven = drive_with(sandbox, returning(answer), seconds=4.0)
     assert driven.failed == MOST_FAILURES and driven.metres == 0
     assert driven.stopped.startswith(f"It had no boxes to give for {MOST_FAILURES} scans. ")
     assert driven.failure in driven.stopped
@@ -169,19 +169,19 @@ FINE = {
 
 
 @pytest.mark.parametrize(("answer", "count"), FINE.values(), ids=FINE)
-def test_what_is_no_number_is_left_out(answer, count, sandbox):
-    driven = driven_by(sandbox, answering(answer), seconds=0.5)
+def test_boxes_that_are_not_finite_are_dropped(answer, count, sandbox):
+    driven = drive_with(sandbox, returning(answer), seconds=0.5)
     assert not driven.stopped and not driven.failed
     drives, _ = driven_again(driven, FREE, seconds=0.5, sensor=BLINKERED)
     assert {len(moment.boxes) for moment in drives.moments} == {count}
 
 
-def test_a_few_scans_without_an_answer_are_told_and_cost_no_more(sandbox):
-    source = answering("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
-    driven = driven_by(sandbox, source, seconds=2.0)
+def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
+    source = returning("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
+    driven = drive_with(sandbox, source, seconds=2.0)
     assert not driven.stopped and driven.failed == 4
-    (said,) = happened(driven)
-    assert said == (
+    (sentence,) = happened(driven)
+    assert sentence == (
         "It had no boxes to give for 4 of the scans. detect_obstacles raised ZeroDivisionError."
     )
 
@@ -194,21 +194,21 @@ ENDS = {
 
 
 @pytest.mark.parametrize(("line", "words"), ENDS.values(), ids=ENDS)
-def test_what_never_answers_costs_its_own_drive_only(line, words, sandbox):
+def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, sandbox):
     source = f"{IMPORTS}def detect_obstacles(cloud):\n    {line}\n"
-    driven = driven_by(sandbox, source, call_seconds=0.5)
+    driven = drive_with(sandbox, source, call_seconds=0.5)
     assert driven.stopped and words in driven.stopped and driven.metres == 0
     assert counted(FREE, driven) == 0
-    assert not driven_by(sandbox, answering("[]"), seconds=0.5).stopped
+    assert not drive_with(sandbox, returning("[]"), seconds=0.5).stopped
 
 
-def test_a_notebook_that_nobody_can_read_says_no_word_of_its_own():
+def test_the_message_on_an_unreadable_notebook_does_not_quote_it():
     handed_in = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
     driven = drives.drive_one(handed_in, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
 
 
-def test_a_drive_is_kept_until_something_changes_that_decides(monkeypatch):
+def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     files = with_all_they_run([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
@@ -228,10 +228,10 @@ def test_a_drive_is_kept_until_something_changes_that_decides(monkeypatch):
     }
 
 
-# What counts ----------------------------------------------------------------------------------
+# Points ---------------------------------------------------------------------------------------
 
 
-def test_metres_count_beyond_those_in_which_a_car_stops():
+def test_metres_count_beyond_the_stopping_distance():
     free = 30 / 3.6 * 0.5 + (30 / 3.6) ** 2 / 14
     assert counted(FREE, Driven(1, 100.0)) == round(100 - free)
     assert counted(FREE, Driven(1, 100.0, needless=(True, False, True))) == round(80 - free)
@@ -242,10 +242,10 @@ def test_metres_count_beyond_those_in_which_a_car_stops():
 
 def everywhere():
     x, y = np.mgrid[-4:40:3.0, -6:6:3.0].reshape(2, -1)
-    return np.stack([one_box(*place) for place in zip(x, y, strict=True)])
+    return np.stack([box(*place) for place in zip(x, y, strict=True)])
 
 
-def one_box(x, y=0.0, size=2.0):
+def box(x, y=0.0, size=2.0):
     floor = [(x, y - size / 2), (x + size, y - size / 2), (x + size, y + size / 2)]
     floor.append((x, y + size / 2))
     return np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor])
@@ -254,27 +254,27 @@ def one_box(x, y=0.0, size=2.0):
 CHEAP = {
     "no boxes": np.empty((0, 8, 3)),
     "boxes everywhere": everywhere(),
-    "one around everything": one_box(-30.0, size=60.0)[None],
-    "fixed boxes beside the road": np.stack([one_box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
-    **{f"one box {x} m ahead": one_box(2.6 + x)[None] for x in (1, 3, 4, 5, 7, 9, 12)},
+    "one around everything": box(-30.0, size=60.0)[None],
+    "fixed boxes beside the road": np.stack([box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
+    **{f"one box {x} m ahead": box(2.6 + x)[None] for x in (1, 3, 4, 5, 7, 9, 12)},
 }
 
 
 def cheap_points(street, boxes):
-    done = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
-    return counted(street, drives._measured(done, ""))
+    result = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
+    return counted(street, drives._measured(result, ""))
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
 def test_cheap_detectors_earn_nothing_to_speak_of(name):
-    """Where true boxes earn about a hundred: see the test with all of them."""
+    """True boxes earn about 100 points; the next test compares all cheap detectors with them."""
     assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("number", range(6))
 @pytest.mark.parametrize("seed", (SEED, SEED + 1))
-def test_in_every_street_true_boxes_are_worth_more_than_all_that_is_cheap(number, seed):
+def test_true_boxes_beat_cheap_detectors_in_every_street(number, seed):
     street = streets_of(seed)[number]
     assert counted(street, drives._measured(drive(street), "")) > 50
     assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
@@ -290,7 +290,7 @@ def season_of(drives):
     return Season(LESSON, (FREE,), (), known)
 
 
-def test_places_are_shared_and_those_to_compare_with_have_none():
+def test_places_are_shared_and_references_have_none():
     ranked = standings(
         season_of(
             {
@@ -302,7 +302,7 @@ def test_places_are_shared_and_those_to_compare_with_have_none():
             }
         )
     )
-    order = [(one.entrant.name, one.place) for one in ranked]
+    order = [(rank.entrant.name, rank.place) for rank in ranked]
     assert order == [
         (TRUE_BOXES, None),
         ("ben", 1),
@@ -326,111 +326,111 @@ def course(tmp_path):
 
     course = Course(tmp_path)
     hand_in("ada")
-    hand_in("ben", {DETECTOR: answering("[]")})
+    hand_in("ben", {DETECTOR: returning("[]")})
     return course, hand_in
 
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Takes the place of driving: notes what there was to drive."""
-    asked = []
+    """Replace driving by a function that records each job; return the list of jobs."""
+    calls = []
 
     def drive_one(handed_in, lesson, number, seed, sandbox):
-        asked.append((handed_in and handed_in.name, number))
+        calls.append((handed_in and handed_in.name, number))
         key = drives.key_of(handed_in, streets_of(seed)[number - 1], LESSON)
         return Driven(number, 100.0 + number, key=key)
 
     monkeypatch.setattr(season, "drive_one", drive_one)
-    return asked
+    return calls
 
 
-def driven_class(course, sandbox, progress=lambda *about: None):
+def drive_the_class(course, sandbox, progress=lambda *about: None):
     return drive_class(course, LESSON, SEED, sandbox, Inline, 2, progress)
 
 
-def test_a_class_drives_once_and_whoever_hands_in_again_drives_again(course, jobs, sandbox):
+def test_a_class_drives_once_and_new_submissions_drive_again(course, jobs, sandbox):
     course, hand_in = course
-    seen = []
-    first = driven_class(course, sandbox, lambda *about: seen.append(about[:2]))
-    assert len(jobs) == 4 * 6 and seen[0] == (0, 24) and seen[-1] == (24, 24)
+    progress = []
+    first = drive_the_class(course, sandbox, lambda *about: progress.append(about[:2]))
+    assert len(jobs) == 4 * 6 and progress[0] == (0, 24) and progress[-1] == (24, 24)
     assert [student.name for student in first.students] == ["ada", "ben"]
     jobs.clear()
-    assert driven_class(course, sandbox).drives.values() and jobs == []
-    hand_in("ben", {DETECTOR: answering("[[]]")})
-    driven_class(course, sandbox)
+    assert drive_the_class(course, sandbox).drives.values() and jobs == []
+    hand_in("ben", {DETECTOR: returning("[[]]")})
+    drive_the_class(course, sandbox)
     assert [number for _, number in jobs] == [1, 2, 3, 4, 5, 6]
 
 
-def test_ctrl_c_keeps_what_was_driven(course, jobs, sandbox):
-    def stop(done, total, what):
-        if done == 5:
+def test_ctrl_c_keeps_finished_drives(course, jobs, sandbox):
+    def stop(finished, total, what):
+        if finished == 5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        driven_class(course[0], sandbox, stop)
-    done = len(list(course[0].verdicts.rglob("street_*.json")))
+        drive_the_class(course[0], sandbox, stop)
+    finished = len(list(course[0].verdicts.rglob("street_*.json")))
     jobs.clear()
-    driven_class(course[0], sandbox)
-    assert done == 5 and len(jobs) == 24 - 5
+    drive_the_class(course[0], sandbox)
+    assert finished == 5 and len(jobs) == 24 - 5
 
 
-def test_a_file_that_is_no_drive_is_driven_again(course, jobs, sandbox):
-    driven_class(course[0], sandbox)
+def test_a_damaged_file_is_driven_again(course, jobs, sandbox):
+    drive_the_class(course[0], sandbox)
     file = next(course[0].verdicts.glob("ada/*/.league/street_1.json"))
     for text in ("", "{}", "[]", "null", '{"street": 1}'):
         file.write_text(text)
         jobs.clear()
-        driven_class(course[0], sandbox)
+        drive_the_class(course[0], sandbox)
         assert len(jobs) == 1, text
 
 
-def test_what_kills_its_process_twice_is_no_fault_of_anybody(course, jobs, sandbox, monkeypatch):
-    good, tries = season.drive_one, []
+def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, monkeypatch):
+    original, tries = season.drive_one, []
 
     def deadly(handed_in, lesson, number, seed, sandbox):
         if handed_in and b"[[]]" in handed_in.data and number == 2:
             tries.append(number)
             raise BrokenExecutor("died")
-        return good(handed_in, lesson, number, seed, sandbox)
+        return original(handed_in, lesson, number, seed, sandbox)
 
     course, hand_in = course
-    hand_in("eve", {DETECTOR: answering("[[]]")})
+    hand_in("eve", {DETECTOR: returning("[[]]")})
     monkeypatch.setattr(season, "drive_one", deadly)
-    found = driven_class(course, sandbox)
+    result = drive_the_class(course, sandbox)
     assert len(tries) == 2
-    assert found.faults == [f"eve, street 2: {season.GONE}"]
+    assert result.faults == [f"eve, street 2: {season.GONE}"]
     assert not list(course.verdicts.glob("eve/*/.league/street_2.json"))
-    ranked = {standing.entrant.name: standing.points for standing in standings(found)}
+    ranked = {standing.entrant.name: standing.points for standing in standings(result)}
     assert 0 < ranked["eve"] < ranked["ada"]
 
 
-def test_who_had_no_processor_drives_once_more_alone(course, jobs, sandbox, monkeypatch):
-    good, tries = season.drive_one, []
+def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatch):
+    original, tries = season.drive_one, []
 
     def starved(handed_in, *about):
-        driven = good(handed_in, *about)
+        driven = original(handed_in, *about)
         if handed_in is None and about[1] == 3:
             tries.append(driven)
             return replace(driven, starved=len(tries) == 1)
         return driven
 
     monkeypatch.setattr(season, "drive_one", starved)
-    found = driven_class(course[0], sandbox)
-    assert len(tries) == 2 and not found.faults and not found.left_out
+    result = drive_the_class(course[0], sandbox)
+    assert len(tries) == 2 and not result.faults and not result.left_out
 
 
-def test_a_street_that_stops_the_true_boxes_counts_for_nobody(course, jobs, sandbox, monkeypatch):
-    good = season.drive_one
+def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox, monkeypatch):
+    original = season.drive_one
 
     def unfair(handed_in, lesson, number, seed, sandbox):
-        driven = good(handed_in, lesson, number, seed, sandbox)
+        driven = original(handed_in, lesson, number, seed, sandbox)
         hit = handed_in is None and number == 4
         return replace(driven, collision="The drive ends at a person.") if hit else driven
 
     monkeypatch.setattr(season, "drive_one", unfair)
-    found = driven_class(course[0], sandbox)
-    assert [street.number for street in found.streets] == [1, 2, 3, 5, 6]
-    assert [street.number for street in found.left_out] == [4]
+    result = drive_the_class(course[0], sandbox)
+    assert [street.number for street in result.streets] == [1, 2, 3, 5, 6]
+    assert [street.number for street in result.left_out] == [4]
 
 
 def test_a_stage_without_a_detector_has_no_league(capsys):
@@ -438,7 +438,7 @@ def test_a_stage_without_a_detector_has_no_league(capsys):
     assert "Nobody writes a detector in stage3_obstacles" in capsys.readouterr().err
 
 
-def test_without_submissions_it_says_where_they_belong(tmp_path, monkeypatch, capsys):
+def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
     arguments = ["league", LESSON.stage, "--sandbox", "process", "--seed", str(SEED)]
     assert cli.main(arguments) == 2
@@ -451,7 +451,7 @@ HOSTILE = "<script>alert(1)</script>"
 
 
 @pytest.fixture
-def written(tmp_path, monkeypatch):
+def league_files(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film", lambda *about: None)
     drives = {
         "ada": Driven(1, 90.0, brakings=("road taken for an obstacle, 9 m ahead, frame 31",),
@@ -465,8 +465,8 @@ def written(tmp_path, monkeypatch):
     return text.read_text("utf-8"), who.read_text("utf-8"), course
 
 
-def test_the_page_says_what_stopped_each_and_names_nobody(written):
-    text, who, course = written
+def test_the_page_has_results_but_no_names(league_files):
+    text, who, course = league_files
     for name in ("ada", "finn", HOSTILE, "<script", "=1+1", "Traceback"):
         assert name not in text
     for words in (
@@ -484,28 +484,28 @@ def test_the_page_says_what_stopped_each_and_names_nobody(written):
         assert name in text
 
 
-def test_who_shares_a_place_stands_in_no_order_that_tells(tmp_path, monkeypatch):
+def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film", lambda *about: None)
-    class_ = [f"student{number:02}" for number in range(20)]
+    students = [f"student{number:02}" for number in range(20)]
     paths = write_league(
-        Course(tmp_path), season_of({one: Driven(1, 90.0) for one in class_}), SEED
+        Course(tmp_path), season_of({student: Driven(1, 90.0) for student in students}), SEED
     )
     rows = list(csv.DictReader(paths[1].read_text("utf-8").splitlines()))
     names = [row["Pseudonym"] for row in rows]
-    assert names == sorted(names) and [row["Student"] for row in rows] != class_
+    assert names == sorted(names) and [row["Student"] for row in rows] != students
     text = paths[0].read_text("utf-8")
     assert sorted(names, key=text.index) == names
 
 
-def test_who_is_who_is_told_apart_from_the_page(written):
-    text, who, course = written
+def test_names_are_in_a_file_separate_from_the_page(league_files):
+    text, who, course = league_files
     rows = list(csv.DictReader(who.splitlines()))
     assert {row["Student"] for row in rows} == {"ada", "finn", HOSTILE, "'=1+1"}
     assert {row["Student"]: row["Pseudonym"] for row in rows}["ada"] in text
     assert page.page_of_league(course, "x").parent != page.who_is_who(course, "x").parent
 
 
-def test_the_film_is_of_the_best_in_the_street_that_stopped_most(monkeypatch):
+def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
     streets = (FREE, replace(FREE, number=2), replace(FREE, number=3))
     crash = "The drive ends."
     drives = {
@@ -515,25 +515,27 @@ def test_the_film_is_of_the_best_in_the_street_that_stopped_most(monkeypatch):
     }
     filmed = []
 
-    def again(driven, street):
+    def record(driven, street):
         filmed.append(street.number)
         raise LookupError
 
-    monkeypatch.setattr(page, "driven_again", again)
+    monkeypatch.setattr(page, "driven_again", record)
     with pytest.raises(LookupError):
-        page._film(*(lambda one: (one, standings(one)))(Season(LESSON, streets, (), drives)), str)
+        page._film(
+            *(lambda league: (league, standings(league)))(Season(LESSON, streets, (), drives)), str
+        )
     assert filmed == [2]
 
 
 @pytest.mark.proof
 def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
-    """Real submissions, from the command line, in the first two streets."""
+    """The command drives real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     handed_in = {
         "right": answers["the functions of the lessons, pasted into cells of their own"],
         "blind": answers["nothing is ever in the way"],
         "walls": answers["one box around everything"],
-        "raises": answering("1 / 0"),
+        "raises": returning("1 / 0"),
         "hangs": f"{IMPORTS}def detect_obstacles(cloud):\n    while True: pass\n",
     }
     for student, source in handed_in.items():

@@ -1,4 +1,4 @@
-"""Where to look: true by construction, and nothing of it reaches the notebook."""
+"""The hint about the line to change: it is true, and the search has no side effects."""
 
 import os
 import threading
@@ -83,13 +83,13 @@ def never_ends(p, q):
     return wrong_sign(p, q)
 
 
-def failed_by(function):
+def failed_checks(function):
     found = []
-    for one in CHECKS:
+    for check_ in CHECKS:
         try:
-            one.run(function)
+            check_.run(function)
         except Exception:
-            found.append(one)
+            found.append(check_)
     return found
 
 
@@ -98,16 +98,16 @@ def text_of(line):
         return file.read().split("\n")[line.number - 1].strip()
 
 
-def test_it_names_the_line():
-    place = place_to_change(wrong_sign, CHECKS, failed_by(wrong_sign))
+def test_the_line_to_change_is_named():
+    place = place_to_change(wrong_sign, CHECKS, failed_checks(wrong_sign))
     (line,) = place.lines
     assert line.text == "return a, b, a * p[0] + b * p[1]"
     assert text_of(line) == line.text
     assert place.sentence == f"One change in {line}, makes everything here green."
 
 
-def test_it_names_all_lines_of_which_any_does():
-    place = place_to_change(turned_twice, CHECKS, failed_by(turned_twice))
+def test_all_lines_that_can_be_changed_are_named():
+    place = place_to_change(turned_twice, CHECKS, failed_checks(turned_twice))
     assert [line.text for line in place.lines] == [
         "dx, dy = q[0] - p[0], q[1] - p[1]",
         "a = dy / length",
@@ -117,27 +117,27 @@ def test_it_names_all_lines_of_which_any_does():
     assert [text_of(line) for line in place.lines] == [line.text for line in place.lines]
 
 
-def test_of_many_lines_none_is_told(monkeypatch):
+def test_many_possible_lines_give_no_hint(monkeypatch):
     monkeypatch.setattr(line_hint, "MOST_LINES", 2)
-    assert place_to_change(turned_twice, CHECKS, failed_by(turned_twice)) is None
+    assert place_to_change(turned_twice, CHECKS, failed_checks(turned_twice)) is None
 
 
-def test_what_is_wrong_in_two_places_is_not_told():
-    assert place_to_change(wrong_twice, CHECKS, failed_by(wrong_twice)) is None
+def test_two_mistakes_give_no_hint():
+    assert place_to_change(wrong_twice, CHECKS, failed_checks(wrong_twice)) is None
 
 
-def test_it_is_told_only_where_all_shown_checks_pass():
-    """A change that mends what failed and breaks another check is none."""
+def test_the_change_must_pass_all_shown_checks():
+    """A change that fixes the failed checks but breaks another one does not count."""
 
     def never(function):
         raise AssertionError
 
     lost = line_hint.Check("lost", "line_through", "", "", run=never)
-    assert place_to_change(wrong_sign, [*CHECKS, lost], failed_by(wrong_sign)) is None
+    assert place_to_change(wrong_sign, [*CHECKS, lost], failed_checks(wrong_sign)) is None
 
 
-def test_nothing_of_it_is_seen_or_kept(capfd):
-    failed = failed_by(draws_and_prints)
+def test_the_search_has_no_visible_effects(capfd):
+    failed = failed_checks(draws_and_prints)
     before, processes = len(written), threading.active_count()
     capfd.readouterr()
     assert place_to_change(draws_and_prints, CHECKS, failed) is not None
@@ -147,14 +147,14 @@ def test_nothing_of_it_is_seen_or_kept(capfd):
 
 
 @pytest.mark.parametrize("function", [writes_a_file, starts_a_program, asks_a_person])
-def test_what_reaches_out_is_kept_off(function, tmp_path, monkeypatch):
+def test_functions_with_effects_outside_are_stopped(function, tmp_path, monkeypatch):
     monkeypatch.setenv("A_FILE", str(tmp_path / "file"))
     assert place_to_change(function, CHECKS, CHECKS[:1]) is None
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow
-def test_a_loop_without_an_end_takes_no_longer_than_it_may(monkeypatch):
+def test_an_endless_loop_is_stopped_in_time(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
     begin = time.monotonic()
     assert place_to_change(never_ends, CHECKS, CHECKS[:1]) is None
@@ -172,20 +172,20 @@ def test_no_process_is_left(monkeypatch):
 @pytest.mark.parametrize(
     "function", [len, np.hypot, lambda p, q: (1.0, 0.0, 0.0), type("A", (), {})]
 )
-def test_what_has_no_text_of_its_own_has_no_line(function):
+def test_a_function_without_source_gives_no_hint(function):
     assert place_to_change(function, CHECKS, CHECKS[:1]) is None
 
 
-def test_without_processes_to_copy_nothing_is_said(monkeypatch):
+def test_without_fork_there_is_no_hint(monkeypatch):
     monkeypatch.delattr(os, "fork")
-    assert place_to_change(wrong_sign, CHECKS, failed_by(wrong_sign)) is None
+    assert place_to_change(wrong_sign, CHECKS, failed_checks(wrong_sign)) is None
 
 
-def test_check_tells_it_under_the_first_failure(capsys):
+def test_check_shows_the_hint_below_the_first_failure(capsys):
     with pytest.raises(ChecksFailed):
         check(wrong_sign, "line_through")
-    said = capsys.readouterr().out
-    assert said.count("Where to look: One change in line ") == 1
-    assert said.index("Where to look") < said.index(
-        "[passed]" if "[passed]" in said else "[waiting]"
+    output = capsys.readouterr().out
+    assert output.count("Where to look: One change in line ") == 1
+    assert output.index("Where to look") < output.index(
+        "[passed]" if "[passed]" in output else "[waiting]"
     )

@@ -1,4 +1,4 @@
-"""Formulas that a browser shows without a network, whoever wrote them."""
+"""Formulas as MathML, which a browser shows without a network; the LaTeX may be hostile."""
 
 import json
 import re
@@ -16,25 +16,27 @@ def tree(latex, display=False):
     return ElementTree.fromstring(formula(latex, display))
 
 
-def test_a_fraction_is_a_fraction():
+def test_a_fraction_has_two_parts():
     drawn = tree(r"\frac{2 p}{q}", display=True)
     assert drawn.get("display") == "block"
     (fraction,) = drawn.iter(f"{NAME}mfrac")
     assert ["".join(part.itertext()) for part in fraction] == ["2p", "q"]
 
 
-def test_lines_that_are_aligned_are_rows():
+def test_aligned_lines_are_rows():
     drawn = tree(r"\begin{aligned} a &\le b \\ c &= d \end{aligned}", display=True)
     assert len(list(drawn.iter(f"{NAME}mtr"))) == 2
 
 
 def test_every_formula_of_the_course_is_drawn():
     found = [
-        one or other
+        block or inline
         for lesson in all_lessons()
         for cell in json.loads(lesson.solved.read_text("utf-8"))["cells"]
         if cell["cell_type"] == "markdown"
-        for one, other in re.findall(r"\$\$(.+?)\$\$|\$([^$\n]+?)\$", "".join(cell["source"]), re.S)
+        for block, inline in re.findall(
+            r"\$\$(.+?)\$\$|\$([^$\n]+?)\$", "".join(cell["source"]), re.S
+        )
     ]
     assert len(found) > 100
     assert [latex for latex in found if not formula(latex, True).startswith("<math")] == []
@@ -55,13 +57,13 @@ def test_every_formula_of_the_course_is_drawn():
         "x" * (LONGEST + 1),
     ],
 )
-def test_what_is_no_mathematics_is_shown_as_it_was_typed(latex):
+def test_invalid_formulas_are_shown_as_code(latex):
     shown = formula(latex, False)
     assert shown.startswith("<code>$") and shown.endswith("$</code>")
     assert "<" not in shown[6:-7] and ">" not in shown[6:-7]
 
 
-def test_formulas_within_text():
+def test_formulas_in_text_are_drawn_but_not_in_code():
     page = markdown_page("One $x^2$ and\n\n$$y$$\n\nand `$z$`.")
     assert page.count("<math ") == 2
     assert "<code>$z$</code>" in page

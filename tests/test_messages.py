@@ -1,4 +1,4 @@
-"""What may be told of a failure: its kind, and what stands in the notebook anyway."""
+"""Messages on failures: the kind of the failure, and words that are in the notebook anyway."""
 
 import ast
 
@@ -38,12 +38,12 @@ HIDDEN = Check("test_hidden", "f", "It holds elsewhere", "Look there.")
 UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.")
 
 
-def words(check, failure, open_to_all=True):
-    """What is told about a failure, line by line."""
+def message_lines(check, failure, open_to_all=True):
+    """Return the lines of the message on a failure."""
     return message_of(shareable(Outcome(check, failure), open_to_all)).text.split("\n")
 
 
-def test_of_what_holds_nothing_is_told():
+def test_a_passed_check_has_no_message():
     outcome = Outcome(SHOWN, None)
     assert (
         shareable(outcome, True) is outcome
@@ -62,20 +62,20 @@ WRONG = CheckFailed(
 
 
 @pytest.mark.parametrize("check, open_to_all", [(HIDDEN, True), (HIDDEN, False), (SHOWN, False)])
-def test_of_a_hidden_one_and_where_it_had_company_no_number_and_no_answer(check, open_to_all):
-    assert words(check, WRONG, open_to_all) == [
+def test_messages_on_hidden_checks_have_no_numbers_and_no_answer(check, open_to_all):
+    assert message_lines(check, WRONG, open_to_all) == [
         "… of … rows are wrong: row …",
         f"Hint: {check.hint}",
     ]
 
 
-def test_of_a_shown_one_counts_and_no_answer():
-    """A neighbour's question may be in the answer to one that everybody knows."""
-    assert words(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
+def test_messages_on_shown_checks_have_counts_but_no_answer():
+    """The answer to a shown check may contain the input of a hidden one."""
+    assert message_lines(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
     secret = CheckFailed("2 of 5 are wrong, by 0.6763 and 67, 8; then 6, 7 and 63", yours="6763")
-    said = "2 of 5 are wrong, by … and 67, 8; then …, … and …"
-    assert words(SHOWN, secret) == [said, "Hint: Look at it."]
-    assert words(SHOWN, CheckFailed("676 of -3 are 1e5"))[0] == "… of … are …"
+    shown = "2 of 5 are wrong, by … and 67, 8; then …, … and …"
+    assert message_lines(SHOWN, secret) == [shown, "Hint: Look at it."]
+    assert message_lines(SHOWN, CheckFailed("676 of -3 are 1e5"))[0] == "… of … are …"
 
 
 SEE_ANSWER = "The check in the notebook shows your answer beside the right one."
@@ -94,9 +94,9 @@ SEE_PYTHON = "The check in the notebook shows what Python says about it."
         (NotYet("First"), None),
     ],
 )
-def test_where_there_is_more_to_see_is_said_once(failure, says):
+def test_the_pointer_to_the_notebook_occurs_once(failure, says):
     others = [CheckFailed("another"), CheckFailed("a third")]
-    outcomes = [Outcome(SHOWN, one) for one in (failure, *others)]
+    outcomes = [Outcome(SHOWN, failed) for failed in (failure, *others)]
     messages = messages_of(resolve(outcomes))
     ends = [message.text.rsplit("\n", 1)[-1] for message in messages.values()]
     assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
@@ -104,12 +104,12 @@ def test_where_there_is_more_to_see_is_said_once(failure, says):
     assert "in the notebook" not in "".join(message.text for message in hidden.values())
 
 
-def test_the_kind_of_a_failure_is_told_and_its_own_hint():
+def test_the_kind_and_the_hint_of_a_failure_are_kept():
     form = shareable_failure(Outcome(HIDDEN, WrongForm("shape (3, 4)", hint="Return rows.")), False)
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
-    # How much it was is told to nobody but the judge.
+    # The amount is shown only to the judge.
     assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
     assert shareable_failure(Outcome(HIDDEN, waits), False) is waits
@@ -117,11 +117,11 @@ def test_the_kind_of_a_failure_is_told_and_its_own_hint():
 
 
 def raised(kind="ValueError", message="a secret 17", **more):
-    about = {"place": "code cell 3, line 2", "line": "x = y[0]", "is_one_of_few": True} | more
-    return StudentError("f", kind, message, **about)
+    fields = {"place": "code cell 3, line 2", "line": "x = y[0]", "is_one_of_few": True} | more
+    return StudentError("f", kind, message, **fields)
 
 
-def test_of_an_exception_is_told_what_stands_in_the_notebook_anyway():
+def test_the_message_on_an_exception_quotes_only_the_notebook():
     shown = shareable_failure(Outcome(SHOWN, raised()), True)
     assert isinstance(shown, Raised)
     assert shown.message == "f raised ValueError (code cell 3, line 2: `x = y[0]`)."
@@ -199,19 +199,19 @@ REFUSED = "is not allowed in this lesson: it does the exercise for you"
         ("StopIteration", "17", "next(rows)", "StopIteration"),
     ],
 )
-def test_a_word_is_told_if_it_stands_in_the_line(kind, message, line, says):
+def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, says):
     error = raised(kind, message, line=line, forbidden=("sklearn.cluster", "scipy.cluster"))
-    shown = f": `{line}`" if line else ""
-    assert sentence_on(error) == f"f raised {says} (code cell 3, line 2{shown})."
+    quoted = f": `{line}`" if line else ""
+    assert sentence_on(error) == f"f raised {says} (code cell 3, line 2{quoted})."
 
 
-def test_a_line_is_told_no_further_than_a_person_writes():
+def test_long_lines_are_cut():
     line = "x = " + "1 + " * 100 + "clod"
-    said = sentence_on(raised("NameError", MISSING, line=line))
-    assert said == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
+    sentence = sentence_on(raised("NameError", MISSING, line=line))
+    assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
 
 
-def test_where_no_place_is_known_none_is_told():
+def test_a_message_without_a_known_place():
     error = raised("NameError", MISSING, line="", place=None)
     assert sentence_on(error) == "f raised NameError."
     assert sentence_on_cell(error) == "A cell failed: NameError."
@@ -233,8 +233,8 @@ def test_a_known_exception_is_explained(visible):
     ("inside", "says"), [("", "f is not started"), ("g", "f calls g, which is not written yet")]
 )
 @pytest.mark.parametrize("visible", [True, False])
-def test_a_stub_is_no_mistake(inside, says, visible):
-    # As it comes through a pipe: another object than the text in our program.
+def test_a_stub_is_not_started(inside, says, visible):
+    # A text from a pipe is another object than the equal literal in the program.
     error = raised("".join(("NotImplemented", "Error")), inside=inside)
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert isinstance(failure, NotStarted) and failure.message.startswith(says)
@@ -249,12 +249,12 @@ def test_a_stub_is_no_mistake(inside, says, visible):
         (KeyError(17), WrongForm, "could not be compared with the right one (KeyError)"),
     ],
 )
-def test_how_else_a_check_may_end(error, kind, says, visible):
+def test_other_errors_have_fixed_messages(error, kind, says, visible):
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert type(failure) is kind and says in failure.message and "17" not in failure.message
 
 
-def test_one_cause_is_told_once_and_every_other_in_full():
+def test_one_cause_is_shown_once_and_others_in_full():
     outcomes = [
         Outcome(SHOWN, None),
         Outcome(Check("1", "f", "First", "One."), WrongForm("no array")),
@@ -290,7 +290,7 @@ def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
     assert (message.kind, message.subject, message.hint) == (kind, subject, "")
 
 
-def test_a_call_that_takes_too_long_is_known_as_such():
+def test_a_call_that_takes_too_long_is_marked():
     for out_of_time in (False, True):
         error = StudentStopped("f did not come back.", "slow", out_of_time)
         assert shareable_failure(Outcome(HIDDEN, error), False).out_of_time is out_of_time
@@ -311,26 +311,26 @@ def test_a_call_that_takes_too_long_is_known_as_such():
         ("nothing to hide (at all)", "nothing to hide (at all)"),
     ],
 )
-def test_what_differs_from_cloud_to_cloud_is_left_out(message, kind):
+def test_numbers_that_depend_on_the_cloud_are_removed(message, kind):
     assert without_numbers(message) == kind
 
 
-def test_numbers_of_the_task_are_told_of_a_hidden_check_too():
-    said = fixed("Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur") + f" {17} times, not 1."
-    failure = CheckFailed(said)
+def test_fixed_numbers_stay_in_messages_on_hidden_checks():
+    text = fixed("Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur") + f" {17} times, not 1."
+    failure = CheckFailed(text)
     plain = "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur 17 times, not 1."
     assert (failure.message, str(failure)) == (plain, plain)
-    assert words(HIDDEN, failure)[0] == (
+    assert message_lines(HIDDEN, failure)[0] == (
         "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur … times, not …."
     )
-    # They are none of the few that may be told of a shown one.
-    assert words(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
+    # Fixed numbers are not among the few numbers that a message on a shown check may contain.
+    assert message_lines(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
         "1, 2, 3, 4: 5, 6, 7, 8 and …"
     )
 
 
 FAILURES = ("CheckFailed", "WrongForm", "FarTooMuch")
-SAY_SO = [
+FILES_WITH_CHECKS = [
     path
     for pattern in ("utils/checks/**/*.py", "solutions/**/hidden_tests.py")
     for path in sorted(PROJECT.glob(pattern))
@@ -339,15 +339,15 @@ SAY_SO = [
 
 
 def calls_of(names):
-    """Calls of some functions in all that asks students: where, and what they are given."""
-    for path in SAY_SO:
+    """Yield the place and arguments of each call of `names` in code of the checks."""
+    for path in FILES_WITH_CHECKS:
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in names:
                 yield f"{path.name}:{node.lineno}", node.args
 
 
 def literal_parts(message):
-    """The pieces of a text that stand in the code, without those that are fixed."""
+    """Return the literal parts of a message in the code, without parts that are fixed."""
     if isinstance(message, ast.JoinedStr):
         return [part for value in message.values for part in literal_parts(value)]
     if isinstance(message, ast.BinOp):
@@ -355,28 +355,28 @@ def literal_parts(message):
     return [message.value] if isinstance(message, ast.Constant) else []
 
 
-def test_only_what_stands_in_the_code_is_fixed():
-    given = dict(calls_of(("fixed",)))
-    assert len(given) > 30
+def test_fixed_texts_are_literals():
+    calls = dict(calls_of(("fixed",)))
+    assert len(calls) > 30
     assert [
-        where
-        for where, arguments in given.items()
+        place
+        for place, arguments in calls.items()
         if not (len(arguments) == 1 and isinstance(arguments[0], ast.Constant))
     ] == []
 
 
-def test_what_stands_in_the_code_of_a_message_is_fixed():
-    said = [*calls_of(FAILURES)]
-    assert len(said) > 150
+def test_numbers_in_literal_messages_are_fixed():
+    calls = [*calls_of(FAILURES)]
+    assert len(calls) > 150
     assert [
-        (where, part)
-        for where, arguments in said
+        (place, part)
+        for place, arguments in calls
         for part in (literal_parts(arguments[0]) if arguments else [])
         if NUMBER.search(part)
     ] == []
 
 
-def test_of_messages_that_are_alike_the_numbers_stay_in_which_they_agree():
+def test_similar_messages_keep_the_numbers_that_agree():
     both = ["3 of 17 rows, for example (1, 2)", "4 of 17 rows, for example (3, 4)"]
     assert in_common(both) == "… of 17 rows"
     assert in_common(both[:1]) == "3 of 17 rows"

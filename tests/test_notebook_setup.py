@@ -1,4 +1,4 @@
-"""What the first cell of a notebook brings beside tools: how the notebook looks elsewhere."""
+"""The style that the first cell of a notebook adds to exported pages."""
 
 import json
 import re
@@ -13,7 +13,7 @@ from tests.browser import BROWSER, seen
 from tests.prerequisites import CHROMIUM
 from utils.notebook_setup import STYLE
 
-# For each cell of code: how high it is, and how far it reaches beyond its right edge.
+# Measure the height of each code cell, and how far its text extends beyond the right edge.
 MEASURE = """<script>addEventListener("load", () => {
   document.body.dataset.measured = JSON.stringify(
     [...document.querySelectorAll(".cm-editor")].map(
@@ -23,7 +23,7 @@ MEASURE = """<script>addEventListener("load", () => {
 
 @pytest.mark.slow
 @pytest.mark.skipif(not BROWSER, reason=CHROMIUM)
-def test_an_exported_page_folds_and_wraps(tmp_path):
+def test_an_exported_page_folds_cells_and_wraps_lines(tmp_path):
     long, many = "x = [" + "1, " * 200 + "]", "y = 1\n" * 60
     style = new_output("display_data", data={"text/html": STYLE})
     notebook = nbformat.v4.new_notebook(
@@ -35,7 +35,7 @@ def test_an_exported_page_folds_and_wraps(tmp_path):
         ]
     )
     page = HTMLExporter().from_notebook_node(notebook)[0].replace("</body>", f"{MEASURE}</body>")
-    found = re.search(r'data-measured="([^"]*)"', seen(page, tmp_path, "")[0])[1]
-    (line, _), (wrapped, beyond), (open_, _), (folded, _) = json.loads(unescape(found))
+    measured = re.search(r'data-measured="([^"]*)"', seen(page, tmp_path, "")[0])[1]
+    (line, _), (wrapped, beyond), (open_, _), (folded, _) = json.loads(unescape(measured))
     assert wrapped > 2 * line and beyond <= 0
     assert open_ > 20 * line and folded < 2 * line

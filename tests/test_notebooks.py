@@ -1,7 +1,7 @@
 """Every solved notebook runs to its end, and so does every untouched one.
 
-A student's notebook is the same up to its first stub: see test_build.py. From there on it lives
-on answers that the course lends; they are those that the solved notebook gives.
+test_build.py shows that both are the same up to the first stub. From there on, an untouched
+notebook uses stored answers, which must agree with the answers of the solved notebook.
 """
 
 import json
@@ -30,12 +30,12 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
     ]
     assert len(pictures) >= 5
     assert all(len(picture) < 400_000 for picture in pictures)
-    now = named(json.loads(recorded_answers.stored_bytes(lesson, tmp_path / "answers.json")))
-    stored = named(json.loads(recorded_answers.path_of(lesson).read_text("utf-8")))
-    again = f"Run: python -m grader.course.recorded_answers {lesson.number}"
-    assert now.keys() == stored.keys(), again
-    for name, answer in now.items():
-        assert alike(answer, stored[name]), f"{name} has changed. {again}"
+    computed = by_call(json.loads(recorded_answers.stored_bytes(lesson, tmp_path / "answers.json")))
+    stored = by_call(json.loads(recorded_answers.path_of(lesson).read_text("utf-8")))
+    command = f"Run: python -m grader.course.recorded_answers {lesson.number}"
+    assert computed.keys() == stored.keys(), command
+    for name, answer in computed.items():
+        assert nearly_equal(answer, stored[name]), f"{name} has changed. {command}"
 
 
 def test_untouched_notebook_runs_to_its_end(lesson):
@@ -46,8 +46,8 @@ def test_untouched_notebook_runs_to_its_end(lesson):
     assert all(cell.execution_count for cell in code)
 
 
-def named(stored):
-    """Answers by kind, function and call."""
+def by_call(stored):
+    """Return the stored answers by kind, function and call."""
     return {
         (kind, name, key): answer["answer"]
         for kind, functions in stored.items()
@@ -56,17 +56,19 @@ def named(stored):
     }
 
 
-def alike(one, other):
-    """Whether two stored answers are the same but for the last digits."""
-    if isinstance(one, dict) and "shape" in one:
-        first, second = decode(one, (), {}), decode(other, (), {})
+def nearly_equal(first, second):
+    """Return whether two stored answers are equal except for their last digits."""
+    if isinstance(first, dict) and "shape" in first:
+        first, second = decode(first, (), {}), decode(second, (), {})
         return first.shape == second.shape and np.allclose(first, second, atol=0.02, equal_nan=True)
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
-    if isinstance(one, list):
-        return len(one) == len(other) and all(map(alike, one, other))
-    if isinstance(one, float):
-        # NumPy sorts what is equal one way with one kind of processor and another way with the
-        # next. The trees are as right, and a search in them looks at a few nodes more or less.
-        return bool(np.isclose(one, other, rtol=0.05, equal_nan=True))
-    return one == other
+    if isinstance(first, dict):
+        return first.keys() == second.keys() and all(
+            nearly_equal(first[k], second[k]) for k in first
+        )
+    if isinstance(first, list):
+        return len(first) == len(second) and all(map(nearly_equal, first, second))
+    if isinstance(first, float):
+        # The order in which NumPy sorts equal values depends on the kind of processor. Trees in
+        # another order are also right, but a search in them visits a few more or fewer nodes.
+        return bool(np.isclose(first, second, rtol=0.05, equal_nan=True))
+    return first == second

@@ -1,4 +1,4 @@
-"""What costs no points and is noted all the same, in lessons 05 to 07."""
+"""Notes of lessons 05 to 07: remarks on answers that lose no points."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ def right_answer(exercise):
     return getattr(load_reference(lesson_of(exercise).name), exercise)
 
 
-def noted(exercise, function):
-    """Names of the notes that a function gets, which passes all checks."""
+def notes_on(exercise, function):
+    """Return the names of the notes on a function, which must pass all checks."""
     function.__name__ = exercise
     assert not any(run_check(check, function).failure for check in checks_of(exercise))
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
@@ -30,14 +30,14 @@ def noted(exercise, function):
 )
 def test_a_list_is_a_note(exercise, note):
     right = right_answer(exercise)
-    assert noted(exercise, lambda *given, **named: right(*given, **named)) == set()
-    assert noted(exercise, lambda *given, **named: list(right(*given, **named))) == {note}
+    assert notes_on(exercise, lambda *given, **named: right(*given, **named)) == set()
+    assert notes_on(exercise, lambda *given, **named: list(right(*given, **named))) == {note}
 
 
-def test_a_list_of_centroids_and_another_side_of_a_border_are_notes():
+def test_a_list_of_centroids_and_rounding_up_are_notes():
     right = right_answer("voxel_grid")
 
-    def a_list(cloud, voxel_size=0.2):
+    def as_list(cloud, voxel_size=0.2):
         return list(right(cloud, voxel_size)) if len(cloud) else cloud
 
     def rounded_up(cloud, voxel_size=0.2):
@@ -46,8 +46,8 @@ def test_a_list_of_centroids_and_another_side_of_a_border_are_notes():
             * ([-1, -1, -1, 1][: cloud.shape[1]])
         )
 
-    assert noted("voxel_grid", a_list) == {"gives_an_array"}
-    assert noted("voxel_grid", rounded_up) == {"rounds_down"}
+    assert notes_on("voxel_grid", as_list) == {"gives_an_array"}
+    assert notes_on("voxel_grid", rounded_up) == {"rounds_down"}
 
 
 def test_clusters_in_another_order_are_a_note():
@@ -58,11 +58,11 @@ def test_clusters_in_another_order_are_a_note():
         return labels.max(initial=0) + 1 - labels
 
     def from_the_second_point_on(cloud, threshold=0.5):
-        """As if the loop began at the second point, and came to the first at last."""
+        """Label the clusters as if the loop began at the second point."""
         order = np.roll(np.arange(len(cloud)), -1)
         labels = np.empty(len(cloud), dtype=int)
         labels[order] = right(cloud[order], threshold)
         return labels
 
-    assert noted("euclidean_clustering", backwards) == {"numbers_by_appearance"}
-    assert noted("euclidean_clustering", from_the_second_point_on) == {"numbers_by_appearance"}
+    assert notes_on("euclidean_clustering", backwards) == {"numbers_by_appearance"}
+    assert notes_on("euclidean_clustering", from_the_second_point_on) == {"numbers_by_appearance"}

@@ -1,4 +1,4 @@
-"""Who writes a class of one's own where the lesson gives one is judged by that class."""
+"""A student's own class is judged in place of the class that the lesson gives."""
 
 import json
 
@@ -15,7 +15,7 @@ RIGHT = {
     name: next(answer.source for answer in answers_to(name) if answer.right)
     for name in ("insert", "search", "median_order")
 }
-GIVEN = "class KdTree:"  # a line of the cell that the lesson gives its classes in
+GIVEN = "class KdTree:"  # a line of the cell with the lesson's classes
 NOTHING = "# see the class"
 
 NODE = """
@@ -23,7 +23,7 @@ class Node:
     def __init__(self, point, index):
         self.point, self.index, self.left, self.right = point, index, None, None
 """
-# Methods that walk down one node after another.
+# Methods that descend the tree in a loop.
 INSERT = """
     def insert(self, point, index):
         new = Node(point, index)
@@ -58,8 +58,8 @@ SEARCH = """
 INIT = "    def __init__(self):\n        self.root = None\n"
 
 
-def first(action, method):
-    """A method that does something more before all else."""
+def begin_with(action, method):
+    """Return a method with `action` inserted before its first line."""
     head, rest = method.strip("\n").split("\n", 1)
     return f"{head}\n        {action}\n{rest}\n"
 
@@ -100,8 +100,8 @@ class KdTree:
         self.root, self.size = None, 0
     def __len__(self):
         return self.size
-{first("self.size += 1", INSERT)}
-{first("if len(self) == 0: return []", SEARCH)}
+{begin_with("self.size += 1", INSERT)}
+{begin_with("if len(self) == 0: return []", SEARCH)}
 """,
     "nodes that keep their axis": f"""
 from dataclasses import dataclass
@@ -245,8 +245,8 @@ class Node:
 class KdTree:
     root: Node | None = None
     indices: list[int] = field(default_factory=list)
-{first("self.indices.append(index)", INSERT)}
-{first("if not self.indices: return []", SEARCH)}
+{begin_with("self.indices.append(index)", INSERT)}
+{begin_with("if not self.indices: return []", SEARCH)}
 """,
     "properties in front of private attributes": f"""
 class Node:
@@ -277,7 +277,7 @@ class KdTree(KdTree):
     def __init__(self):
         super().__init__()
         self.depths = {{}}
-{first("self.depths[index] = 0", INSERT)}
+{begin_with("self.depths[index] = 0", INSERT)}
     def axis(self, depth, target):
         return depth % len(target)
 {SEARCH.replace("depth % len(target)", "self.axis(depth, target)")}
@@ -335,12 +335,12 @@ def find(self, target, tolerance):
 setattr(KdTree, "search", find)
 """,
 }
-# Where the class stands: the cell of the lesson's classes is edited, or the first answer holds it.
+# Places for the class: the cell of the lesson's classes, the first answer, or a new cell.
 PLACES = ("in the place of the lesson's", "in the cell of the answer", "beside the stubs")
 
 
 def notebook(own, place, answers=()):
-    """The text of a notebook of lesson 04 in which a class stands in a place."""
+    """Return the text of a notebook of lesson 04 with a class at one of `PLACES`."""
     answers = {"insert": NOTHING, "search": NOTHING} | dict(answers)
     if place == "beside the stubs":
         answers = {}
@@ -348,15 +348,16 @@ def notebook(own, place, answers=()):
         answers["insert"] = own
     text = json.loads(fill_in(LESSON, {"median_order": RIGHT["median_order"]} | answers))
     if place != "in the cell of the answer":
-        at = next(n for n, cell in enumerate(text["cells"]) if GIVEN in source_of(cell))
+        index = next(n for n, cell in enumerate(text["cells"]) if GIVEN in source_of(cell))
         cells = own.split(ANOTHER_CELL)
         if "class KdTree(KdTree)" in own:
-            cells.insert(0, source_of(text["cells"][at]))
+            cells.insert(0, source_of(text["cells"][index]))
         elif "class Node:" not in own:
             cells.insert(0, NODE)
-        more = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
-        text["cells"][at : at + 1] = [
-            {**more, "id": f"own-{number}", "source": cell} for number, cell in enumerate(cells)
+        code_cell = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
+        text["cells"][index : index + 1] = [
+            {**code_cell, "id": f"own-{number}", "source": cell}
+            for number, cell in enumerate(cells)
         ]
     return json.dumps(text)
 
@@ -365,28 +366,28 @@ def source_of(cell):
     return "".join(cell["source"])
 
 
-def judged(text, sandbox, folder, **more):
-    """Results by exercise, and the verdict."""
+def judge_text(text, sandbox, folder, **more):
+    """Judge a notebook; return its results by exercise, and the verdict."""
     path = folder / f"{LESSON.name}.ipynb"
     path.write_text(text, "utf-8")
     verdict = judge(path, 7, sandbox, LESSON, **more)
     return {exercise.name: exercise for exercise in verdict.exercises}, verdict
 
 
-def class_in(text):
-    """The class as the notebook leaves it."""
-    cells = [source_of(one) for one in json.loads(text)["cells"] if one["cell_type"] == "code"]
-    space = {"__name__": "__main__"}
+def load_class(text):
+    """Return the class KdTree after all definitions of the notebook."""
+    cells = [source_of(cell) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    namespace = {"__name__": "__main__"}
     for statement in slicing.slice_for(["KdTree"], slicing.parse_notebook(cells)[0]):
-        exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), space)
-    return space["KdTree"]
+        exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), namespace)
+    return namespace["KdTree"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("style", OWN)
 def test_right_classes_earn_everything_in_the_judge(style, place, sandbox, tmp_path):
-    results, verdict = judged(notebook(OWN[style], place), sandbox, tmp_path)
+    results, verdict = judge_text(notebook(OWN[style], place), sandbox, tmp_path)
     assert [
         (result.name, t.message)
         for result in results.values()
@@ -400,6 +401,6 @@ def test_right_classes_earn_everything_in_the_judge(style, place, sandbox, tmp_p
 @pytest.mark.parametrize("place", PLACES[:2])
 @pytest.mark.parametrize("style", OWN)
 def test_right_classes_pass_in_the_notebook(style, place):
-    KdTree = class_in(notebook(OWN[style], place))
+    KdTree = load_class(notebook(OWN[style], place))
     for exercise in ("insert", "search"):
         check(KdTree, exercise=exercise)

@@ -1,4 +1,4 @@
-"""Marks on their way into Canvas and Moodle: none is lost, and none of anybody else's changes."""
+"""Export of marks to Canvas and Moodle: no mark is lost, and no other mark changes."""
 
 import dataclasses
 
@@ -24,28 +24,28 @@ POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
 
 
 def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
-    """A class in one stage of one lesson."""
+    """Return results of a class in a stage with one lesson."""
     notebooks, stages = [], []
     for person in people:
         score = points.get(person.id)
-        standing = MISSING if score is None else MARKED
-        standing = EXCUSED if person in excused else standing
-        notebooks.append(NotebookResult(person.id, STAGE, LESSON, standing, score, most))
-        stages.append(StageResult(person.id, STAGE, standing, score, most))
+        status = MISSING if score is None else MARKED
+        status = EXCUSED if person in excused else status
+        notebooks.append(NotebookResult(person.id, STAGE, LESSON, status, score, most))
+        stages.append(StageResult(person.id, STAGE, status, score, most))
     return ClassResults(tuple(people), tuple(notebooks), tuple(stages))
 
 
 @pytest.fixture
 def fill(tmp_path):
-    """Fill in the file of a platform."""
+    """Return a function that fills in the file of a platform."""
 
-    def filled(platform, results, **order):
+    def fill_in(platform, results, **order):
         path = tmp_path / "downloaded.csv"
         path.write_bytes(platform.export())
         write = canvas if isinstance(platform, Canvas) else moodle
         return write(ExportOptions(Course(tmp_path), results, STAGE, into=path, **order))
 
-    return filled
+    return fill_in
 
 
 # Canvas
@@ -76,12 +76,12 @@ SETTINGS = [
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
-def test_canvas_gets_each_mark_and_nothing_else_changes(fill, settings):
+def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
     course = canvas_course(**settings)
     if settings.get("first_and_last"):
         course.students[0].name = "=cmd, Cid"
     exported = fill(course, marks())
-    # Meanwhile a teaching assistant is at work, and somebody changes the points of the essay.
+    # Meanwhile other marks, and the points of the essay, change in Canvas.
     course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
     course.assignments[41][1] = 25.0
     course.notes[9001] = "was ill"
@@ -105,7 +105,7 @@ def test_canvas_gets_each_mark_and_nothing_else_changes(fill, settings):
     assert (exported.placed, exported.lost) == (4, ())
 
 
-def test_a_file_for_canvas_is_written_as_the_site_writes_it(fill):
+def test_a_file_for_canvas_has_the_format_of_the_site(fill):
     course = canvas_course(separator=";", decimal_mark=",", marked=True)
     text = fill(course, marks()).content.decode()
     assert text.startswith(
@@ -113,45 +113,53 @@ def test_a_file_for_canvas_is_written_as_the_site_writes_it(fill):
     )
     assert "\n    Points Possible;;;;;100,00\n" in text
     assert "\nSchmidt, Anna;9001;sis1;anna;A;8,5\n" in text
-    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # as Canvas wrote it
+    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # unchanged from Canvas's file
     assert "Noah" not in text and "Test" not in text
 
 
 @pytest.mark.parametrize("roster", ["lms_id", "login", "email", "sis"])
-def test_canvas_rows_are_found_by_whatever_the_roster_knows(fill, roster):
+def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
     course = canvas_course()
-    people = [dataclasses.replace(one, lms_id="", first_name="", last_name="") for one in PEOPLE]
+    people = [
+        dataclasses.replace(person, lms_id="", first_name="", last_name="") for person in PEOPLE
+    ]
     if roster == "lms_id":
         people = [
-            dataclasses.replace(one, id=f"s{one.lms_id}", lms_id=one.lms_id) for one in PEOPLE
+            dataclasses.replace(person, id=f"s{person.lms_id}", lms_id=person.lms_id)
+            for person in PEOPLE
         ]
     elif roster == "email":
         for student, person in zip(
             course.students, (FORMULA, ILL, BJÖRN, MARY, ANNA, NOSHOW), strict=False
         ):
             student.login = person.email.upper()
-        people = [dataclasses.replace(one, id=f"s{place}") for place, one in enumerate(people)]
+        people = [
+            dataclasses.replace(person, id=f"s{place}") for place, person in enumerate(people)
+        ]
     elif roster == "sis":
         people = [
-            dataclasses.replace(one, lms_id=f"sis{place}", email="")
-            for place, one in enumerate(people, start=1)
+            dataclasses.replace(person, lms_id=f"sis{place}", email="")
+            for place, person in enumerate(people, start=1)
         ]
         for student in course.students:
             student.login = f"login{student.id}"
-    points = dict(zip([one.id for one in people], POINTS.values(), strict=False))
+    points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
     found = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
-    if roster == "login":  # cmd has another one
+    if roster == "login":  # cmd has another login
         assert found.pop(9004, 0.0) == 0.0
     else:
         assert not exported.lost and found.pop(9004) == 0.0
     assert found == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
 
 
-def test_without_a_roster_canvas_rows_are_found_by_name_and_it_is_said(fill):
+def test_canvas_rows_found_only_by_name_are_noted(fill):
     course = canvas_course()
-    people = [dataclasses.replace(one, lms_id="", email="", id=f"s{one.lms_id}") for one in PEOPLE]
+    people = [
+        dataclasses.replace(person, lms_id="", email="", id=f"s{person.lms_id}")
+        for person in PEOPLE
+    ]
     points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
@@ -162,12 +170,12 @@ def test_without_a_roster_canvas_rows_are_found_by_name_and_it_is_said(fill):
     )
 
 
-def test_whoever_cannot_be_told_apart_gets_no_mark_and_it_is_said(fill):
+def test_ambiguous_students_are_named_and_get_no_mark(fill):
     course = canvas_course()
     course.students.append(CanvasStudent(9200, "Schmidt, Anna", "sis9", "as9"))
     other = Person("anna2", "Anna", "Schmidt")
-    nameless = dataclasses.replace(ANNA, lms_id="", id="as", email="")
-    given = marks({"as": 5.0, "anna2": 6.0}, (nameless, other), excused=())
+    without_number = dataclasses.replace(ANNA, lms_id="", id="as", email="")
+    given = marks({"as": 5.0, "anna2": 6.0}, (without_number, other), excused=())
     exported = fill(course, given)
     assert exported.placed == 0
     assert exported.lost == (
@@ -176,15 +184,15 @@ def test_whoever_cannot_be_told_apart_gets_no_mark_and_it_is_said(fill):
     )
 
 
-def test_a_row_that_two_people_claim_is_nobodys(fill):
+def test_a_row_that_matches_two_people_gets_no_mark(fill):
     course = canvas_course()
-    thief = Person("sis1", "Thea", "Dieb")  # her id is Anna's number in another system
-    exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, thief), excused=()))
+    other = Person("sis1", "Thea", "Dieb")  # her id equals Anna's number in another system
+    exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
     assert exported.placed == 0 and len(exported.lost) == 2
     assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
 
 
-def test_a_number_of_canvas_that_is_another_ones_id_goes_to_its_owner(fill):
+def test_a_canvas_number_takes_precedence_over_an_equal_id(fill):
     course = canvas_course()
     other = Person("9001", "Zoe", "", "z@x.edu", "A", "9100")
     exported = fill(course, marks({"anna": 8.5, "9001": 1.0}, (ANNA, other), excused=()))
@@ -192,8 +200,8 @@ def test_a_number_of_canvas_that_is_another_ones_id_goes_to_its_owner(fill):
     assert course.scores[9001, 42] == 8.5
 
 
-def test_a_number_that_happens_to_be_somebodys_is_theirs_where_the_name_agrees(fill):
-    """Without other keys, Canvas's number is tried as id: a folder may be called by it."""
+def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
+    """Without other keys, Canvas's number is compared with ids, as folders may have such names."""
     course = canvas_course(sis=False)
     same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
     nameless = Person("9003")
@@ -205,7 +213,7 @@ def test_a_number_that_happens_to_be_somebodys_is_theirs_where_the_name_agrees(f
     assert exported.lost == ("9002 (Zoe Zahn), 2 points: no row in the file is theirs.",)
 
 
-def test_another_name_under_the_same_number_is_said(fill):
+def test_another_name_with_the_same_number_is_noted(fill):
     course = canvas_course()
     course.students[4].name = "Schmidt-Meier, Anna"
     exported = fill(course, marks())
@@ -215,7 +223,7 @@ def test_another_name_under_the_same_number_is_said(fill):
     assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
 
 
-def test_a_namesake_with_another_number_gets_no_mark_of_anybodys(fill):
+def test_a_namesake_with_another_number_gets_no_mark(fill):
     course = canvas_course()
     anna = next(student for student in course.students if student.id == 9001)
     anna.id, anna.sis_id, anna.login = 7777, "sis7", "a.schmidt"
@@ -226,7 +234,7 @@ def test_a_namesake_with_another_number_gets_no_mark_of_anybodys(fill):
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777, and not their 9001.",
     )
     assert not any("name alone" in note for note in exported.notes)
-    # Beside her namesake, she gets hers.
+    # If both are in the file, she gets her mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)
@@ -235,10 +243,10 @@ def test_a_namesake_with_another_number_gets_no_mark_of_anybodys(fill):
     assert "In the file, and not on the roster: Schmidt, Anna." in exported.notes
 
 
-def test_numbers_of_another_kind_leave_names_to_tell(fill):
+def test_numbers_of_another_kind_are_ignored(fill):
     people = [
-        dataclasses.replace(one, id=f"x{n}", email="", lms_id=f"M{n}")
-        for n, one in enumerate(PEOPLE)
+        dataclasses.replace(person, id=f"x{n}", email="", lms_id=f"M{n}")
+        for n, person in enumerate(PEOPLE)
     ]
     exported = fill(canvas_course(), marks({"x0": 8.5}, people, excused=()))
     assert (exported.placed, exported.lost) == (1, ())
@@ -266,20 +274,20 @@ def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
 def test_an_excuse_that_a_mark_replaces_is_named(fill):
     course = canvas_course()
     course.scores[9001, 42] = "EX"
-    said = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
+    replaced = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
     exported = fill(course, marks())
-    assert f"Marks that the file had, and that are replaced: {said}." in exported.notes
+    assert f"Marks that the file had, and that are replaced: {replaced}." in exported.notes
 
 
-def test_who_is_excused_from_what_canvas_has_not_assigned_is_named(fill):
+def test_excused_students_without_the_assignment_are_named(fill):
     exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.placed, exported.lost) == (4, ())
     assert b"EX" not in exported.content
-    (said,) = [note for note in exported.notes if note.startswith("Excused, and not written")]
-    assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in said
+    (note,) = [note for note in exported.notes if note.startswith("Excused, and not written")]
+    assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in note
 
 
-def test_canvas_does_not_take_a_mark_for_what_it_has_not_assigned(fill):
+def test_a_mark_for_an_unassigned_student_is_reported(fill):
     course = canvas_course(assigned={42: {9002, 9003, 9004}})
     exported = fill(course, marks())
     assert exported.placed == 3
@@ -287,7 +295,7 @@ def test_canvas_does_not_take_a_mark_for_what_it_has_not_assigned(fill):
     assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas has not assigned it to them")
 
 
-def test_who_is_here_and_not_there_is_named_and_the_other_way_round(fill):
+def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     course = canvas_course()
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
@@ -298,7 +306,7 @@ def test_who_is_here_and_not_there_is_named_and_the_other_way_round(fill):
     assert absent in exported.notes
 
 
-def test_other_points_are_refused_or_converted(fill):
+def test_other_maximum_points_are_refused_or_scaled(fill):
     course = canvas_course()
     course.assignments[42][1] = 10.0
     with pytest.raises(
@@ -314,7 +322,7 @@ def test_other_points_are_refused_or_converted(fill):
         fill(course, marks(), scale=True)
 
 
-def test_the_assignment_is_named_where_no_title_or_more_than_one_fits(fill):
+def test_an_ambiguous_column_must_be_named(fill):
     course = canvas_course()
     course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}
     with pytest.raises(
@@ -322,10 +330,10 @@ def test_the_assignment_is_named_where_no_title_or_more_than_one_fits(fill):
     ):
         fill(course, marks())
     for title in ("Obstacles", "Obstacles (42)"):
-        again = canvas_course()
-        again.assignments = dict(course.assignments)
-        again.import_(fill(again, marks(), column=title).content)
-        assert again.scores[9001, 42] == 8.5
+        other = canvas_course()
+        other.assignments = dict(course.assignments)
+        other.import_(fill(other, marks(), column=title).content)
+        assert other.scores[9001, 42] == 8.5
     course.assignments = {
         42: ["Stage 3 (obstacles)", 100.0],
         43: ["Stage 3: Obstacles, again", 1.0],
@@ -357,10 +365,10 @@ def moodle_course(**settings):
     "settings",
     [{}, {"words": GERMAN, "decimal_mark": ","}, {"workflow": True}],
 )
-def test_moodle_gets_each_mark_and_nothing_else_changes(fill, settings):
+def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     course = moodle_course(**settings)
     exported = fill(course, marks())
-    # Somebody grades Noah anew, and who uploads ticks "allow updating records that changed since".
+    # Noah is graded again meanwhile, and the upload allows changes of records changed since.
     course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "anew"
     course.import_(exported.content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
@@ -371,7 +379,7 @@ def test_moodle_gets_each_mark_and_nothing_else_changes(fill, settings):
     assert f"Marks that the file had, and that are replaced: {replaced}." in exported.notes
 
 
-def test_a_worksheet_keeps_its_columns_and_its_manner(fill):
+def test_a_worksheet_keeps_its_format(fill):
     course = moodle_course(words=GERMAN, decimal_mark=",")
     text = fill(course, marks()).content.decode()
     assert text.startswith("\ufeffID,Vollständiger Name,E-Mail-Adresse,ID-Nummer,Status,Bewertung,")
@@ -379,10 +387,12 @@ def test_a_worksheet_keeps_its_columns_and_its_manner(fill):
         '\nTeilnehmer/in311,Anna Schmidt,as@x.edu,anna,Submitted for grading,"8,5","100,00",Ja,'
         in text
     )
-    assert "=cmd|' /C calc'!A0" in text  # a name that Moodle wrote is the name that it knows
+    assert (
+        "=cmd|' /C calc'!A0" in text
+    )  # Moodle compares names with its own, so they stay unescaped
 
 
-def test_what_moodle_would_skip_without_a_word_is_said(fill):
+def test_marks_that_moodle_would_skip_are_named(fill):
     course = moodle_course(locked={311}, words=GERMAN, decimal_mark=",")
     exported = fill(course, marks({**POINTS, "mary jane": 101.0}))
     assert exported.placed == 2
@@ -395,15 +405,16 @@ def test_what_moodle_would_skip_without_a_word_is_said(fill):
     assert not course.skipped
 
 
-def test_a_lock_is_seen_behind_the_marking_workflow(fill):
+def test_a_lock_is_found_with_the_marking_workflow(fill):
     exported = fill(moodle_course(locked={312}, workflow=True), marks())
     assert exported.placed == 3 and exported.lost[0].startswith("björn")
 
 
-def test_a_blind_worksheet_is_joined_by_its_numbers_alone(fill):
+def test_a_blind_worksheet_is_matched_by_number_only(fill):
     course = moodle_course(blind=True)
     people = [
-        dataclasses.replace(one, lms_id=f"Participant {311 + n}") for n, one in enumerate(PEOPLE)
+        dataclasses.replace(person, lms_id=f"Participant {311 + n}")
+        for n, person in enumerate(PEOPLE)
     ]
     exported = fill(course, marks(people=people, excused=people[5:]))
     course.import_(exported.content)
@@ -412,15 +423,15 @@ def test_a_blind_worksheet_is_joined_by_its_numbers_alone(fill):
     assert plain.placed == 0 and len(plain.lost) == 4
 
 
-def test_a_number_of_moodle_is_not_taken_for_another_one(fill):
-    """The number of a participant is this assignment's, and may be anybody's elsewhere."""
-    stranger = Person("x", "Xaver", "Unbekannt", lms_id="311")
-    exported = fill(moodle_course(), marks({"x": 50.0}, (stranger,), excused=()))
+def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
+    """A participant has another number in each assignment, so an lms_id may match by chance."""
+    other = Person("x", "Xaver", "Unbekannt", lms_id="311")
+    exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
     assert exported.lost == ("x (Xaver Unbekannt), 50 points: no row in the file is theirs.",)
 
 
-def test_moodles_own_points_are_kept(fill):
+def test_the_maximum_grade_of_moodle_is_kept(fill):
     course = moodle_course()
     course.most, course.grades = 10.0, {}
     with pytest.raises(ExportError, match="'Grade' is worth 10 there"):
@@ -429,8 +440,8 @@ def test_moodles_own_points_are_kept(fill):
     assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}
 
 
-def test_where_two_columns_may_be_the_grade_a_person_says_which(fill):
-    """Without submissions Moodle leaves the status blank; then equal grades look like a maximum."""
+def test_an_ambiguous_grade_column_must_be_named(fill):
+    """Without submissions the status is blank, and equal grades look like a column of maxima."""
     course = moodle_course()
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
@@ -441,7 +452,7 @@ def test_where_two_columns_may_be_the_grade_a_person_says_which(fill):
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
 
 
-def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
+def test_a_site_without_fractions_gets_readable_points(fill):
     course = moodle_course(words=GERMAN, decimal_mark=",")
     course.grades = {}
     course.number = lambda value: "" if value is None else f"{value:.0f}"
@@ -449,7 +460,7 @@ def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
     assert course.grades[311] == 8.5
 
 
-# Files that are something else
+# Files of another kind
 
 
 @pytest.mark.parametrize(
@@ -463,7 +474,7 @@ def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),
     ],
 )
-def test_another_file_is_refused_with_what_to_do(tmp_path, content, says):
+def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, says):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
