@@ -88,7 +88,7 @@ def test_clouds_are_read_by_index_with_their_times(bag):
 
 
 @pytest.mark.parametrize("kind", ["bag", "db3"])
-def test_the_topic_is_chosen_where_there_are_several(tmp_path, kind):
+def test_the_topic_must_be_named_if_there_are_several(tmp_path, kind):
     path = record(tmp_path / ("two.bag" if kind == "bag" else "two"), kind, ["/left", "/right"])
     assert len(read_bag(path, "/right")) == 4
     for topic in (None, "/middle"):

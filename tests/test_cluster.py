@@ -442,7 +442,7 @@ def test_the_packed_course_has_only_files_that_judging_reads():
 
 
 @pytest.mark.slow
-def test_no_notebook_is_read_ahead_of_free_room(course, sandbox, monkeypatch):
+def test_reading_ahead_is_limited_to_free_room(course, sandbox, monkeypatch):
     """Each verdict is written before the next notebook is read."""
     monkeypatch.setattr(Inline, "room", 1, raising=False)
     rehearsed(course, LESSON)

@@ -62,17 +62,17 @@ def names_in(folder):
 
 @only_like_colab
 def test_setup_fetches_the_matching_version_once(tmp_path):
-    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, requests):
         assert run_setup(tmp_path, address) == ("Ready: a course.", "")
         assert run_setup(tmp_path, address) == ("Ready: a course.", "")
-    assert asked == [ARCHIVE]
+    assert requests == [ARCHIVE]
     assert names_in(tmp_path) == ["data", "utils"]
     assert run_setup(tmp_path, address) == ("Ready: a course.", "")  # now without a connection
 
 
 @only_like_colab
 def test_setup_without_a_connection_suggests_a_fix(tmp_path):
-    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, requests):
         pass
     printed, problem = run_setup(tmp_path, address)
     assert printed == "" and "Check the connection and run this cell again" in problem
@@ -84,7 +84,7 @@ def test_setup_without_a_connection_suggests_a_fix(tmp_path):
 def test_setup_leaves_nothing_after_a_broken_download(tmp_path, share):
     pages = {ARCHIVE: archive_of(COURSE)}
     whole = pages[ARCHIVE]
-    with served(pages) as (address, asked):
+    with served(pages) as (address, requests):
         pages[ARCHIVE] = whole[: int(share * len(whole))]
         assert "run this cell again" in run_setup(tmp_path, address)[1]
         assert names_in(tmp_path) == []
@@ -97,7 +97,7 @@ def test_setup_leaves_nothing_after_a_broken_download(tmp_path, share):
 def test_setup_writes_only_into_its_folder(tmp_path, path):
     folder = tmp_path / "a" / "b"
     folder.mkdir(parents=True)
-    with served({ARCHIVE: archive_of(COURSE | {path: b""})}) as (address, asked):
+    with served({ARCHIVE: archive_of(COURSE | {path: b""})}) as (address, requests):
         run_setup(folder, address)
     assert not list(tmp_path.rglob("evil.txt"))
 
@@ -113,7 +113,7 @@ def test_setup_does_not_follow_links_out_of_the_folder(tmp_path):
         link.type, link.linkname = tarfile.SYMTYPE, str(outside)
         archive.addfile(link)
         archive.addfile(tarfile.TarInfo("lab/utils/link/evil.txt"))
-    with served({ARCHIVE: buffer.getvalue()}) as (address, asked):
+    with served({ARCHIVE: buffer.getvalue()}) as (address, requests):
         run_setup(folder, address)
     assert names_in(outside) == []
 
@@ -126,17 +126,17 @@ def test_setup_finds_the_course_in_a_parent_folder(tmp_path, in_colab, published
         (tmp_path / path).write_bytes(content)
     folder = tmp_path / "notebooks" / "stage"
     folder.mkdir(parents=True)
-    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, requests):
         result = run_setup(folder, address if published else "", in_colab)
-    assert result == ("Ready: a course.", "") and asked == [] and names_in(folder) == []
+    assert result == ("Ready: a course.", "") and requests == [] and names_in(folder) == []
 
 
 @pytest.mark.parametrize(("published", "in_colab"), [(False, True), (False, False), (True, False)])
 def test_setup_fetches_only_in_colab_and_with_an_address(tmp_path, published, in_colab):
-    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, requests):
         printed, problem = run_setup(tmp_path, address if published else "", in_colab)
     assert printed == "" and "unzip the whole course" in problem
-    assert asked == [] and list(tmp_path.iterdir()) == []
+    assert requests == [] and list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("address", ["", "https://github.com"])
@@ -171,7 +171,7 @@ def test_wrong_origins_name_the_settings_file(repository, revision):
         build.Origin(repository, revision)
 
 
-def test_binder_and_vs_code_have_what_they_need():
+def test_settings_of_binder_and_vs_code():
     requirements = PROJECT / ".binder" / "requirements.txt"
     included = requirements.read_text().split()[-1]
     assert (requirements.parent / included).resolve() == PROJECT / "requirements-3d.txt"
@@ -217,7 +217,7 @@ def colab_kernel(place, monkeypatch):
 @pytest.fixture(scope="session")
 def course():
     """Serve a published course; yield its notebooks by path, which fetch the rest from there."""
-    with served({ARCHIVE: archive_of(course_files())}) as (address, asked):
+    with served({ARCHIVE: archive_of(course_files())}) as (address, requests):
         yield build.build_all(build.Origin(f"{address}/{REPOSITORY}", REVISION))
 
 

@@ -257,7 +257,7 @@ TIMES = {
 
 @pytest.mark.parametrize("language", TIMES)
 def test_moodle_worksheet_has_names_and_times(course, language):
-    """Its titles and dates are in the language of the teacher; this course uses UTC."""
+    """A worksheet has titles and dates in the teacher's language; this course uses UTC."""
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = [
         *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),

@@ -17,7 +17,7 @@ for name in LESSONS:
     checks_of(name)  # imports the lesson, which declares its common checks
 
 
-def as_parameter(made, argument=""):
+def parameter(made, argument=""):
     """Return a common check as a parameter of a test; checks on speed make some lessons slow."""
     slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
     exercise = made.case.exercise
@@ -141,7 +141,7 @@ BREAKS = {
 
 
 @pytest.mark.parametrize(
-    "made, _", [as_parameter(made) for made in common_checks.made() if made.kind != "untouched"]
+    "made, _", [parameter(made) for made in common_checks.made() if made.kind != "untouched"]
 )
 def test_who_breaks_a_promise_loses_that_check(made, _):
     exercise = made.case.exercise
@@ -180,7 +180,7 @@ def changing_argument(right, given, argument):
 
 
 UNTOUCHED = [
-    as_parameter(made, argument)
+    parameter(made, argument)
     for made in common_checks.made()
     if made.kind == "untouched"
     for argument, value in made.case.given.items()
@@ -216,7 +216,7 @@ def test_every_kind_has_a_function_that_breaks_it():
     assert {made.kind for made in common_checks.made()} == {*BREAKS, "untouched"}
 
 
-@pytest.mark.parametrize("made, _", [as_parameter(made) for made in common_checks.made()])
+@pytest.mark.parametrize("made, _", [parameter(made) for made in common_checks.made()])
 def test_a_common_check_belongs_to_its_lesson(made, _):
     [check] = [check for check in checks_of(made.case.exercise) if check.name == made.name]
     assert check.lesson == f"lesson_{LESSONS[made.case.exercise][:2]}"

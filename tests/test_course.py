@@ -191,8 +191,8 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
 
     assert grade(course, sandbox) == commands.GOOD
-    shown = capsys.readouterr().out
-    assert "1 file was not judged:" in shown and "06_filter_ground.py: it is no notebook" in shown
+    output = capsys.readouterr().out
+    assert "1 file was not judged:" in output and "06_filter_ground.py: it is no notebook" in output
     assert files(course.root / "notebooks") == released
     scores = entered(course)
     for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:
@@ -330,8 +330,8 @@ def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
     configure(course, f"c.CourseDirectory.db_url = {postgresql!r}")
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
     assert grade(course, sandbox) == commands.GOOD
-    shown = capsys.readouterr().out
-    assert "postgresql+pg8000://teacher:***@" in shown and "secret" not in shown
+    output = capsys.readouterr().out
+    assert "postgresql+pg8000://teacher:***@" in output and "secret" not in output
     by_hand(course, "erin", 8)
     hand_in(course, "bob", LESSON, answer())
     assert grade(course, sandbox) == commands.GOOD

@@ -1,4 +1,4 @@
-"""A car that a detector's boxes steer: the rules one by one, and whole drives."""
+"""A car that drives by the boxes of a detector: single rules and whole drives."""
 
 import copy
 import importlib
@@ -502,7 +502,7 @@ def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
     assert trip.drive.metres > 42, "it went on behind the child"
 
 
-def test_braking_for_a_box_where_nothing_is_was_needless():
+def test_braking_for_an_empty_box_is_needless():
     ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road
     trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
     braking = measure(trip).brakings[0]
@@ -808,15 +808,20 @@ def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, sc
         return calls[-1][1]
 
     result = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
-    people = [one for one, kind in result.street.road_users.items() if kind == "pedestrian"][-2:]
+    people = [
+        identity for identity, kind in result.street.road_users.items() if kind == "pedestrian"
+    ][-2:]
     together = []
     for number, (points, labels) in enumerate(calls[1:]):  # the first scan was clustered twice
         frame = result.frame(number)
         owner = frame.scan.objects[cKDTree(frame.cloud[:, :3]).query(points)[1]]
         large = np.bincount(labels) >= 10
-        theirs = [{one for one in labels[owner == person] if large[one]} for person in people]
-        if all(theirs):
-            together.append(bool(theirs[0] & theirs[1]))
+        labels_of_both = [
+            {identity for identity in labels[owner == person] if large[identity]}
+            for person in people
+        ]
+        if all(labels_of_both):
+            together.append(bool(labels_of_both[0] & labels_of_both[1]))
     assert (sum(together), len(together)) == (shared, scans)
 
 

@@ -8,7 +8,7 @@ import pytest
 from utils.notebooks import slicing
 from utils.notebooks.edits import MOST_EDITS, edits_of
 
-# Wrong lines and right lines of a function's body; `function` has their names as parameters.
+# Wrong and right lines for the body of a function with the parameters x, y, z, n and node.
 SLIPS = {
     "an operator": ("return x + y * z", "return x + y / z"),
     "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),

@@ -161,7 +161,7 @@ def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
 
 @pytest.mark.slow
 def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
-    """An oracle that also raises for the reference is faulty; the answer is wrong otherwise."""
+    """An oracle that raises for the reference is faulty; otherwise the answer is wrong."""
     original = program_run.run_checks
 
     def raising(*question):
@@ -289,11 +289,9 @@ def test_a_lesson_whose_solution_fails_is_not_judged(three_lessons, sandbox, wor
     with pytest.raises(rehearsals.RehearsalFailed) as failed:
         judge_three(course, sandbox, workers=workers)
     assert str(failed.value).endswith("07_filter_by_distance:\none\n08_bounding_boxes:\ntwo\nthree")
-    assert {what[:2] for what in calls if len(what) > 2} <= {"06"}
+    assert {job[:2] for job in calls if len(job) > 2} <= {"06"}
     judged = [path.parts[-3] for path in course.verdicts.glob("*/*/06*.json")]
-    assert len(judged) == len(
-        [what for what in calls if len(what) > 2]
-    )  # finished verdicts are kept
+    assert len(judged) == len([job for job in calls if len(job) > 2])  # finished verdicts are kept
 
 
 # ---- a class with a fake judge -----------------------------------------------------------------
@@ -489,7 +487,7 @@ def test_running_jobs_are_finished_when_a_rehearsal_fails(three_lessons, sandbox
     with pytest.raises(rehearsals.RehearsalFailed):
         judge_three(course, sandbox, Busy, workers=9)
     kept = {path.parts[-3] for path in course.verdicts.glob("*/stage*/*.json")}
-    assert {what for what in calls if len(what) > 2} == {f"06 {student}" for student in kept}
+    assert {job for job in calls if len(job) > 2} == {f"06 {student}" for student in kept}
     assert kept == {"ada", "poison", "zoe"}
 
 
@@ -728,7 +726,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
         ours[0] += at_work
         meter.look()
         assert meter.seconds == pytest.approx(taken)
-    # A call that has answered sleeps now; before, it slept in as many looks as were counted.
+    # After its answer a call looks asleep, so the share of sleep in earlier looks counts instead.
     worker.ready = False
     now[0] += 1.0
     meter.look(answered=True)

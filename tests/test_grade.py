@@ -56,7 +56,7 @@ nbgrader_plugin.current_verdict = judge_and_replace
 
 
 def answer(*wrong):
-    """Return a notebook of lesson 06 with right answers, except to the given exercises."""
+    """Return a notebook of lesson 06 that answers the exercises in `wrong` wrongly."""
     return fill_in(
         LESSON,
         {
@@ -270,7 +270,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
 
 
 @pytest.mark.slow
-def test_second_run_judges_only_what_changed(judged_course, sandbox, monkeypatch):
+def test_second_run_judges_only_changed_submissions(judged_course, sandbox, monkeypatch):
     judge_it(judged_course, sandbox)
     before = {path: path.stat().st_mtime_ns for path in judged_course.verdicts.rglob("*.json")}
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"

@@ -1,4 +1,4 @@
-"""Modules that importing a part of utils loads, and packages that utils never imports."""
+"""Imports of utils: packages that each part loads, and packages that no part imports."""
 
 import ast
 import importlib

@@ -105,8 +105,8 @@ def is_hidden(check):
 def faults_on_other_seeds(path, lesson, sandbox):
     """Return the failures of hidden tests with four more seeds.
 
-    They depend on the scenes and not on the sandbox, so the functions run in this process. The
-    exception are lessons with a given class, which exists only in the sandbox.
+    They depend on the scenes and not on the sandbox, so the functions run in this process. Lessons
+    with a given class are an exception, because the class exists only in the sandbox.
     """
     cells = read_notebook(path).code
     if lesson.header.given:

@@ -119,18 +119,18 @@ def test_a_drive_in_the_sandbox_is_the_same(sandbox):
         driven = drive_behind_walls(BLOCKED, student, seconds=5.0, sensor=FEW)
     functions = {}
     exec(AHEAD, functions)
-    here = drive(BLOCKED, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=FEW)
+    expected = drive(BLOCKED, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=FEW)
     assert not driven.collision and not driven.failed
-    assert driven.metres == pytest.approx(here.metres, abs=0.1)
+    assert driven.metres == pytest.approx(expected.metres, abs=0.1)
     assert 18 < driven.metres < 28 and driven.needless == (False,)
 
 
 def test_stored_answers_reproduce_the_drive(sandbox):
     driven = drive_with(sandbox, returning("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED, 3.0)
     assert not driven.stopped
-    kept = from_json(driven.as_json())
-    assert kept == driven
-    again, report = driven_again(kept, BLOCKED, seconds=3.0, sensor=BLINKERED)
+    stored = from_json(driven.as_json())
+    assert stored == driven
+    again, report = driven_again(stored, BLOCKED, seconds=3.0, sensor=BLINKERED)
     assert (round(again.metres, 1), report.collision) == (driven.metres, driven.collision)
     assert tuple(map(str, report.brakings)) == driven.brakings
 
@@ -461,12 +461,12 @@ def league_files(tmp_path, monkeypatch):
         "finn": Driven(1, fault="Traceback: something of ours"),
     }  # fmt: skip
     course = Course(tmp_path)
-    text, who = write_league(course, season_of(drives), SEED, "No walls.")
-    return text.read_text("utf-8"), who.read_text("utf-8"), course
+    text, names_file = write_league(course, season_of(drives), SEED, "No walls.")
+    return text.read_text("utf-8"), names_file.read_text("utf-8"), course
 
 
 def test_the_page_has_results_but_no_names(league_files):
-    text, who, course = league_files
+    text, names_file, course = league_files
     for name in ("ada", "finn", HOSTILE, "<script", "=1+1", "Traceback"):
         assert name not in text
     for words in (
@@ -498,8 +498,8 @@ def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):
 
 
 def test_names_are_in_a_file_separate_from_the_page(league_files):
-    text, who, course = league_files
-    rows = list(csv.DictReader(who.splitlines()))
+    text, names_file, course = league_files
+    rows = list(csv.DictReader(names_file.splitlines()))
     assert {row["Student"] for row in rows} == {"ada", "finn", HOSTILE, "'=1+1"}
     assert {row["Student"]: row["Pseudonym"] for row in rows}["ada"] in text
     assert page.page_of_league(course, "x").parent != page.who_is_who(course, "x").parent

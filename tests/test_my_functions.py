@@ -222,7 +222,7 @@ def test_an_error_after_magics_has_the_right_line_number(folder):
         "import sys\nN = 42\nM = sys.exit()\n---\ndef f(): return N if 'M' not in globals() else M",
     ],
 )
-def test_functions_are_loaded_with_what_they_need(folder, capfd, text):
+def test_functions_are_loaded_with_their_dependencies(folder, capfd, text):
     write(
         folder / "a.ipynb", STORY, *text.split("\n---\n"), "largest = max(tell())\nprint(largest)"
     )

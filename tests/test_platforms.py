@@ -134,24 +134,24 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
         ):
             student.login = person.email.upper()
         people = [
-            dataclasses.replace(person, id=f"s{place}") for place, person in enumerate(people)
+            dataclasses.replace(person, id=f"s{number}") for number, person in enumerate(people)
         ]
     elif roster == "sis":
         people = [
-            dataclasses.replace(person, lms_id=f"sis{place}", email="")
-            for place, person in enumerate(people, start=1)
+            dataclasses.replace(person, lms_id=f"sis{number}", email="")
+            for number, person in enumerate(people, start=1)
         ]
         for student in course.students:
             student.login = f"login{student.id}"
     points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
-    found = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
+    scores = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
     if roster == "login":  # cmd has another login
-        assert found.pop(9004, 0.0) == 0.0
+        assert scores.pop(9004, 0.0) == 0.0
     else:
-        assert not exported.lost and found.pop(9004) == 0.0
-    assert found == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
+        assert not exported.lost and scores.pop(9004) == 0.0
+    assert scores == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
 
 
 def test_canvas_rows_found_only_by_name_are_noted(fill):
