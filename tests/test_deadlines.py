@@ -44,13 +44,13 @@ def utc(*numbers):
 def test_composed_and_decomposed_letters_are_equal(course):
     composed, decomposed = "jörg", "jo\u0308rg"
     (course.root / "roster.csv").write_text(f"id,section\n{composed},Übung\n", "utf-8")
-    deadlines = read(
+    dates = read(
         course,
         "[stage1_ransac]\ndue = 2026-10-12T23:59:00Z\n"
         '[stage1_ransac.sections]\n"U\u0308bung" = 2026-10-13T23:59:00Z\n'
         f'[stage1_ransac.students]\n"{decomposed}" = 2026-10-14T23:59:00Z\n',
     )
-    assert deadlines.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
+    assert dates.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
 
 
 def test_without_a_file_there_are_no_dates(course):
@@ -58,32 +58,30 @@ def test_without_a_file_there_are_no_dates(course):
 
 
 def test_dates_of_students_take_precedence_over_sections_and_the_class(course):
-    deadlines = read(course, DATES)
-    due = {name: deadlines.due(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
+    dates = read(course, DATES)
+    due = {name: dates.due(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
     assert due == {  # UTC is two hours behind summer time
         "anna": utc(2026, 10, 19, 21, 59),
         "ben": utc(2026, 10, 13, 21, 59),
         "cleo": utc(2026, 10, 13, 10, 0),
         "dora": utc(2026, 10, 12, 21, 59),
     }
-    assert deadlines.due(Person("ben", section="B"), "stage1_ransac") == due["ben"]
-    assert deadlines.due("somebody else", "stage1_ransac") == due["dora"]
+    assert dates.due(Person("ben", section="B"), "stage1_ransac") == due["ben"]
+    assert dates.due("somebody else", "stage1_ransac") == due["dora"]
 
 
 def test_a_date_may_have_a_zone_and_a_stage_may_have_no_date(course):
-    deadlines = read(course, DATES)
-    assert deadlines.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
-    assert deadlines.due("anna", "stage3_obstacles") is None
-    assert not deadlines.excused("noshow", "stage2_clustering")
+    dates = read(course, DATES)
+    assert dates.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
+    assert dates.due("anna", "stage3_obstacles") is None
+    assert not dates.excused("noshow", "stage2_clustering")
 
 
 def test_extensions_and_excuses(course):
-    deadlines = read(course, DATES)
-    assert deadlines.extended("stage1_ransac") == {"anna": utc(2026, 10, 19, 21, 59)}
-    assert deadlines.extended("stage2_clustering") == deadlines.extended("stage3_obstacles") == {}
-    assert deadlines.excused("noshow", "stage1_ransac") and not deadlines.excused(
-        "anna", "stage1_ransac"
-    )
+    dates = read(course, DATES)
+    assert dates.extended("stage1_ransac") == {"anna": utc(2026, 10, 19, 21, 59)}
+    assert dates.extended("stage2_clustering") == dates.extended("stage3_obstacles") == {}
+    assert dates.excused("noshow", "stage1_ransac") and not dates.excused("anna", "stage1_ransac")
 
 
 def test_extensions_are_relative_to_the_section(course):
@@ -96,8 +94,8 @@ def test_without_a_zone_dates_use_the_zone_of_the_machine(course, monkeypatch):
     monkeypatch.setenv("TZ", "America/New_York")
     time.tzset()
     try:
-        deadlines = read(course, "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n")
-        assert deadlines.due("x", "stage1_ransac") == utc(2026, 10, 13, 3, 59)
+        dates = read(course, "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n")
+        assert dates.due("x", "stage1_ransac") == utc(2026, 10, 13, 3, 59)
         later = read(course, "[stage1_ransac]\ndue = 2026-12-12T23:59:00\n")
         assert later.due("x", "stage1_ransac") == utc(2026, 12, 13, 4, 59)
     finally:
@@ -108,13 +106,13 @@ def test_without_a_zone_dates_use_the_zone_of_the_machine(course, monkeypatch):
 
 def test_without_a_roster_students_may_still_have_their_own_dates(course):
     (course.root / "roster.csv").unlink()
-    deadlines = read(
+    dates = read(
         course,
         '[stage1_ransac]\ndue = 2026-10-12T12:00:00Z\n[stage1_ransac.students]\n"mary jane" = '
         '2026-10-13T12:00:00Z\nghost = "excused"\n',
     )
-    assert deadlines.due("mary jane", "stage1_ransac") == utc(2026, 10, 13, 12)
-    assert deadlines.excused("ghost", "stage1_ransac")
+    assert dates.due("mary jane", "stage1_ransac") == utc(2026, 10, 13, 12)
+    assert dates.excused("ghost", "stage1_ransac")
 
 
 @pytest.mark.parametrize(

@@ -807,21 +807,18 @@ def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, sc
         calls.append((points, cluster.fit_predict(points) + 1))
         return calls[-1][1]
 
-    result = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
+    driven = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
     people = [
-        identity for identity, kind in result.street.road_users.items() if kind == "pedestrian"
+        identity for identity, kind in driven.street.road_users.items() if kind == "pedestrian"
     ][-2:]
     together = []
     for number, (points, labels) in enumerate(calls[1:]):  # the first scan was clustered twice
-        frame = result.frame(number)
+        frame = driven.frame(number)
         owner = frame.scan.objects[cKDTree(frame.cloud[:, :3]).query(points)[1]]
         large = np.bincount(labels) >= 10
-        labels_of_both = [
-            {identity for identity in labels[owner == person] if large[identity]}
-            for person in people
-        ]
-        if all(labels_of_both):
-            together.append(bool(labels_of_both[0] & labels_of_both[1]))
+        both = [{label for label in labels[owner == person] if large[label]} for person in people]
+        if all(both):
+            together.append(bool(both[0] & both[1]))
     assert (sum(together), len(together)) == (shared, scans)
 
 
