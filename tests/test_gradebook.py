@@ -634,7 +634,7 @@ class Session(SimpleNamespace):
     """Database session that records calls."""
 
     def __init__(self):
-        super().__init__(asked=[])
+        super().__init__(calls=[])
 
     def flush(self):
         self.calls.append("flush")

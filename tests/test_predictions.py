@@ -75,7 +75,7 @@ def no_widgets(monkeypatch):
     monkeypatch.setattr(util, "find_spec", lambda name: name != "ipywidgets" and find(name))
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     monkeypatch.delitem(sys.modules, "ipywidgets")
-    assert "Sliders stand still" in utils.health() and utils.health().startswith("Ready")
+    assert "To make sliders move" in utils.health() and utils.health().startswith("Ready")
     static_widgets.stand_in()
 
 
