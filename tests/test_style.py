@@ -13,9 +13,7 @@ from grader.course.paths import PROJECT
 PLAIN = (
     "grader/*.py",
     "grader/authoring",
-    "grader/classroom/*.py",
-    "grader/classroom/collect",
-    "grader/classroom/similarity",
+    "grader/classroom",
     "grader/course",
     "grader/intake",
     "grader/judging",

@@ -85,7 +85,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 
 @functools.lru_cache(maxsize=256)
 def _texts_of(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
-    """Cached, because a build asks for the same functions for several lessons."""
+    """Return the texts of `statements_of`; cached, as several lessons need the same functions."""
     return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from grader.classroom.league.drives import DETECTOR, _unpacked, drive_behind_walls
+from grader.classroom.league.drives import DETECTOR, _unpack, drive_behind_walls
 from grader.classroom.league.streets import streets_of
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
@@ -40,7 +40,7 @@ def answers_of(sandbox, source):
         street = streets_of(SEED)[0]
         driven = drive_behind_walls(street, student, seconds=0.5, sensor=BLINKERED)
     assert not driven.stopped and not driven.failed
-    return {float(boxes.max()) / 1000 for boxes in _unpacked(driven.answers)}
+    return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}
 
 
 def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):

@@ -1,5 +1,6 @@
-"""A league: who drives farthest on their own detector. Never part of a mark.
+"""A league in which students' detectors drive as far as they can. It never affects a mark.
 
-`streets` draws where, `driving` drives one street on one detector behind walls, `season` a class
-through all of them. `ranking` says what counts, and `page` shows it under `pseudonyms`.
+`streets` draws the streets, `drives` drives one street with one detector in a sandbox, and
+`season` drives a class through all of them. `ranking` counts the metres, and `page` shows the
+result under `pseudonyms`.
 """

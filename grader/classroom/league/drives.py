@@ -1,8 +1,8 @@
-"""One street on one detector.
+"""Drive one street with one detector.
 
-The car, the street and what is measured are here, the detector is behind walls: a scan goes in,
-boxes come out. How long that takes does not count, as long as it keeps to the limits: on machines
-that others use, too, tenths of a second would decide about places.
+The car, the street and the measurement are in this process, and the detector is in a sandbox. A
+scan goes in, boxes come out. The time for this does not count as long as it stays within the
+limits. Otherwise, on a shared machine, tenths of a second would decide about places.
 """
 
 from __future__ import annotations
@@ -41,43 +41,45 @@ DETECTOR = "detect_obstacles"
 SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MOST_BOXES = 300
-"""In a scan; who boxes every square metre in front of the car needs fewer."""
+"""Most boxes accepted in a scan; one for every square metre in front of the car needs fewer."""
 MOST_FAILURES = 20
-"""Scans without an answer, after which a drive is over."""
+"""Number of scans without an answer after which a drive ends."""
 FARTHEST = 1000.0
-"""Metres beyond which a box is left out; no scanner looks so far."""
+"""Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
 
 @dataclass(frozen=True)
 class Driven:
-    """What came of a drive, in plain data and in words of ours.
+    """The result of a drive: plain data, and sentences that contain no text of the student.
 
     Attributes
     ----------
     street : int
-        Its number.
+        Number of the street.
     metres : float
+        Distance driven.
     collision : str
-        A sentence; empty where nothing was hit.
+        A sentence about the collision; empty if there was none.
     brakings : tuple of str
-        For what the car braked, in order.
+        The cause of each braking, in order.
     needless : tuple of bool
-        Whether each of these was for nothing.
+        Whether each of these brakings was unnecessary.
     near_misses : int
+        Number of near misses.
     stopped : str
-        Why the drive was not driven to its end, where a detector is at fault.
+        Why the drive ended early, if the detector is at fault.
     failed : int
-        Scans for which the detector had no boxes to give.
+        Number of scans for which the detector gave no boxes.
     failure : str
-        How it first failed.
+        A sentence about its first failure.
     answers : str
-        All that the detector answered: what `driven_again` takes.
+        Everything the detector answered, packed for `driven_again`.
     starved : bool
-        Whether it was stopped without having had its time: this machine was busy.
+        Whether it was stopped before it had used up its time, because this machine was busy.
     fault : str
-        What went wrong on our side; then nothing is said about the detector.
+        A failure on the grader's side; the drive then says nothing about the detector.
     key : str
-        Of all that it depends on.
+        Fingerprint of everything the drive depends on.
     """
 
     street: int
@@ -95,12 +97,12 @@ class Driven:
     key: str = ""
 
     def as_json(self) -> str:
-        """What is kept on disk."""
+        """Return the text that is stored on disk."""
         return json.dumps(asdict(self))
 
 
 def from_json(text: str) -> Driven:
-    """A drive that was kept; raises ValueError, TypeError or KeyError where it is none."""
+    """Read a stored drive; raise ValueError, TypeError or KeyError if the text is not one."""
     content = json.loads(text)
     lists = {name: tuple(content[name]) for name in ("brakings", "needless")}
     return Driven(**{**content, **lists})
@@ -109,16 +111,16 @@ def from_json(text: str) -> Driven:
 def drive_one(
     handed_in: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> Driven:
-    """Drive one street: plain data in, and out, wherever there is the course's code.
+    """Drive one street; takes and returns plain data, so any machine with the course can run it.
 
     Parameters
     ----------
     handed_in : grader.intake.submission.SubmittedFiles or None
-        None drives on the true boxes.
+        The submission; None drives on the true boxes.
     lesson : str
-        Name of the lesson that was handed in.
+        Name of the submission's lesson.
     number : int
-        Of the street.
+        Number of the street.
     seed : int
         The course's secret.
     sandbox : str
@@ -130,7 +132,8 @@ def drive_one(
         return _measured(drive(street), key)
     try:
         to_judge = prepare_to_judge(handed_in, find_lesson(lesson))
-    except UnreadableNotebook:  # why, its verdict says: a file's name is a student's word
+    except UnreadableNotebook:
+        # The verdict gives the reason, which may contain a file name that the student chose.
         return Driven(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return Driven(number, fault=str(error))
@@ -147,18 +150,22 @@ def drive_behind_walls(
     seconds: float = SECONDS,
     sensor: Sensor = SCANNER,
 ) -> Driven:
-    """Drive a street on a student's `DETECTOR`; see `drive_one`."""
+    """Drive a street with a student's `DETECTOR`; see `drive_one`."""
     student.exercise = DETECTOR
-    eyes = _Eyes(student)
+    detector = _SandboxedDetector(student)
     try:
-        done = drive(street, eyes, clock=on_time, seconds=seconds, sensor=sensor)
+        finished = drive(street, detector, clock=on_time, seconds=seconds, sensor=sensor)
     except StudentStopped as stop:
-        about = {"failed": eyes.failed, "failure": eyes.failure, "starved": student.starved}
-        return Driven(street.number, stopped=str(stop), key=key, **about)
-    return _measured(done, key, eyes)
+        failures = {
+            "failed": detector.failed,
+            "failure": detector.failure,
+            "starved": student.starved,
+        }
+        return Driven(street.number, stopped=str(stop), key=key, **failures)
+    return _measured(finished, key, detector)
 
 
-def _measured(done: Drive, key: str, eyes: _Eyes | None = None) -> Driven:
+def _measured(done: Drive, key: str, detector: _SandboxedDetector | None = None) -> Driven:
     report = measure(done)
     return Driven(
         done.street.number,
@@ -167,15 +174,15 @@ def _measured(done: Drive, key: str, eyes: _Eyes | None = None) -> Driven:
         tuple(map(str, report.brakings)),
         tuple(braking.needless for braking in report.brakings),
         report.near_misses,
-        failed=eyes.failed if eyes else 0,
-        failure=eyes.failure if eyes else "",
-        answers=_packed(eyes.answers) if eyes else "",
+        failed=detector.failed if detector else 0,
+        failure=detector.failure if detector else "",
+        answers=_pack(detector.answers) if detector else "",
         key=key,
     )
 
 
-class _Eyes:
-    """A detector behind walls: whatever it answers, what comes out here are a few finite boxes."""
+class _SandboxedDetector:
+    """A detector in a sandbox; whatever it answers, the caller gets only a few finite boxes."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student
@@ -183,7 +190,7 @@ class _Eyes:
         self.failed, self.failure = 0, ""
 
     def __call__(self, cloud: np.ndarray) -> np.ndarray:
-        boxes, failure = self._look(cloud)
+        boxes, failure = self._detect(cloud)
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MOST_FAILURES:
@@ -191,53 +198,53 @@ class _Eyes:
         self.answers.append(boxes)
         return boxes / 1000
 
-    def _look(self, cloud: np.ndarray) -> tuple[np.ndarray, str]:
-        """Boxes in whole millimetres, as they can be kept; or none, and why."""
-        none = np.empty((0, 8, 3), dtype=np.int32)
+    def _detect(self, cloud: np.ndarray) -> tuple[np.ndarray, str]:
+        """Return boxes in whole millimetres, ready to be stored; or no boxes and the reason."""
+        no_boxes = np.empty((0, 8, 3), dtype=np.int32)
         try:
             found = getattr(self._student, DETECTOR)(cloud)
         except StudentError as error:
             if error.type_name == "NotImplementedError":
-                return none, "A function that it calls is not written yet."
-            return none, f"{DETECTOR} raised {error.told_type}."
+                return no_boxes, "A function that it calls is not written yet."
+            return no_boxes, f"{DETECTOR} raised {error.told_type}."
         try:
             boxes = checked_boxes(found)
-        except Exception:  # of a stranger's data NumPy may complain in any way
-            return none, f"{DETECTOR} returned something else than boxes (N, 8, 3)."
+        except Exception:  # NumPy may raise anything on untrusted data
+            return no_boxes, f"{DETECTOR} returned something else than boxes (N, 8, 3)."
         if len(boxes) > MOST_BOXES:
-            return none, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
-        near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # which no NaN is
+            return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
+        near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN
         return np.round(1000 * boxes[near]).astype(np.int32), ""
 
 
 def driven_again(
     driven: Driven, street: Street, *, seconds: float = SECONDS, sensor: Sensor = SCANNER
 ) -> tuple[Drive, Report]:
-    """The same drive once more, of what its detector answered then.
+    """Repeat a drive with the stored answers of its detector.
 
     Parameters
     ----------
     driven : Driven
-        One that was driven to its end.
+        A drive that reached its end.
     street : utils.drive.Street
-        That it was driven in.
+        The street of that drive.
     """
-    answers = _unpacked(driven.answers)
-    done = drive(
+    answers = _unpack(driven.answers)
+    drive_ = drive(
         street, lambda cloud: next(answers) / 1000, clock=on_time, seconds=seconds, sensor=sensor
     )
-    return done, measure(done)
+    return drive_, measure(drive_)
 
 
-def _packed(answers: Sequence[np.ndarray]) -> str:
+def _pack(answers: Sequence[np.ndarray]) -> str:
     counts = np.array([len(boxes) for boxes in answers], dtype=np.int32)
-    every = np.concatenate(answers) if answers else np.empty(0, dtype=np.int32)
-    head = np.array([len(counts)], dtype=np.int32)
-    data = b"".join(part.astype("<i4").tobytes() for part in (head, counts, every))
+    all_boxes = np.concatenate(answers) if answers else np.empty(0, dtype=np.int32)
+    header = np.array([len(counts)], dtype=np.int32)
+    data = b"".join(part.astype("<i4").tobytes() for part in (header, counts, all_boxes))
     return base64.b64encode(zlib.compress(data)).decode()
 
 
-def _unpacked(text: str) -> Iterator[np.ndarray]:
+def _unpack(text: str) -> Iterator[np.ndarray]:
     numbers = np.frombuffer(zlib.decompress(base64.b64decode(text)), "<i4")
     counts = numbers[1 : 1 + numbers[0]]
     boxes = numbers[1 + numbers[0] :].reshape(-1, 8, 3)
@@ -245,15 +252,15 @@ def _unpacked(text: str) -> Iterator[np.ndarray]:
 
 
 def key_of(handed_in: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
-    """Fingerprint of everything that a drive depends on."""
+    """Return a fingerprint of everything that a drive depends on."""
     submission = handed_in.fingerprint() if handed_in else "true boxes"
-    about = (str(street.seed), _rules(lesson), submission)
-    return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
+    parts = (str(street.seed), _rules(lesson), submission)
+    return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
 def _rules(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
-    # The lesson's header says what a detector may use; the notebooks hold what it is given.
+    # The lesson's header lists what a detector may use; the notebooks contain its given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return key_of_files("league", with_all_they_run(entries) | notebooks)

@@ -1,4 +1,4 @@
-"""The page of a league, which a class may see; and who is who, for whoever teaches it, apart."""
+"""The page of a league for the class, and a separate list of real names for the instructor."""
 
 from __future__ import annotations
 
@@ -34,12 +34,28 @@ from utils.drive.streets import Street
 from utils.films.writers import suffix_of_films
 
 SIZE = (720, 404)
-"""Of the film in pixels: a page with it has some megabytes."""
+"""Size of the film in pixels; at this size, the page has some megabytes."""
 
 
 @dataclass(frozen=True)
 class LeagueFilm:
-    """A film for the page: of whom and where, how others did there, in words, and as data."""
+    """A film for the page.
+
+    Attributes
+    ----------
+    who : str
+        Pseudonym of the driver.
+    street : utils.drive.streets.Street
+        The street in the film.
+    others : str
+        A sentence on how the rest of the class did there; may be empty.
+    words : str
+        Description of the film.
+    data : str
+        The file in Base64.
+    is_video : bool
+        Whether the file is a video; otherwise it is an image.
+    """
 
     who: str
     street: Street
@@ -50,45 +66,46 @@ class LeagueFilm:
 
 
 def page_of_league(course: Course, stage: str) -> Path:
-    """Where the page on a stage lies."""
+    """Return the path of the page on a stage."""
     return course.root / "league" / f"{stage}.html"
 
 
 def who_is_who(course: Course, stage: str) -> Path:
-    """Where it is written down who is who, beside the report."""
+    """Return the path of the list of real names, next to the report."""
     return course.report / f"league_{stage}.csv"
 
 
 def write_league(course: Course, season: Season, seed: int, warning: str = "") -> list[Path]:
-    """Write the page and, apart from it, who is who; returns where they lie.
+    """Write the page and, separately, the list of real names; return both paths.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     season : Season
     seed : int
-        The course's secret, without which nobody finds out who a pseudonym is.
+        The course's secret; without it, the student behind a pseudonym cannot be found.
     warning : str, optional
-        A sentence for the head of the page.
+        A sentence for the top of the page.
     """
     students, stage = [student.name for student in season.students], season.lesson.stage
     names = pseudonyms(students, seed)
 
-    def called(one: Standing) -> str:
-        return names[one.entrant.name] if one.entrant.student else one.entrant.name
+    def display_name(standing: Standing) -> str:
+        return names[standing.entrant.name] if standing.entrant.student else standing.entrant.name
 
-    # Among those who share a place, the order of their true names would tell something.
+    # In the order of their real names, students with equal points would be easier to identify.
     ranked = sorted(
-        standings(season), key=lambda one: (-one.points, one.entrant.student, called(one))
+        standings(season),
+        key=lambda standing: (-standing.points, standing.entrant.student, display_name(standing)),
     )
     page = render(
         "league.html",
         season=season,
         ranked=ranked,
-        called=called,
+        called=display_name,
         happened=lambda driven: list(happened(driven)),
         students=len(students),
-        film=_film(season, ranked, called),
+        film=_film(season, ranked, display_name),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         warning=warning,
         seconds=SECONDS,
@@ -107,7 +124,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 
 
 def happened(driven: Driven) -> Iterator[str]:
-    """What stopped a car, or slowed it down for nothing, in words of ours."""
+    """Yield sentences on what went wrong in a drive; they contain no text of the student."""
     if driven.fault:
         yield "It could not be driven here, which is not the detector's fault."
     if driven.stopped:
@@ -123,37 +140,50 @@ def happened(driven: Driven) -> Iterator[str]:
         yield f"It had no boxes to give for {driven.failed} of the scans. {driven.failure}"
 
 
-def _film(season: Season, ranked: Sequence[Standing], called: object) -> LeagueFilm | None:
-    """The best of the class, in the street in which most others got no metre."""
-    class_ = [one for one in ranked if one.entrant.student]
+def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
+    """Film the best student in the street in which most others scored no metres.
+
+    Returns
+    -------
+    LeagueFilm or None
+        None if no student has scored.
+    """
+    class_ = [standing for standing in ranked if standing.entrant.student]
     if not class_ or not class_[0].points:
         return None
     best, *others = class_
 
     def failed(street: Street) -> int:
         return sum(
-            not metres for one in others for other, _, metres in one.drives if other == street
+            not metres
+            for standing in others
+            for driven_in, _, metres in standing.drives
+            if driven_in == street
         )
 
     street, driven, _ = max(
         (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
     )
-    said = f"{failed(street)} of the {len(others)} others got no metre there." if others else ""
+    comparison = (
+        f"{failed(street)} of the {len(others)} others got no metre there." if others else ""
+    )
     drive, report = driven_again(driven, street)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"best{suffix_of_films()}")
         words = film(drive, report, path, size=SIZE).seen
         data = base64.b64encode(path.read_bytes()).decode()
-    return LeagueFilm(called(best), street, said, words, data, path.suffix == ".mp4")
+    return LeagueFilm(display_name(best), street, comparison, words, data, path.suffix == ".mp4")
 
 
 def _table(ranked: Sequence[Standing], names: dict[str, str]) -> str:
-    """Who is who, as a table for spreadsheets."""
+    """Return the list of real names as CSV text that is safe to open in a spreadsheet."""
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
     table.writerow(("Pseudonym", "Student", "Place", "Metres that count"))
-    for one in ranked:
-        if one.entrant.student:
-            student = one.entrant.name
-            table.writerow((names[student], harmless_cell(student), one.place, one.points))
+    for standing in ranked:
+        if standing.entrant.student:
+            student = standing.entrant.name
+            table.writerow(
+                (names[student], harmless_cell(student), standing.place, standing.points)
+            )
     return file.getvalue()

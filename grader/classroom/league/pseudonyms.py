@@ -1,6 +1,7 @@
-"""Names under which students stand on a page: the same each time, and nobody's but the course's.
+"""Pseudonyms of students on a league's page: the same each time, and different in each course.
 
-Without the course's seed, nobody finds out who somebody is, not by trying all who may be.
+Without the course's seed, the student behind a pseudonym cannot be found, not even by trying the
+names of all candidates.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ NUMBERS = 1000
 
 
 def pseudonyms(students: Iterable[str], seed: int) -> dict[str, str]:
-    """A name for each student, such as "teal heron 417"; no two are alike.
+    """Return a pseudonym for each student, such as "teal heron 417"; all are different.
 
     Parameters
     ----------
@@ -36,13 +37,13 @@ def pseudonyms(students: Iterable[str], seed: int) -> dict[str, str]:
         The course's secret.
     """
     key = secret(seed, "pseudonyms").to_bytes(32, "big")
-    found: dict[str, str] = {}
+    chosen: dict[str, str] = {}
     for student in sorted(students):
         tries = 0
-        while (name := _name(key, student, tries)) in found.values():
+        while (name := _name(key, student, tries)) in chosen.values():
             tries += 1
-        found[student] = name
-    return found
+        chosen[student] = name
+    return chosen
 
 
 def _name(key: bytes, student: str, tries: int) -> str:

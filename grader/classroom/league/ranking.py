@@ -1,7 +1,8 @@
-"""What counts in a league, and who is where.
+"""Count the metres of a league, and rank its entrants.
 
-Standing still is worth nothing, and so is driving blind: a street counts only for who comes through
-it without a collision, and only beyond the metres in which a car stops that brakes at once.
+Standing still earns nothing, and neither does driving blind. A street counts only if the car comes
+through it without a collision, and only for the metres beyond the distance in which a car that
+brakes at once stops.
 """
 
 from __future__ import annotations
@@ -15,22 +16,22 @@ from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 
 NEEDLESS = 10.0
-"""Metres that a needless braking costs, beside those that it takes."""
+"""Metres deducted for a needless braking, on top of the metres that it loses."""
 
 
 @dataclass(frozen=True)
 class Standing:
-    """How somebody stands.
+    """An entrant's result in a season.
 
     Attributes
     ----------
     entrant : Entrant
     place : int or None
-        Shared by all who have the same points; None for those to compare with.
+        Shared by all students with the same points; None for the entrants to compare with.
     points : int
         Whole metres that count.
     drives : tuple of (Street, Driven, int)
-        In each street that counts, with the metres that count there.
+        The drive in each street that counts, with the metres that count there.
     """
 
     entrant: Entrant
@@ -40,32 +41,32 @@ class Standing:
 
     @property
     def metres(self) -> float:
-        """Driven in all."""
+        """Total distance driven."""
         return sum(driven.metres for _, driven, _ in self.drives)
 
     @property
     def needless(self) -> int:
-        """Brakings for nothing."""
+        """Number of needless brakings."""
         return sum(sum(driven.needless) for _, driven, _ in self.drives)
 
     @property
     def collisions(self) -> int:
-        """Streets in which something was hit."""
+        """Number of streets with a collision."""
         return sum(bool(driven.collision) for _, driven, _ in self.drives)
 
     @property
     def near_misses(self) -> int:
-        """How often somebody was passed too near and too fast."""
+        """Number of times that a road user was passed too closely and too fast."""
         return sum(driven.near_misses for _, driven, _ in self.drives)
 
     @property
     def stopped(self) -> int:
-        """Streets that were not driven to their end, for the detector's sake."""
+        """Number of drives that the detector's failures ended early."""
         return sum(bool(driven.stopped) for _, driven, _ in self.drives)
 
 
 def counted(street: Street, driven: Driven) -> int:
-    """Metres of a drive that count."""
+    """Return the metres of a drive that count."""
     if driven.collision or driven.stopped or driven.fault:
         return 0
     free = stopping_distance(street.limit)
@@ -73,24 +74,26 @@ def counted(street: Street, driven: Driven) -> int:
 
 
 def standings(season: Season) -> list[Standing]:
-    """Everybody, the best first."""
-    found = [_standing(season, one, known) for one, known in season.drives.items()]
-    ours = sorted(one.points for one in found if one.entrant.student)
+    """Return the results of all entrants, the best first."""
+    results = [_standing(season, entrant, drives) for entrant, drives in season.drives.items()]
+    students_points = sorted(standing.points for standing in results if standing.entrant.student)
     placed = [
         Standing(
-            one.entrant,
-            1 + sum(points > one.points for points in ours) if one.entrant.student else None,
-            one.points,
-            one.drives,
+            standing.entrant,
+            1 + sum(points > standing.points for points in students_points)
+            if standing.entrant.student
+            else None,
+            standing.points,
+            standing.drives,
         )
-        for one in found
+        for standing in results
     ]
-    return sorted(placed, key=lambda one: -one.points)
+    return sorted(placed, key=lambda standing: -standing.points)
 
 
-def _standing(season: Season, one: Entrant, known: Mapping[int, Driven]) -> Standing:
+def _standing(season: Season, entrant: Entrant, driven: Mapping[int, Driven]) -> Standing:
     drives = tuple(
-        (street, known[street.number], counted(street, known[street.number]))
+        (street, driven[street.number], counted(street, driven[street.number]))
         for street in season.streets
     )
-    return Standing(one, None, sum(points for *_, points in drives), drives)
+    return Standing(entrant, None, sum(points for *_, points in drives), drives)

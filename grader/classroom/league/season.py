@@ -1,4 +1,4 @@
-"""A class through all streets, in parallel. What was driven is kept, and not driven again."""
+"""Drive a class through all streets, in parallel. Finished drives are stored and not repeated."""
 
 from __future__ import annotations
 
@@ -20,24 +20,25 @@ from grader.sandbox import Sandbox, SandboxUnavailable
 from utils.drive.streets import Street
 
 TRUE_BOXES, OUR_OWN = "the true boxes", "the course's detector"
-"""Who drives beside the class, to compare with."""
+"""Names of the two entrants with which the class is compared."""
 
 GONE = "The process that drove ended, twice. Is there memory enough?"
 
 
 @dataclass(frozen=True)
 class Entrant:
-    """Somebody who drives.
+    """A student of the class, or an entrant to compare the class with.
 
     Attributes
     ----------
     name : str
-        The student, or one of those to compare with.
+        Name of the student, or one of `TRUE_BOXES` and `OUR_OWN`.
     student : bool
+        Whether the entrant belongs to the class.
     read : callable
-        Returns what was handed in; None for the true boxes.
+        Returns the submission; None for the true boxes.
     folder : Path
-        Where drives are kept.
+        Folder in which the drives are stored.
     """
 
     name: str
@@ -48,17 +49,17 @@ class Entrant:
 
 @dataclass(frozen=True)
 class Season:
-    """What came of it.
+    """The drives of a class.
 
     Attributes
     ----------
     lesson : Lesson
     streets : tuple of Street
-        That count: the true boxes come through.
+        Streets that count, because the true boxes come through them.
     left_out : tuple of Street
-        Those in which the true boxes hit something: the street is to blame.
+        Streets in which even a drive with the true boxes fails.
     drives : dict of Entrant to dict of int to Driven
-        By number of the street.
+        Drives of each entrant, by number of the street.
     """
 
     lesson: Lesson
@@ -68,22 +69,22 @@ class Season:
 
     @property
     def students(self) -> list[Entrant]:
-        """Those of the class."""
-        return [drive for drive in self.drives if drive.student]
+        """Entrants that belong to the class."""
+        return [entrant for entrant in self.drives if entrant.student]
 
     @property
     def faults(self) -> list[str]:
-        """What could not be driven, and why, for whoever teaches."""
+        """A sentence for the instructor on each drive that failed on the grader's side."""
         return [
-            f"{one.name}, street {driven.street}: {driven.fault}"
-            for one, known in self.drives.items()
-            for driven in known.values()
+            f"{entrant.name}, street {driven.street}: {driven.fault}"
+            for entrant, drives in self.drives.items()
+            for driven in drives.values()
             if driven.fault
         ]
 
 
 def lesson_of_league(stage: str) -> Lesson | None:
-    """The lesson of a stage that asks for a detector, if one does."""
+    """Return the lesson of a stage that asks for a detector; None if there is none."""
     return next(
         (
             lesson
@@ -104,11 +105,11 @@ def drive_class(
     workers: int,
     progress: Callable[[int, int, object], None],
 ) -> Season:
-    """Drive what has not been driven yet; where nobody has handed in anything, nothing.
+    """Drive all streets that have no stored drive; without a submission, drive nothing.
 
-    What drives gets data and gives data; here alone files are read and written, each drive as soon
-    as it is over. One that ends the process that drives, and one that was given no processor, is
-    driven once more, by itself.
+    The processes that drive exchange only data with this one, which reads and writes all files and
+    stores each drive as soon as it has ended. A drive is repeated once, on its own, if its process
+    died or if it got no processor.
 
     Parameters
     ----------
@@ -126,57 +127,58 @@ def drive_class(
     entrants = list(_entrants(course, lesson))
     if not any(entrant.student for entrant in entrants):
         return Season(lesson, streets, (), {})
-    drives = {one: _kept(one, streets, lesson) for one in entrants}
+    drives = {entrant: _stored(entrant, streets, lesson) for entrant in entrants}
     missing = [
-        (one, street)
+        (entrant, street)
         for street in streets
-        for one, known in drives.items()
-        if street.number not in known
+        for entrant, stored in drives.items()
+        if street.number not in stored
     ]
     total = len(streets) * len(drives)
 
-    def note(one: Entrant, street: Street, driven: Driven) -> None:
+    def store(entrant: Entrant, street: Street, driven: Driven) -> None:
         if not driven.fault:
-            write_atomically(driven.as_json(), _file(one, street))
-        drives[one][street.number] = driven
+            write_atomically(driven.as_json(), _file(entrant, street))
+        drives[entrant][street.number] = driven
         progress(sum(map(len, drives.values())), total, None)
 
-    def job(one: Entrant, street: Street) -> tuple:
-        return drive_one, one.read(), lesson.name, street.number, seed, sandbox.name
+    def job(entrant: Entrant, street: Street) -> tuple:
+        return drive_one, entrant.read(), lesson.name, street.number, seed, sandbox.name
 
     progress(total - len(missing), total, None)
     again = []
     if missing:
         with open_executor(workers) as executor:
-            for one, street, future in _as_they_end(missing, job, executor):
+            for entrant, street, future in _as_completed(missing, job, executor):
                 driven = _result(future, street)
                 if driven is None or driven.starved:
-                    again.append((one, street))
+                    again.append((entrant, street))
                 else:
-                    note(one, street, driven)
-    for one, street in again:
+                    store(entrant, street, driven)
+    for entrant, street in again:
         with open_executor(1) as executor:
-            driven = _result(executor.submit(*job(one, street)), street)
+            driven = _result(executor.submit(*job(entrant, street)), street)
         driven = driven or Driven(street.number, fault=GONE)
-        note(one, street, replace(driven, starved=False))  # with the machine to itself
+        # This drive had the machine to itself, so its time counts.
+        store(entrant, street, replace(driven, starved=False))
     return _season(lesson, streets, drives)
 
 
-def _as_they_end(
+def _as_completed(
     missing: list[tuple[Entrant, Street]], job: Callable[..., tuple], executor: Executor
 ) -> Iterator[tuple[Entrant, Street, Future]]:
-    """Give an executor as much as it has room for, and yield each that is over."""
-    coming, running = deque(missing), {}
-    while coming or running:
-        while coming and len(running) < room(executor):
-            what = coming.popleft()
-            running[executor.submit(*job(*what))] = what
+    """Submit drives while the executor has room, and yield each when it has ended."""
+    waiting, running = deque(missing), {}
+    while waiting or running:
+        while waiting and len(running) < room(executor):
+            entrant, street = waiting.popleft()
+            running[executor.submit(*job(entrant, street))] = entrant, street
         for future in wait(running, return_when=FIRST_COMPLETED).done:
             yield *running.pop(future), future
 
 
 def _result(future: Future, street: Street) -> Driven | None:
-    """The drive of a future; None where its process died, and a fault where ours is to blame."""
+    """Return the drive of a future, with a fault if the grader failed; None if a process died."""
     try:
         return future.result()
     except BrokenExecutor:
@@ -190,8 +192,12 @@ def _result(future: Future, street: Street) -> Driven | None:
 def _season(
     lesson: Lesson, streets: tuple[Street, ...], drives: dict[Entrant, dict[int, Driven]]
 ) -> Season:
-    (best,) = (known for one, known in drives.items() if one.name == TRUE_BOXES and not one.student)
-    bad = {number for number, driven in best.items() if driven.collision or driven.fault}
+    (true_drives,) = (
+        driven
+        for entrant, driven in drives.items()
+        if entrant.name == TRUE_BOXES and not entrant.student
+    )
+    bad = {number for number, driven in true_drives.items() if driven.collision or driven.fault}
     return Season(
         lesson,
         tuple(street for street in streets if street.number not in bad),
@@ -201,32 +207,31 @@ def _season(
 
 
 def _entrants(course: Course, lesson: Lesson) -> Iterator[Entrant]:
-    ours = course.verdicts / ".league" / lesson.stage
-    yield Entrant(TRUE_BOXES, False, lambda: None, ours / "true")
-    yield Entrant(OUR_OWN, False, lambda: read_submitted_files(lesson.solved), ours / "own")
+    folder = course.verdicts / ".league" / lesson.stage
+    yield Entrant(TRUE_BOXES, False, lambda: None, folder / "true")
+    yield Entrant(OUR_OWN, False, lambda: read_submitted_files(lesson.solved), folder / "own")
     for submission in find_submissions(course, [lesson.stage]):
         if submission.lesson == lesson:
-            beside = submission.verdict_path(course).parent / ".league"
             yield Entrant(
                 submission.student,
                 True,
                 lambda submission=submission: submission.read(course),
-                beside,
+                submission.verdict_path(course).parent / ".league",
             )
 
 
-def _file(one: Entrant, street: Street) -> Path:
-    return one.folder / f"street_{street.number}.json"
+def _file(entrant: Entrant, street: Street) -> Path:
+    return entrant.folder / f"street_{street.number}.json"
 
 
-def _kept(one: Entrant, streets: tuple[Street, ...], lesson: Lesson) -> dict[int, Driven]:
-    """What is on disk, if it is about this very file, these rules and this street."""
-    handed_in, found = one.read(), {}
+def _stored(entrant: Entrant, streets: tuple[Street, ...], lesson: Lesson) -> dict[int, Driven]:
+    """Read the drives on disk that belong to this submission, these rules and these streets."""
+    submitted, stored = entrant.read(), {}
     for street in streets:
         try:
-            driven = from_json(_file(one, street).read_text("utf-8"))
+            driven = from_json(_file(entrant, street).read_text("utf-8"))
         except (OSError, ValueError, TypeError, KeyError):
             continue
-        if driven.key == key_of(handed_in, street, lesson):
-            found[street.number] = driven
-    return found
+        if driven.key == key_of(submitted, street, lesson):
+            stored[street.number] = driven
+    return stored

@@ -1,7 +1,8 @@
-"""The streets of a league, drawn from the course's secret seed: nobody can drive them beforehand.
+"""The streets of a league, drawn from the course's secret seed, so that students cannot practise.
 
-In each something stands in our lane that drives away only when we have waited, and then somebody
-is in the way whom a car meets that drives on: who sees nothing runs into one of them, fast or slow.
+In each street a vehicle blocks our lane until the car has waited for it. Further on, a road user
+comes into the way of a car that drives on. A car that sees nothing therefore hits one of them,
+whether it is fast or slow.
 """
 
 from __future__ import annotations
@@ -21,11 +22,14 @@ SPEED = 30 / 3.6
 CROWDED = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
 NOTICED = 18.0
-"""Metres to what waits, from our scanner, at which its time begins: we have to brake by then."""
+"""Distance in metres from our scanner to the waiting vehicle at which its wait begins.
+
+The car has to brake by then.
+"""
 
 
 def _waits(rng: np.random.Generator) -> Actor:
-    """A car or a lorry that stands in our lane, and drives off some seconds after we have come."""
+    """Return a car or lorry in our lane that drives off some seconds after our car is near."""
     thing = (
         truck(width=2.3)
         if rng.random() < 0.3
@@ -38,7 +42,7 @@ def _waits(rng: np.random.Generator) -> Actor:
 
 
 def _later(rng: np.random.Generator) -> float:
-    """Where along the road somebody comes into the way, once what waited is gone."""
+    """Return a place along the road, in metres, beyond that of the waiting vehicle."""
     return rng.uniform(88.0, 100.0)
 
 
@@ -84,18 +88,18 @@ KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
     _dirt,
     _crowd,
 )
-"""What makes each of the streets what it is; beside that, all of them are alike."""
+"""One function per street for its distinctive settings; everything else is the same in all."""
 
 
 @functools.cache
 def streets_of(seed: int) -> tuple[Street, ...]:
-    """The streets that a course's seed leads to.
+    """Return the streets of a course.
 
     Parameters
     ----------
     seed : int
-        The course's secret. All that is drawn here is drawn from digests of it, which lead no
-        further back, and which no hidden question is drawn from.
+        The course's secret. Streets are drawn from digests of it, from which the seed cannot be
+        recovered, and which no hidden question uses.
     """
     return tuple(_street(seed, number) for number in range(1, len(KINDS) + 1))
 
@@ -110,6 +114,6 @@ def _street(seed: int, number: int) -> Street:
 
 
 def secret(seed: int, label: str) -> int:
-    """A number for something of a league, from which nobody finds the seed or another one."""
+    """Return a number for a label, from which neither the seed nor other numbers can be found."""
     digest = hashlib.sha256(f"league: {seed} {label}".encode()).digest()
     return int.from_bytes(digest, "big")
