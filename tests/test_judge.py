@@ -32,7 +32,6 @@ from tests.students import answers_in, student_with
 from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
-SHORT = Limits(call_seconds=3)  # for wrong answers, some of which never end
 # Functions of earlier lessons that lesson 12 uses, and the detector that its hints describe.
 EARLIER = {
     "01_point_clouds": ("drop_invalid",),
@@ -231,7 +230,7 @@ def notebook_of(lesson, variants, folder):
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # only the checks decide
-    verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=SHORT)
+    verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
     broken = {answer.name: broken_claims(answer, verdict) for answer in variants}
     assert broken == {answer.name: [] for answer in variants}
 
