@@ -724,7 +724,7 @@ few.compare(visits,
             "down, and points in regions that the box reaches. All the rest was never touched.")
 
 # %% [markdown]
-# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises: equal always goes right, and much is equal. One beam looks exactly level, and each of its 1,653 points has z = 0; without them there would be 26 levels. The rest is rounding: coordinates are written to the millimetre, so many occur twice.
+# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises: equal coordinates always go right, and many are equal. The file has whole millimetres, so many coordinates occur more than once, and all 1,653 points of the level beam have z = 0. If you move every point by a random fraction of a millimetre, the tree has 16 levels.
 #
 # ## Common mistakes
 #

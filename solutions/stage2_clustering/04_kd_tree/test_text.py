@@ -169,10 +169,12 @@ def test_the_search_around_the_lamp_post():
     assert found == space["is_near"].sum()
     assert found < visits < 3 * found
     assert levels > 16 == int(np.log2(len(space["obstacles"]))) + 1
-    # The additional levels come from 1,653 points of the level beam, and from rounding.
-    rest = space["obstacles"][space["obstacles"][:, 2] != 0]
-    assert len(space["obstacles"]) - len(rest) == 1653
-    assert space["depth_of"](space["grow"](rest, space["median_order"](rest)).root) == 26
+    # The additional levels come from equal coordinates. How many there are depends on how the
+    # student's sort orders equal values, and that depends on the processor.
+    exact = space["obstacles"]
+    assert np.sum(exact[:, 2] == 0) == 1653
+    moved = exact + np.random.default_rng(0).uniform(-4e-4, 4e-4, exact.shape)
+    assert space["depth_of"](space["grow"](moved, space["median_order"](moved)).root) == 16
 
 
 @pytest.mark.slow
