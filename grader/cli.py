@@ -10,6 +10,7 @@ from grader import commands
 from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
 from grader.course.deadlines import DeadlinesTrouble
+from grader.course.extension import of_course
 from grader.course.paths import PROJECT
 from grader.course.roster import RosterTrouble
 from grader.course.seed import ShortSeed
@@ -73,7 +74,7 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
     kinds = top.add_subparsers(metavar="COMMAND", required=True)
-    for add in COMMANDS:
+    for add in (*COMMANDS, *of_course("COMMANDS")):
         add(kinds)
     return top
 
@@ -308,16 +309,6 @@ def _similarity(kinds: argparse._SubParsersAction) -> None:
     similarity.set_defaults(run=commands.run_similarity)
 
 
-def _league(kinds: argparse._SubParsersAction) -> None:
-    league = kinds.add_parser(
-        "league", help="who drives farthest on their detector? A game, and no part of any mark"
-    )
-    league.add_argument("stage", metavar="STAGE", help="such as stage4_realtime")
-    add_judging_options(league)
-    add_places(league)
-    league.set_defaults(run=commands.run_league, workers=None)
-
-
 def _doctor(kinds: argparse._SubParsersAction) -> None:
     doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
     add_workers(doctor)
@@ -357,11 +348,10 @@ COMMANDS = (
     _autograder,
     _feedback,
     _similarity,
-    _league,
     _doctor,
     _demo,
 )
-"""Each adds a command, in the order of ``--help``."""
+"""Each adds a command, in the order of ``--help``; a course may have more of its own."""
 
 
 def add_judging_options(command: argparse.ArgumentParser) -> None:

@@ -245,7 +245,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
     if not are_stages(options.stages):
         return WRONG_CALL
-    if not _is_one_place(options):
+    if not is_one_place(options):
         return WRONG_CALL
     course = Course()
     read_deadlines(course)  # reports a faulty file before hours of judging
@@ -254,7 +254,7 @@ def run_grade(options: argparse.Namespace) -> int:
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
-    sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
+    sandbox = (sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
     workers = options.workers or processors()
     seed = course_seed(course, options.seed)
@@ -269,7 +269,7 @@ def run_grade(options: argparse.Namespace) -> int:
     )
 
 
-def _is_one_place(options: argparse.Namespace) -> bool:
+def is_one_place(options: argparse.Namespace) -> bool:
     """Return whether at most one place to judge is named; print a sentence if not."""
     if options.workers and options.scheduler:
         print(
@@ -281,7 +281,7 @@ def _is_one_place(options: argparse.Namespace) -> bool:
     return True
 
 
-def _sandbox_elsewhere(wish: str) -> Sandbox:
+def sandbox_elsewhere(wish: str) -> Sandbox:
     """Return the requested sandbox, without checking it: each worker checks its own."""
     if wish == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
@@ -440,51 +440,6 @@ def run_similarity(options: argparse.Namespace) -> int:
     return GOOD
 
 
-def run_league(options: argparse.Namespace) -> int:
-    """Run ``league STAGE``."""
-    from grader.classroom.executors import processors
-    from grader.classroom.league.page import write_league
-    from grader.classroom.league.season import drive_class, lesson_of_league
-    from grader.classroom.lock import AlreadyRunning, only_one
-    from grader.classroom.protocol import ExecutorLost
-    from grader.course.seed import course_seed
-
-    if not are_stages([options.stage]) or not _is_one_place(options):
-        return WRONG_CALL
-    course, lesson = Course(), lesson_of_league(options.stage)
-    if lesson is None:
-        print(
-            f"Nobody writes a detector in {options.stage}, and a car needs one. Name one of: "
-            f"{', '.join(filter(lesson_of_league, stages()))}.",
-            file=sys.stderr,
-        )
-        return WRONG_CALL
-    sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
-    console.warn_if_unprotected(sandbox)
-    seed, workers = course_seed(course, options.seed), options.workers or processors()
-    try:
-        with only_one(course):
-            with (
-                _executors(options.scheduler, sandbox) as open_executor,
-                console.progress_bar("Driving") as advance,
-            ):
-                season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
-            if not season.students:
-                print(
-                    f"Nobody can drive: there is no {course.submitted}/<student>/{options.stage}/"
-                    f"{lesson.name}.ipynb. Put notebooks there, as for grade.",
-                    file=sys.stderr,
-                )
-                return WRONG_CALL
-            page, who = write_league(course, season, seed, sandbox.warning)
-    except (AlreadyRunning, ExecutorLost) as error:
-        print(console.plain(error), file=sys.stderr)
-        return FAULT
-    print(f"League: {page}\nWho is who, which is not for the class: {who}")
-    console.print_not_driven(season.faults)
-    return FAULT if season.faults else GOOD
-
-
 def run_doctor(options: argparse.Namespace) -> int:
     """Run ``doctor``."""
     from grader.classroom.doctor import examine
@@ -613,7 +568,7 @@ def _judge_all(
 
     counts = []
     with (
-        _executors(scheduler, sandbox) as open_executor,
+        executors(scheduler, sandbox) as open_executor,
         console.progress_bar("Judging") as advance,
     ):
 
@@ -682,7 +637,7 @@ def _print_end(course: Course, count: int, before: int, seconds: float, label: s
 
 
 @contextlib.contextmanager
-def _executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
+def executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
     """Yield a function that opens an executor; a cluster is joined only once."""
     from grader.classroom.executors import EXECUTORS
 

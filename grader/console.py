@@ -111,12 +111,6 @@ def _print_beside(console: Console, mark: str, text: str, style: str = "") -> No
     console.print(grid)
 
 
-def print_not_driven(faults: Iterable[str]) -> None:
-    """Print the drives of the league that a fault of the grader prevented."""
-    for fault in faults:
-        tell(f"Not driven: {fault}")
-
-
 def print_finding(finding: Finding) -> None:
     """Print one finding of the doctor."""
     mark = "good " if finding.good else "MEND "

@@ -50,7 +50,7 @@ EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 # sandbox come last, because a second for each of two thousand mutants is half an hour.
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
-    "grader/judging/hidden_tests.py": ("test_runner.py",),
+    "grader/judging/hidden_tests.py": ("test_runner.py", "test_samples.py"),
     "grader/judging/results.py": ("test_verdict_paths.py", "test_proven_slips.py"),
     "grader/judging/error_carried_forward.py": ("test_rules.py",),
     "grader/judging/runner.py": ("test_runner.py",),
@@ -61,7 +61,7 @@ TESTS = {
     "grader/judging/key.py": ("test_verdict_key.py",),
     "grader/judging/verdict.py": ("test_verdict.py",),
     "grader/course/atomic_files.py": ("test_atomic_files.py",),
-    "grader/judging/samples.py": ("test_samples.py",),
+    "solutions/samples.py": ("test_samples.py",),
     "grader/judging/messages.py": ("test_messages.py",),
     "grader/intake/reader_process.py": ("test_reader_process.py",),
     "grader/intake/submission.py": ("test_submission.py",),
@@ -483,7 +483,7 @@ def equivalent() -> set[str]:
             before = line
         elif line.startswith("+"):
             found.add(f"{module}\n{before}\n{line}")
-        elif line.startswith("grader/"):
+        elif line.endswith(".py"):
             module = line
     return found
 

@@ -11,8 +11,14 @@ import numpy as np
 import pytest
 
 from grader import cli
-from grader.classroom.league import drives, page, season
-from grader.classroom.league.drives import (
+from grader.course.kept_answers import answers_to, fill_in
+from grader.course.paths import PROJECT, Course
+from grader.judging.key import with_all_they_run
+from grader.sandbox import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import StudentProxy
+from solutions.league import drives, page, season
+from solutions.league.drives import (
     DETECTOR,
     MOST_BOXES,
     MOST_FAILURES,
@@ -21,10 +27,10 @@ from grader.classroom.league.drives import (
     driven_again,
     from_json,
 )
-from grader.classroom.league.page import happened, write_league
-from grader.classroom.league.pseudonyms import pseudonyms
-from grader.classroom.league.ranking import counted, standings
-from grader.classroom.league.season import (
+from solutions.league.page import happened, write_league
+from solutions.league.pseudonyms import pseudonyms
+from solutions.league.ranking import counted, standings
+from solutions.league.season import (
     OUR_OWN,
     TRUE_BOXES,
     Entrant,
@@ -32,13 +38,7 @@ from grader.classroom.league.season import (
     drive_class,
     lesson_of_league,
 )
-from grader.classroom.league.streets import streets_of
-from grader.course.kept_answers import answers_to, fill_in
-from grader.course.paths import PROJECT, Course
-from grader.judging.key import with_all_they_run
-from grader.sandbox import Limits
-from grader.sandbox.program import Program
-from grader.sandbox.student import StudentProxy
+from solutions.league.streets import streets_of
 from tests.test_faults import Inline
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
@@ -212,7 +212,7 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     files = with_all_they_run([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
-        "grader/classroom/league/streets.py",
+        "solutions/league/streets.py",
         "grader/sandbox/inside/worker.py",
         "utils/drive/planner.py",
         "utils/simulator/scanner.py",
@@ -222,8 +222,8 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     drives._rules.__wrapped__(LESSON)
     assert {LESSON.source, LESSON.solved, LESSON.released} <= read
     assert not names & {
-        "grader/classroom/league/page.py",
-        "grader/classroom/league/ranking.py",
+        "solutions/league/page.py",
+        "solutions/league/ranking.py",
         "utils/plots/style.py",
     }
 

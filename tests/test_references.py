@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import load_reference
-from grader.judging import samples
+from solutions import samples
 from tests.prerequisites import PATIENCE
 from utils.clouds import read_cloud
 

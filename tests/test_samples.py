@@ -10,7 +10,9 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import pdist, squareform
 
 from grader.course.paths import PROJECT
-from grader.judging import samples
+from grader.judging import hidden_tests
+from grader.judging.hidden_tests import generator_for_students, remembered
+from solutions import samples
 
 
 @pytest.fixture
@@ -18,7 +20,7 @@ def counted():
     """An oracle that remembers, and what it was asked."""
     asked = []
 
-    @samples.remembered
+    @remembered
     def doubled(cloud, *settings):
         """Twice as much."""
         asked.append((cloud.shape, settings))
@@ -46,8 +48,8 @@ def test_an_oracle_is_asked_once_for_each_content(counted):
 
 
 def test_what_is_remembered_has_an_end(counted, monkeypatch):
-    assert 100 <= samples.MOST_REMEMBERED <= 1000
-    monkeypatch.setattr(samples, "MOST_REMEMBERED", 3)
+    assert 100 <= hidden_tests.MOST_REMEMBERED <= 1000
+    monkeypatch.setattr(hidden_tests, "MOST_REMEMBERED", 3)
     doubled, asked = counted
     clouds = [np.full((2, 3), float(number)) for number in range(4)]
     for cloud in clouds[:3] * 2:
@@ -70,11 +72,11 @@ def test_every_slow_oracle_remembers():
 
 
 def test_a_generator_for_students_is_drawn_from_a_digest():
-    state = samples.generator_for_students(20_170_405, "steps").bit_generator.state
+    state = generator_for_students(20_170_405, "steps").bit_generator.state
     digest = hashlib.sha256(b"for students: 20170405 steps").hexdigest()
     assert state == np.random.default_rng(int(digest, 16)).bit_generator.state
     for seed, label in ((20_170_406, "steps"), (20_170_405, "step")):
-        other = samples.generator_for_students(seed, label)
+        other = generator_for_students(seed, label)
         assert other.bit_generator.state != state
 
 

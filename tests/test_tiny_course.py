@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 from grader.course.paths import PROJECT
 
 STAGE, LESSON = "stage1_numbers", "01_root_mean_square"
+OF_THIS_COURSE = ("course.py", "samples.py")
 CELL = '# %% nbgrader={{"grade": {grade}, "grade_id": "{name}", "locked": {grade}, {points}\
 "schema_version": 3, "solution": {solution}, "task": false}}\n'
 SECOND = (
@@ -73,7 +75,8 @@ def course(tmp_path_factory):
         shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
     (root / "solutions").mkdir()
     for path in (PROJECT / "solutions").glob("*.*"):
-        shutil.copy(path, root / "solutions")
+        if path.name not in OF_THIS_COURSE:
+            shutil.copy(path, root / "solutions")
     for path in (*PROJECT.glob("*.toml"), *PROJECT.glob("*.txt"), *PROJECT.glob("nbgrader*.py")):
         shutil.copy(path, root)
     shutil.copy(PROJECT / "LICENSE", root)
@@ -139,3 +142,20 @@ def test_a_course_about_something_else_is_built_released_judged_and_graded(cours
         rows = {row["Student"]: row for row in csv.DictReader(file)}
     assert float(rows["ada"][LESSON]) == 15 and 10 < float(rows["bo"][LESSON]) < 15
     assert "Works on an empty list" in (course / "report" / "index.html").read_text("utf-8")
+
+
+def test_the_grader_does_not_name_the_subject_of_a_course():
+    subject = re.compile(
+        r"(?<![a-z])(clouds?|lidar|scanners?|simulators?|drives?|obstacles?)(?![a-z])"
+    )
+    # The project's name, examples of stages, a package, and the drives of a computer.
+    others = re.compile(
+        r"lidar[-_ ]obstacle[-_ ]lab|stage\d_\w+|cloudpickle|network drive|drive letter"
+    )
+    found = [
+        f"{path.relative_to(PROJECT)}: {line.strip()}"
+        for path in sorted((PROJECT / "grader").rglob("*.py"))
+        for line in path.read_text("utf-8").splitlines()
+        if subject.search(others.sub("", line.lower()).replace("_", " "))
+    ]
+    assert found == []

@@ -259,7 +259,7 @@ def made_up(tmp_path, monkeypatch):
     entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
     monkeypatch.setattr(key, "PROJECT", tmp_path)
     monkeypatch.setattr(key, "ENTRIES", tuple(tmp_path / name for name in entries))
-    monkeypatch.setattr(key, "TRUTH", tmp_path / "data" / "truth.npz")
+    monkeypatch.setattr(key, "ARRAYS", (tmp_path / "data" / "truth.npz",))
     monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
     forget()
     yield MadeUp(tmp_path)

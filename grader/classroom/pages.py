@@ -9,13 +9,15 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup, escape
 
+from grader.course.paths import PROJECT
+
 TEMPLATES = Path(__file__).parent / "templates"
 
 
 @functools.cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
+        loader=jinja2.FileSystemLoader([TEMPLATES, PROJECT / "solutions"]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -24,7 +26,10 @@ def _environment() -> jinja2.Environment:
 
 
 def render(template: str, **content: object) -> str:
-    """Fill in a template of ``templates/``; all values are escaped."""
+    """Fill in a template of ``templates/`` or of the course; all values are escaped.
+
+    A template of the course is named by its path in ``solutions/``.
+    """
     return _environment().get_template(template).render(**content)
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
 from grader.course.build import COMMON_CELLS, HIDDEN, leaks
+from grader.course.extension import of_course
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
@@ -27,14 +28,6 @@ ABOUT = (
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 450_000  # bytes
-# Packages that only some lessons use, and the text by which those are recognised.
-ENTERED = {
-    "utils/breaking": "utils.breaking",
-    "utils/drive": "utils.drive",
-    "utils/replays": "replay",
-    "utils/replays/clustering": "replay(euclidean_clustering)",
-    "utils/replays/ransac": "replay(ransac_",
-}
 
 
 class NotReleased(Exception):
@@ -127,7 +120,7 @@ def packed_tools(lesson: str) -> bytes:
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     mine = next(one for one in every_lesson() if one.name == lesson)
     text = mine.released.read_text("utf-8")
-    closed = [room for room, sign in ENTERED.items() if sign not in text]
+    left_out = [folder for folder, sign in of_course("OPTIONAL_PACKAGES") if sign not in text]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
@@ -135,7 +128,7 @@ def packed_tools(lesson: str) -> bytes:
             of_others = others & {name.stem, *name.parts}
             if path.suffix not in (".py", ".html", ".json") or of_others or not path.is_file():
                 continue
-            if any(name.is_relative_to(room) for room in closed):
+            if any(name.is_relative_to(folder) for folder in left_out):
                 continue
             entry = tarfile.TarInfo(name.as_posix())
             content = path.read_bytes()

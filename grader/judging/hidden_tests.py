@@ -1,10 +1,17 @@
-"""The decorator of hidden tests, and the check that such a test stands for."""
+"""What hidden tests are made of: their decorator, cached oracles, and random generators."""
 
 import dataclasses
+import functools
+import hashlib
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from utils.checks import Check
+from utils.checks.assertions import frozen
+
+MOST_REMEMBERED = 256
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
@@ -27,3 +34,40 @@ def check_of(item: pytest.Item) -> Check:
     check = item.get_closest_marker("judged").args[0]
     title = check.title.format(item.callspec.id) if hasattr(item, "callspec") else check.title
     return dataclasses.replace(check, name=item.name, title=title)
+
+
+def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """Decorate a slow oracle, so that it caches its answers by the content of an array.
+
+    The answers are read-only. All arguments after the array must be hashable.
+    """
+    known = {}
+
+    @functools.wraps(oracle)
+    def remember(array: np.ndarray, *settings: object) -> np.ndarray:
+        array = np.ascontiguousarray(array)
+        key = hashlib.blake2b(array).digest(), array.dtype.str, array.shape, settings
+        if key not in known:
+            if len(known) >= MOST_REMEMBERED:
+                known.pop(next(iter(known)))
+            known[key] = frozen(oracle(array, *settings))
+        return known[key]
+
+    return remember
+
+
+def generator_for_students(seed: int, label: str) -> np.random.Generator:
+    """Return a generator that a student's function may receive.
+
+    NumPy's seeding can be reversed: the state of a generator reveals its seed. This generator is
+    seeded with a digest, which does not reveal the secret.
+
+    Parameters
+    ----------
+    seed : int
+        A secret.
+    label : str
+        Purpose of the generator, so that each purpose has a digest of its own.
+    """
+    digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
+    return np.random.default_rng(int.from_bytes(digest, "big"))

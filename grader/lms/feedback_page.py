@@ -26,7 +26,7 @@ def render_template(template: str, **content: object) -> str:
 
 
 def stage_title(stage: str) -> str:
-    """Format a stage name as in "Stage 3 · obstacles"; other names are returned unchanged."""
+    """Format a stage name as in "Stage 1 · numbers"; other names are returned unchanged."""
     match = re.fullmatch(r"stage(\d+)_(\w+)", stage)
     return f"Stage {match[1]} · {match[2].replace('_', ' ')}" if match else stage
 

@@ -28,6 +28,7 @@ from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import read_deadlines
+from grader.course.extension import of_course
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
@@ -207,12 +208,8 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"which answers of {stage} are alike"))
-    for path in sorted(course.report.glob("league_*.csv")):
-        stage = path.stem.removeprefix("league_")
-        links.append(
-            (f"../league/{quote(stage)}.html", f"the league of {stage}, for a class to see")
-        )
-        links.append((quote(path.name), f"who is who in the league of {stage}"))
+    for more in of_course("REPORT_LINKS"):
+        links += more(course)
     for path in sorted(course.root.glob("scores*.csv")):
         links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))
     for path in sorted((course.root / "handed_back").glob("*/")):

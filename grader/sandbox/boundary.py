@@ -18,15 +18,17 @@ from importlib import metadata
 from pathlib import Path
 
 from grader.course.paths import PROJECT
+from utils import in_sandbox
 
 INSIDE = Path(__file__).resolve().parent / "inside"
 WORKER = INSIDE / "worker.py"
-# Beside `inside`, the readers of clouds and the slicer, which the worker runs on the notebook.
+# The worker runs the slicer in `utils.notebooks` on the notebook.
 SHOWN = (
     INSIDE,
-    PROJECT / "utils" / "clouds",
     PROJECT / "utils" / "notebooks",
-    *sorted((PROJECT / "data").glob("*.txt")),
+    Path(in_sandbox.__file__),
+    *(PROJECT / "utils" / name for name in in_sandbox.PACKAGES),
+    *in_sandbox.FILES,
 )
 # NumPy carries the arrays; IPython reads its own magics.
 ALWAYS = ("numpy", "ipython")

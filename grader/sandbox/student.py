@@ -1,6 +1,6 @@
 """The judge's side of the pipe: a student's functions, called as if they were ours.
 
-``student.filter_ground(cloud)`` sends the cloud into the sandbox and returns what comes back.
+``student.longest_run(values)`` sends the values into the sandbox and returns what comes back.
 Everything that comes back is a claim by a stranger: plain data or an exception, no more. Nothing
 that a function does to its arguments reaches our objects; `RemoteFunction.observe` looks at it.
 """

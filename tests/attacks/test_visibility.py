@@ -62,7 +62,7 @@ def test_walking_the_project_and_every_home_finds_no_secret():
         "reads the hidden tests": "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
         "reads the visible checks": "utils/checks/lesson_04/search.py",
         "reads the judge": "grader/judging/judge.py",
-        "reads the samples": "grader/judging/samples.py",
+        "reads the samples": "solutions/samples.py",
         "reads the simulator": "utils/simulator/scenes.py",
         "reads the geometry of boxes": "utils/boxes/containment.py",
         "reads the geometry of planes": "utils/geometry/planes.py",
@@ -112,7 +112,7 @@ def test_only_packages_of_the_lesson_can_be_imported(lesson_name):
     assert ("sklearn" in modules) == ("scikit-learn" in packages)
     outsiders = {"tests", "solutions", *OUTSIDERS} - {"sklearn"}
     assert outsiders & set(modules) == set()
-    assert {name.split(".")[1] for name in ours} == {"clouds", "notebooks"}
+    assert {name.split(".")[1] for name in ours} == {"clouds", "in_sandbox", "notebooks"}
     here = {path.stem for path in SHOWN[0].glob("*.py")}
     project = {name for name, path in modules.items() if Path(path).is_relative_to(PROJECT)}
     project -= {name for name, path in modules.items() if Path(path).is_relative_to(sys.prefix)}

@@ -39,7 +39,7 @@ _JUNK = ("__MACOSX", "__pycache__")
 
 
 def clean_path(name: str) -> tuple[str, ...]:
-    """Return folders and name of a file, without drives, roots, ``..`` and NUL."""
+    """Return folders and name of a file, without drive letters, roots, ``..`` and NUL."""
     text = unicodedata.normalize("NFC", name.replace("\\", "/").replace("\0", ""))
     parts = [part for part in text.split("/") if part.strip(". ")]
     if parts and len(parts[0]) == 2 and parts[0].endswith(":"):

@@ -20,7 +20,7 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Of values and of containers in a tree, twice what the largest cloud has as a list of rows. Each
+# Of values and of containers in a tree, twice what the largest array has as a list of rows. Each
 # takes up to forty times the memory of its bytes.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19

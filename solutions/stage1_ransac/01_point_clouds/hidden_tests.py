@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from grader.judging import samples
-from grader.judging.hidden_tests import hidden
+from grader.judging.hidden_tests import hidden, remembered
+from solutions import samples
 from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import (
     assert_distances,
@@ -14,7 +14,7 @@ from utils.checks.lesson_01 import (
 )
 
 
-@samples.remembered
+@remembered
 def distances_by_hand(cloud):
     return np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
 
@@ -101,7 +101,7 @@ def is_good(row):
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
-@samples.remembered
+@remembered
 def kept_by_hand(cloud):
     return np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
 

@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
-from grader.judging import samples
-from grader.judging.hidden_tests import hidden
+from grader.judging.hidden_tests import generator_for_students, hidden
+from solutions import samples
 from utils.checks.assertions import CheckFailed, needs
 from utils.checks.lesson_03.fit_plane import (
     assert_direction,
@@ -431,7 +431,7 @@ def test_edge(student, seed):
     hint="Use points[:, :3] and the rows as they come.",
 )
 def test_forms(student, seed):
-    rng = samples.generator_for_students(seed, "test_forms")
+    rng = generator_for_students(seed, "test_forms")
     forms = (lambda points: points.astype(np.float32), np.asfortranarray, lambda p: p[:, :3])
     for run, form in enumerate(forms):
         points, belongs = scattered_plane(seed + 40 + run, 40, 20, columns=4)

@@ -8,8 +8,8 @@ import functools
 
 import numpy as np
 
-from grader.judging import samples
-from grader.judging.hidden_tests import hidden
+from grader.judging.hidden_tests import hidden, remembered
+from solutions import samples
 from utils.checks import CheckFailed
 from utils.checks.assertions import frozen, needs
 from utils.checks.boxes import (
@@ -39,7 +39,7 @@ def axes_by_svd(points):
     return np.linalg.svd(xyz - xyz.mean(axis=0), full_matrices=False)[2].T
 
 
-@samples.remembered
+@remembered
 def smallest_area(points):
     """Return the area of the smallest rectangle around points from above, to half a degree."""
     angles = np.radians(np.arange(0, 90, 0.5))

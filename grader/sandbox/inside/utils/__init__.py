@@ -1,12 +1,13 @@
-"""What student code finds under the name `utils`: readers of clouds, and agreement.
+"""The package that student code imports as `utils`: what `utils.in_sandbox` has, and stand-ins.
 
-A notebook imports `check`, `plots` and more, and its functions may call them on the way. In here
-nobody looks at pictures, and checks are run from outside. So everything but reading clouds agrees
-to whatever it is asked, does nothing, and answers no exercise.
+A notebook imports `check`, `plots` and more, and its functions may call them. In the sandbox, plots
+are not looked at, and checks run outside. So every other name accepts every call, does nothing, and
+solves no exercise.
 """
 
 from __future__ import annotations
 
+import importlib
 import importlib.abc
 import importlib.machinery
 import os
@@ -16,13 +17,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-import numpy as np
+# Real modules come from the students' own library; the sandbox shows nothing else of it.
+__path__ = [str(Path(__file__).resolve().parents[4] / "utils")]
 
-# What is real comes from the students' own library; nothing else of it is shown in here.
-_LIBRARY = Path(__file__).resolve().parents[4] / "utils"
-_DATA = _LIBRARY.parent / "data"
-_REAL = ("utils.clouds.", "utils.notebooks.")
-__path__ = [str(_LIBRARY)]
+from utils import in_sandbox  # noqa: E402
+
+_REAL = tuple(f"utils.{name}." for name in ("in_sandbox", "notebooks", *in_sandbox.PACKAGES))
 
 
 class Agreeable:
@@ -78,19 +78,6 @@ def _agree(name: str) -> Agreeable:
     return Agreeable()
 
 
-def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
-    """Read, as `utils.load_cloud` does, a file of the working folder or the course's own cloud."""
-    path = Path(name).expanduser()
-    return read_cloud(path if os.path.exists(path) else _DATA / path)
-
-
-def read_cloud(path: str | os.PathLike) -> np.ndarray:
-    """Read, as `utils.read_cloud` does."""
-    from utils.clouds import read_cloud
-
-    return read_cloud(path)
-
-
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
     """Say that there is one notebook only."""
     raise FileNotFoundError(
@@ -100,10 +87,10 @@ def load_my_functions(name: str | os.PathLike) -> NoReturn:
 
 
 def __getattr__(name: str) -> object:
-    if name == "clouds":
-        import utils.clouds
-
-        return utils.clouds
+    if name in in_sandbox.PACKAGES:
+        return importlib.import_module(f"utils.{name}")
+    if name in in_sandbox.__all__:
+        return getattr(in_sandbox, name)
     return _agree(name)
 
 

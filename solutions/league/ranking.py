@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from grader.classroom.league.drives import Driven
-from grader.classroom.league.season import Entrant, Season
+from solutions.league.drives import Driven
+from solutions.league.season import Entrant, Season
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 

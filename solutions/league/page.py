@@ -11,7 +11,11 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.league.drives import (
+from grader.classroom.pages import render
+from grader.course.atomic_files import write_atomically
+from grader.course.paths import Course
+from grader.course.tables import harmless_cell
+from solutions.league.drives import (
     LIMITS,
     MOST_BOXES,
     MOST_FAILURES,
@@ -19,14 +23,10 @@ from grader.classroom.league.drives import (
     Driven,
     driven_again,
 )
-from grader.classroom.league.pseudonyms import pseudonyms
-from grader.classroom.league.ranking import NEEDLESS, Standing, standings
-from grader.classroom.league.season import Season
-from grader.classroom.league.streets import SPEED
-from grader.classroom.pages import render
-from grader.course.atomic_files import write_atomically
-from grader.course.paths import Course
-from grader.course.tables import harmless_cell
+from solutions.league.pseudonyms import pseudonyms
+from solutions.league.ranking import NEEDLESS, Standing, standings
+from solutions.league.season import Season
+from solutions.league.streets import SPEED
 from utils.drive.film import film
 from utils.drive.metrics import CLOSE, FAST
 from utils.drive.rules import stopping_distance
@@ -99,7 +99,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         key=lambda standing: (-standing.points, standing.entrant.student, display_name(standing)),
     )
     page = render(
-        "league.html",
+        "league/league.html",
         season=season,
         ranked=ranked,
         called=display_name,

@@ -6,53 +6,13 @@ because a class of two hundred uses the same ones two hundred times.
 """
 
 import functools
-import hashlib
-from collections.abc import Callable
 
 import numpy as np
 
 from grader.course.paths import PROJECT
+from grader.judging.hidden_tests import remembered
 from utils.checks.assertions import frozen
 from utils.clouds import read_cloud
-
-MOST_REMEMBERED = 256
-
-
-def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
-    """Decorate a slow oracle, so that it caches its answers by the content of the cloud.
-
-    The answers are read-only. All arguments after the cloud must be hashable.
-    """
-    known = {}
-
-    @functools.wraps(oracle)
-    def remember(cloud: np.ndarray, *settings: object) -> np.ndarray:
-        cloud = np.ascontiguousarray(cloud)
-        key = hashlib.blake2b(cloud).digest(), cloud.dtype.str, cloud.shape, settings
-        if key not in known:
-            if len(known) >= MOST_REMEMBERED:
-                known.pop(next(iter(known)))
-            known[key] = frozen(oracle(cloud, *settings))
-        return known[key]
-
-    return remember
-
-
-def generator_for_students(seed: int, label: str) -> np.random.Generator:
-    """Return a generator that a student's function may receive.
-
-    NumPy's seeding can be reversed: the state of a generator reveals its seed. This generator is
-    seeded with a digest, which does not reveal the secret.
-
-    Parameters
-    ----------
-    seed : int
-        A secret.
-    label : str
-        Purpose of the generator, so that each purpose has a digest of its own.
-    """
-    digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
-    return np.random.default_rng(int.from_bytes(digest, "big"))
 
 
 @functools.cache

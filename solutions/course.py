@@ -1,0 +1,13 @@
+"""What the grader asks of this course besides its lessons; see `grader.course.extension`."""
+
+from solutions.league.command import add_league, league_links
+
+COMMANDS = (add_league,)
+REPORT_LINKS = (league_links,)
+OPTIONAL_PACKAGES = (
+    ("utils/breaking", "utils.breaking"),
+    ("utils/drive", "utils.drive"),
+    ("utils/replays", "replay"),
+    ("utils/replays/clustering", "replay(euclidean_clustering)"),
+    ("utils/replays/ransac", "replay(ransac_"),
+)

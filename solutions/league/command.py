@@ -1,0 +1,82 @@
+"""The command ``python -m grader league STAGE``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from urllib.parse import quote
+
+from grader import cli, commands, console
+from grader.course.lessons import stages
+from grader.course.paths import Course
+from grader.sandbox import choose_sandbox
+
+
+def add_league(kinds: argparse._SubParsersAction) -> None:
+    """Add the command to the command line."""
+    league = kinds.add_parser(
+        "league", help="who drives farthest on their detector? A game, and no part of any mark"
+    )
+    league.add_argument("stage", metavar="STAGE", help="such as stage4_realtime")
+    cli.add_judging_options(league)
+    cli.add_places(league)
+    league.set_defaults(run=run_league, workers=None)
+
+
+def run_league(options: argparse.Namespace) -> int:
+    """Run ``league STAGE``."""
+    from grader.classroom.executors import processors
+    from grader.classroom.lock import AlreadyRunning, only_one
+    from grader.classroom.protocol import ExecutorLost
+    from grader.course.seed import course_seed
+    from solutions.league.page import write_league
+    from solutions.league.season import drive_class, lesson_of_league
+
+    if not commands.are_stages([options.stage]) or not commands.is_one_place(options):
+        return commands.WRONG_CALL
+    course, lesson = Course(), lesson_of_league(options.stage)
+    if lesson is None:
+        print(
+            f"Nobody writes a detector in {options.stage}, and a car needs one. Name one of: "
+            f"{', '.join(filter(lesson_of_league, stages()))}.",
+            file=sys.stderr,
+        )
+        return commands.WRONG_CALL
+    choose = commands.sandbox_elsewhere if options.scheduler else choose_sandbox
+    sandbox = choose(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    seed, workers = course_seed(course, options.seed), options.workers or processors()
+    try:
+        with only_one(course):
+            with (
+                commands.executors(options.scheduler, sandbox) as open_executor,
+                console.progress_bar("Driving") as advance,
+            ):
+                season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
+            if not season.students:
+                print(
+                    f"Nobody can drive: there is no {course.submitted}/<student>/{options.stage}/"
+                    f"{lesson.name}.ipynb. Put notebooks there, as for grade.",
+                    file=sys.stderr,
+                )
+                return commands.WRONG_CALL
+            page, who = write_league(course, season, seed, sandbox.warning)
+    except (AlreadyRunning, ExecutorLost) as error:
+        print(console.plain(error), file=sys.stderr)
+        return commands.FAULT
+    print(f"League: {page}\nWho is who, which is not for the class: {who}")
+    for fault in season.faults:
+        console.tell(f"Not driven: {fault}")
+    return commands.FAULT if season.faults else commands.GOOD
+
+
+def league_links(course: Course) -> list[tuple[str, str]]:
+    """Return (address, link text) of the pages of each league, for the report."""
+    links = []
+    for path in sorted(course.report.glob("league_*.csv")):
+        stage = path.stem.removeprefix("league_")
+        links.append(
+            (f"../league/{quote(stage)}.html", f"the league of {stage}, for a class to see")
+        )
+        links.append((quote(path.name), f"who is who in the league of {stage}"))
+    return links
