@@ -91,7 +91,9 @@ def clusters_around_the_origin(rng, count=12, each=20):
     """Return clusters that each have points on all sides of the origin."""
     labels = np.repeat(np.arange(1, count + 1), each)
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
-    return middles_first(rng.uniform(-1, 1, (len(labels), 3)) * sizes, labels)
+    points = rng.uniform(-1, 1, (len(labels), 3)) * sizes
+    points[1::each] = -points[::each]  # on both sides along every axis, whatever was drawn
+    return middles_first(points, labels)
 
 
 def without_small(labels, least):
