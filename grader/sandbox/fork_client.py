@@ -1,4 +1,4 @@
-"""Workers that need not start Python anew: asked of a fork server, which forks them."""
+"""Get workers from a fork server, which is faster than starting Python for each."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from grader.sandbox.protocol import SandboxUnavailable
 PROGRAM = Path(__file__).with_name("fork_server.py")
 SECONDS_TO_FORK = 60
 SLOW_TO_IMPORT = ("scipy.spatial", "scipy.sparse.csgraph")
-# One thread each: classes are graded many notebooks at a time.
+# One thread for each library, because many notebooks are judged in parallel.
 ENVIRONMENT = {
     "PATH": "/usr/bin:/bin",
     "LANG": "C.UTF-8",
@@ -35,16 +35,16 @@ LONGEST_REPORT = 400
 
 @dataclass
 class ForkClient:
-    """Asks a process of `grader.sandbox.fork_server`, which it starts when it is first asked.
+    """Client of a `grader.sandbox.fork_server`, which it starts with the first request.
 
     Attributes
     ----------
     preloaded : tuple of str
-        Modules that its workers have imported already, once a request has asked for them.
+        Modules that the server imports before it forks, from the first request that needs them.
     forbidden : tuple of str
-        Modules that come into no memory.
+        Modules that the server never imports.
     environment : dict of str to str
-        Of its workers.
+        Environment variables of the workers.
     """
 
     preloaded: tuple[str, ...]
@@ -54,21 +54,21 @@ class ForkClient:
     _turn: threading.Lock = field(default_factory=threading.Lock)
 
     def fork(self, request: dict, read_end: int, write_end: int) -> Forked:
-        """Have a worker forked.
+        """Let the server fork a worker.
 
         Parameters
         ----------
         request : dict
-            ``walls``, the number of the first process behind them; ``own_users``, whether they
-            have a user namespace; ``home``, the worker's folder; ``preload``, whether its code
-            names what is slow to import.
+            ``walls``: ID of the first process in the sandbox. ``own_users``: whether the sandbox
+            has a user namespace. ``home``: the worker's folder. ``preload``: whether its code
+            names a module that is slow to import.
         read_end, write_end : int
             The worker's ends of its pipes.
 
         Raises
         ------
         SandboxUnavailable
-            If none comes.
+            If the server does not report a worker in time.
         """
         report, status = os.pipe()
         try:
@@ -83,7 +83,7 @@ class ForkClient:
         return Forked(int(line), report)
 
     def _send(self, data: bytes, pipes: list[int]) -> None:
-        # A second time, as the process may have been killed.
+        # Try twice, because the server may have been killed.
         for attempt in range(2):
             if self._requests is None:
                 self._start()
@@ -117,20 +117,20 @@ class ForkClient:
 
 @dataclass
 class Forked:
-    """A worker that was forked: its number here outside, and where its end is reported."""
+    """A forked worker: its process ID outside the sandbox, and the pipe that reports its end."""
 
     pid: int
     report: int
     _code: int | None = None
 
     def has_ended(self, seconds: float) -> bool:
-        """Whether it ends within some seconds."""
+        """Return whether it ends within some seconds."""
         poll = select.poll()
         poll.register(self.report, select.POLLIN)
         return self._code is not None or bool(poll.poll(1000 * seconds))
 
     def end(self, seconds: float) -> int | None:
-        """Its exit code, once all behind its walls has been killed; None where none is told."""
+        """Return its exit code after everything in its sandbox was killed; None if unknown."""
         line = read_line(self.report, seconds)
         os.close(self.report)
         with contextlib.suppress(ValueError):
@@ -139,14 +139,14 @@ class Forked:
 
 
 def read_line(descriptor: int, seconds: float) -> str:
-    """What is said next through a pipe, without its end; empty where nothing is."""
+    """Return the next line from a pipe, without the line break; empty if none comes in time."""
     poll, text = select.poll(), b""
     poll.register(descriptor, select.POLLIN)
     deadline = time.monotonic() + seconds
     while not text.endswith(b"\n") and len(text) < LONGEST_REPORT:
         if not poll.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
             break
-        # One byte at a time: the next line is for later.
+        # One byte at a time, because the next line is for a later call.
         byte = os.read(descriptor, 1)
         if not byte:
             break
@@ -155,11 +155,11 @@ def read_line(descriptor: int, seconds: float) -> str:
 
 
 def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
-    """What is slow to import and some notebooks ask for, of the packages that a lesson allows."""
+    """Return the slow modules of a lesson's packages, which are worth importing in advance."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 
 @functools.cache
 def client_for(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> ForkClient:
-    """What asks for workers that may have imported some modules, and never some others."""
+    """Return the client for some preloaded and some forbidden modules."""
     return ForkClient(modules, forbidden, ENVIRONMENT)

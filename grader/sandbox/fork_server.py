@@ -1,10 +1,9 @@
-"""A process that has Python and NumPy ready and, when asked, forks a worker that goes behind walls.
+"""A process that has imported NumPy and forks workers, which then join a sandbox.
 
-Starting Python and importing NumPy takes ten times as long as building the walls. Here it is done
-once. This process never sees anything of a student or of a grade: it knows the worker's own code
-and, for each request, which walls to go behind and three ends of pipes. The worker that it forks
-enters the namespaces that bubblewrap has made, gives up every privilege, and is from there on what
-`worker.py` makes of it.
+Starting Python and importing NumPy takes ten times as long as building the sandbox, so it is done
+once. This process never sees a submission or a grade. It has the worker's code and, for each
+request, the sandbox to join and the ends of three pipes. The forked worker joins the namespaces
+that bubblewrap created, gives up every privilege, and runs `worker.py`.
 
 Run by `grader.sandbox.fork_client`: ``python -I -B fork_server.py SOCKET SETTINGS``.
 """
@@ -28,9 +27,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 import privileges  # noqa: E402
 import worker  # noqa: E402
 
-sys.path.pop(0)  # the worker has put it there, too
+sys.path.pop(0)  # importing the worker has added the folder again
 
-# What bubblewrap unshares, beside users; see namespaces(7).
+# The namespaces that bubblewrap creates, without the user namespace; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
 _PARENT_NAMESPACE = 0xB702  # see ioctl_ns(2)
 
@@ -38,10 +37,10 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
 def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) -> None:
-    """Serve until whoever asks is gone."""
+    """Serve requests until the client closes the socket."""
     _import([], forbidden)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-    # Whoever watches over many workers is not ended for what one of them does.
+    # One misbehaving worker must not end the server of all the others.
     while True:
         data, pipes = _receive(requests)
         if not data:
@@ -61,8 +60,8 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
 
 
 def _import(names: list[str], forbidden: list[str]) -> None:
-    """Import modules for all workers to come, and nothing along with them that is forbidden."""
-    # What is in memory cannot be hidden.
+    """Import modules for all later workers, without the forbidden ones that they might import."""
+    # A module in memory could not be hidden from student code.
     sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
     for name in names:
         if worker.forbidden_part(name, forbidden):
@@ -70,13 +69,13 @@ def _import(names: list[str], forbidden: list[str]) -> None:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     del sys.meta_path[0]
-    # A worker need not look through all that for garbage, and copy the pages that it lies in.
+    # Otherwise each worker's garbage collector would touch, and so copy, all these pages.
     gc.collect()
     gc.freeze()
 
 
 def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
-    """A request, and the ends of pipes that come with it."""
+    """Return a request and the ends of the pipes that come with it."""
     data, ancillary, _, _ = requests.recvmsg(4096, socket.CMSG_SPACE(3 * 4))
     pipes = array.array("i")
     for _, _, content in ancillary:
@@ -85,10 +84,10 @@ def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
 
 
 def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
-    """Go behind the walls, fork the worker there, and report how it ends.
+    """Join the sandbox, fork the worker there, and report its exit code.
 
-    Who enters a process table stays outside; only children are in it. With the worker ends
-    whatever it has started.
+    Joining a PID namespace affects only children, so this process forks once more. When the worker
+    ends, everything that it started is killed.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
@@ -119,14 +118,14 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     os.chdir(request["home"])
     os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]
-    # Else all workers would draw the same numbers.
+    # Otherwise all workers would draw the same random numbers.
     random.seed()
     worker.np.random.seed()
     worker.serve(read_end, write_end)
 
 
 def _alone_with(*ends: int) -> list[int]:
-    """Close all open files but some, which get the first numbers after standard error."""
+    """Close all other open files; return new descriptors of these, from 3 on."""
     moved = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in ends]
     os.closerange(3, 64)
     os.closerange(max(moved) + 1, 2**16)
@@ -137,20 +136,20 @@ def _alone_with(*ends: int) -> list[int]:
 
 
 def enter(pid: int, own_users: bool) -> None:
-    """Enter all namespaces of a process.
+    """Join all namespaces of a process.
 
     Parameters
     ----------
     pid : int
-        The first process behind the walls.
+        The first process in the sandbox.
     own_users : bool
-        Whether there is a user namespace, too. Bubblewrap makes two, one in the other, so that no
-        further one can be made; the outer one owns the other namespaces.
+        Whether there is also a user namespace. Bubblewrap creates two nested ones, so that no
+        further one can be created; the outer one owns the other namespaces.
 
     Raises
     ------
     OSError
-        If the kernel does not let us.
+        If the kernel refuses.
     """
     opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
     if own_users:

@@ -1,6 +1,6 @@
-"""A folder that holds what a worker is shown, and nothing else: its root, where nothing mounts.
+"""Build a folder that contains only what a worker may see, for `chroot`, without mounts.
 
-Of files there are links, which take no room, or copies where the folder lies on another disk.
+Files are hard links, which take no space, or copies if the folder is on another disk.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from grader.sandbox.boundary import (
     folders_of_packages,
 )
 
-# What every system has, and programs take for granted: name, and its number (null(4), random(4)).
+# Devices that programs expect on every system: name and minor number; see null(4), random(4).
 DEVICES = {"null": 3, "zero": 5, "full": 7, "random": 8, "urandom": 9}
 HOME = "/tmp"
 OPEN = (HOME, "/dev/shm")
-# Of Python's library: what is installed beside it, its own tests, its windows.
+# Parts of Python's library: installed packages, Python's own tests, graphical programs.
 LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
 
 _waiting: list[subprocess.Popen] = []
@@ -38,19 +38,20 @@ _waiting: list[subprocess.Popen] = []
 def build(
     packages: Iterable[str] = (), forbidden: Iterable[str] = (), within: Path | None = None
 ) -> Path:
-    """Make a folder that can be the root of a worker.
+    """Create a folder that can be the root directory of a worker.
 
     Parameters
     ----------
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
     within : pathlib.Path, optional
-        Where it stays, and only root can enter; by default it ends with this process.
+        A folder that only root can enter, in which the new one stays. By default the new folder
+        is deleted when this process ends.
 
     Raises
     ------
     OSError
-        If this process may not.
+        If this process lacks the permission.
     """
     jail = Path(tempfile.mkdtemp(dir=within or _folder_of_jails()))
     jail.chmod(0o755)
@@ -62,15 +63,15 @@ def build(
     (jail / "dev").mkdir(exist_ok=True)
     for name, number in DEVICES.items():
         os.mknod(jail / "dev" / name, stat.S_IFCHR | 0o666, os.makedev(1, number))
-        os.chmod(jail / "dev" / name, 0o666)  # whatever the mask of this process
+        os.chmod(jail / "dev" / name, 0o666)  # mknod applies the umask of this process
     return jail
 
 
 def give(jail: Path, user: int) -> None:
-    """Put empty folders into a jail, which a user alone can write to."""
+    """Put empty folders into a jail that only one user can write to."""
     for name in OPEN:
         folder = jail / name.lstrip("/")
-        # What a stranger has put there may lie deeper than Python can go.
+        # Student code may have nested folders deeper than Python can recurse.
         subprocess.run(["rm", "-rf", "--", folder], check=True)
         folder.mkdir(mode=0o700)
         os.chown(folder, user, user)
@@ -78,21 +79,21 @@ def give(jail: Path, user: int) -> None:
 
 @functools.cache
 def _folder_of_jails() -> str:
-    """A folder that only root can enter, for the life of this process, however that ends."""
+    """Return a folder that only root can enter and that is deleted when this process ends."""
     folder = tempfile.mkdtemp(prefix="jails-")
-    # Nobody writes to it: its input closes with this process.
+    # The shell waits until its input closes, which happens however this process ends.
     waits = ["/bin/sh", "-c", 'read line; rm -rf -- "$0"', folder]
     _waiting.append(subprocess.Popen(waits, stdin=subprocess.PIPE, start_new_session=True))
     return folder
 
 
 def _python() -> Iterator[Path]:
-    """Python as it runs here, with its library."""
+    """Yield the paths of the running Python and its library."""
     yield Path(PYTHON)
     yield Path(PREFIX, "pyvenv.cfg")
     library = Path(sysconfig.get_path("stdlib"))
     yield from (path for path in library.iterdir() if path.name not in LEFT_OUT)
-    if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # perhaps not among the system's libraries
+    if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # ldconfig may not list this library
         yield Path(sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("INSTSONAME"))
     yield Path("/usr/lib/locale/C.utf8")
     yield Path("/etc/ld.so.cache")
@@ -100,16 +101,19 @@ def _python() -> Iterator[Path]:
 
 
 def _libraries() -> Iterator[Path]:
-    """Those of the system that any program finds, and what loads them."""
+    """Yield the system's shared libraries and the loaders of programs."""
     known = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
     for path in sorted(set(re.findall(r" => (/.*)$", known.stdout, re.M))):
         yield Path(path)
-    for folder in map(Path, ("/lib", "/lib64")):  # where programs say that their loader is
+    for folder in map(Path, ("/lib", "/lib64")):  # programs name their loader by this path
         yield from folder.glob("ld-*.so*")
 
 
 def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
-    """Put a file or folder where it is outside, less some folders; and what links lead to."""
+    """Link a file or folder into a jail at the same path, with the targets of symbolic links.
+
+    Hidden folders are left out.
+    """
     if path in hidden or not path.exists():
         return
     for above in reversed(path.parents):
@@ -126,7 +130,7 @@ def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
 
 
 def _place(path: Path, jail: Path) -> Path:
-    """Where a path is in a jail: below what its folder truly is."""
+    """Return where a path is in a jail, after resolving the symbolic links of its folder."""
     place = jail / path.parent.resolve().relative_to("/") / path.name
     place.parent.mkdir(parents=True, exist_ok=True)
     return place
@@ -145,10 +149,10 @@ def _show_folder(folder: Path, place: Path, jail: Path, hidden: Container[Path])
 
 
 def _link(path: Path, place: Path) -> None:
-    """Put a file, or a link as it is, into a place, where it is not there yet."""
+    """Link or copy a file or symbolic link to a path, unless something is already there."""
     try:
         os.link(path, place, follow_symlinks=False)
     except FileExistsError:
         return
-    except OSError:  # another disk, or one that has no links
+    except OSError:  # on another disk, or on a file system without hard links
         shutil.copy(path, place, follow_symlinks=False)

@@ -1,7 +1,8 @@
-"""Keeps a worker in a folder: the root of that folder is all that the worker sees.
+"""Run a worker in a chroot and end all of its processes afterwards.
 
-Stays outside, as root, between the judge and the worker. All that the worker starts stays below
-it, and ends when the worker does, or when nobody holds the other end of standard input.
+This process stays outside, as root, between the judge and the worker. Every process that the worker
+starts remains its descendant. All of them are killed when the worker ends or when standard input
+is closed.
 
 Run by `grader.sandbox.chroot`: ``python -I -S -B jailer.py FOLDER HOME USER COMMAND ...``.
 """
@@ -23,8 +24,8 @@ _SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 
 def main(folder: str, home: str, user: int, command: list[str]) -> int:
-    """Run a command in a folder; returns its exit code, as a shell has it."""
-    # What loses its parent becomes a child of this process, and is not out of sight.
+    """Run a command in a chroot; return its exit code in the form that a shell uses."""
+    # Orphaned processes become children of this process, so that it can end them.
     ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
     ended, told = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.set_wakeup_fd(told, warn_on_full_buffer=False)
@@ -37,14 +38,14 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
             print(error, file=sys.stderr, flush=True)
         finally:
             os._exit(1)
-    # The worker's ends of its pipes are the worker's alone, or nobody would see them closed.
+    # Only the worker may hold its ends of the pipes; otherwise they would not close with it.
     os.closerange(3, min(ended, told))
     os.closerange(max(ended, told) + 1, MOST_FILES)
     code = None
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), ended], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # perhaps it is still root
+            os.kill(worker, signal.SIGKILL)  # it may still be root, unlike the processes of `user`
         if ended in ready:
             os.read(ended, 4096)
         code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
@@ -54,7 +55,8 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
 
 
 def _become(folder: str, home: str, command: list[str]) -> None:
-    # What the worker does where there is a /proc: better it than the judge.
+    # Out of memory, the kernel should kill the worker, not the judge. A worker with /proc sets
+    # this itself.
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -63,13 +65,13 @@ def _become(folder: str, home: str, command: list[str]) -> None:
     os.close(nothing)
     os.chroot(folder)
     os.chdir(home)
-    # A root could still walk out of it.
+    # Root could still escape from a chroot.
     privileges.give_up(keep_user_changes=True)
     os.execv(command[0], command)
 
 
 def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
-    """The exit code of the worker; None while it runs."""
+    """Return the exit code of the worker; None while it runs."""
     if wait:
         end_all_of(user)
     while True:
@@ -85,7 +87,7 @@ def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
 
 
 def end_all_of(user: int) -> None:
-    """Kill every process of a user: in one step, so that none is born meanwhile."""
+    """Kill every process of a user in one step, so that none can fork in the meantime."""
     pid = os.fork()
     if pid == 0:
         try:

@@ -1,4 +1,4 @@
-"""Starts the process in which a student's code runs, watches its memory, and ends it."""
+"""Start the process in which a student's code runs, watch its memory, and end it."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
-# What waits behind walls as long as somebody holds the other end of its input; it says when they
-# stand. Who is killed lets go of that in any case. Bubblewrap's own --die-with-parent does not:
-# killed while it builds, it leaves a process that waits for it.
+# The first process in the sandbox reports that the sandbox is built, then waits until its input
+# closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent does not
+# suffice: if bubblewrap is killed while it builds, it leaves a process behind.
 WAIT = "echo ready && read line"
 
 
@@ -38,12 +38,12 @@ class WorkerProcess:
     Attributes
     ----------
     process : subprocess.Popen
-        The walls, with all that is behind them; without walls, the worker.
+        The sandbox with everything in it; without a sandbox, the worker.
     read_end, write_end : int
     forked : grader.sandbox.fork_client.Forked, optional
-        The worker, where it was forked and went behind the walls later.
+        The worker, if it was forked and joined the sandbox later.
     give_back : callable
-        Called once all has ended, when its folder can be somebody else's.
+        Called when everything has ended, so that another worker can use the folder.
     """
 
     process: subprocess.Popen
@@ -56,27 +56,27 @@ class WorkerProcess:
 
     @property
     def pids(self) -> list[int]:
-        """Processes whose descendants are all that runs for it, as numbered out here."""
+        """IDs, outside the sandbox, of the processes whose descendants belong to the worker."""
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int | None:
-        """Kill the worker and all it started; return its exit code, None where none is told."""
+        """Kill the worker and all that it started; return its exit code, or None if unknown."""
         self._stopped.set()
-        # Nobody else waits for the process, so until here its number belongs to no other.
+        # No other code waits for this process, so its ID is not reused before this line.
         with self._signals:
             code = _kill(self.process)
         if self.forked:
-            # With the first process behind the walls the kernel ends all others there.
+            # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
-        if code is not None and code >= 0:  # else somebody may still be there
+        if code is not None and code >= 0:  # otherwise a process may still run in the folder
             self.give_back()
         return code
 
     def has_ended(self, seconds: float) -> bool:
-        """Whether it ends by itself within some seconds; its exit code is kept for `stop`."""
+        """Return whether it ends by itself within some seconds; `stop` gets its exit code."""
         if self.forked:
             return self.forked.has_ended(seconds)
         deadline = time.monotonic() + seconds
@@ -87,18 +87,19 @@ class WorkerProcess:
         return True
 
     def cpu_seconds(self) -> float:
-        """Processor time that it and all it started have had."""
+        """Return the processor time of the worker and of all that it started."""
         return sum(map(cpu_of_tree, self.pids))
 
     def threads(self) -> dict[int, Thread] | None:
-        """All that run for it and want a processor as much as we do, by number."""
+        """Return all its threads with our own scheduling priority, by ID; None if unknown."""
         every = [threads_of_tree(pid) for pid in self.pids]
         return None if None in every else dict(itertools.chain(*map(dict.items, every)))
 
     def watch_memory(self, limit: int) -> None:
-        """Kill the worker when all its processes together take more than `limit` bytes.
+        """Kill the worker when all its processes together use more than `limit` bytes.
 
-        Or less, when the machine runs out: a student may refuse to be the one that Linux ends.
+        When the machine runs out of memory, the limit is lower, because student code may protect
+        itself from the kernel's out-of-memory killer.
         """
 
         def watch() -> None:
@@ -122,31 +123,30 @@ def launch(
     preload: bool = False,
     give_back: Callable[[], object] | None = None,
 ) -> WorkerProcess:
-    """Start a worker behind some walls, and wait until it reports.
+    """Start a worker in a sandbox, and wait until it reports.
 
     Parameters
     ----------
     walls : sequence of str
-        The command that runs another one inside; empty for none.
+        The command that runs another command in the sandbox; empty for no sandbox.
     home : str
         The folder that the worker may write to.
     rules : dict
-        What the worker imposes on itself before it reads a line of the student: ``user``, the
-        number of one to become, if any; ``limits``, as `Limits.resources` names them;
-        ``forbidden``, modules.
+        What the worker applies to itself before it reads student code: ``user``, the ID of the
+        user to become, or None; ``limits``, as in `Limits.resources`; ``forbidden``, modules.
     limits : Limits
     client : grader.sandbox.fork_client.ForkClient, optional
-        Has workers forked that go behind these walls; by default Python is started there.
+        Forks workers that join this sandbox; by default Python is started inside.
     preload : bool
-        That the fork server shall have imported beforehand what is slow to import.
+        Whether the fork server must first import the modules that are slow to import.
     give_back : callable, optional
-        Called once all has ended. Then the walls are a process that ends all behind them when its
-        input closes; else they end with it.
+        Called when everything has ended. The sandbox must then be a process that ends everything
+        in it when its input closes; without `give_back`, killing the sandbox's process is enough.
 
     Raises
     ------
     SandboxUnavailable
-        If it does not report.
+        If the worker does not report.
     """
     their_read, our_write = os.pipe()
     our_read, their_write = os.pipe()
@@ -179,7 +179,7 @@ def launch(
 
 
 def introduce(worker: Worker, rules: dict) -> None:
-    """Tell a worker that has just started its rules, and wait until it has made them its own.
+    """Send a new worker its rules, and wait until it has applied them.
 
     Parameters
     ----------
@@ -198,9 +198,9 @@ def introduce(worker: Worker, rules: dict) -> None:
 
 
 def _kill(process: Popen) -> int | None:
-    """End a process and its group; its exit code, None where the kernel does not let go of it."""
+    """End a process and its group; return its exit code, or None if it does not end."""
     for end in (_let_end, _kill_group):
-        if process.returncode is None:  # else its number may be another's by now
+        if process.returncode is None:  # otherwise its ID may have been reused
             end(process)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(SECONDS_TO_END)
@@ -208,7 +208,7 @@ def _kill(process: Popen) -> int | None:
 
 
 def _let_end(process: Popen) -> None:
-    """Let what waits behind walls end, and with it all others there; kill what does not wait."""
+    """End a sandbox by closing its input; kill a process that does not wait for input."""
     if process.stdin:
         process.stdin.close()
     else:
@@ -221,9 +221,9 @@ def _kill_group(process: Popen) -> None:
 
 
 def _last_words(process: Popen) -> str:
-    """End a process; what it has complained about until then."""
+    """End a process and return the end of its error output."""
     _kill(process)
-    # Something that it has started may live on, and hold the pipe open.
+    # A process that it started may live on and hold the pipe open.
     os.set_blocking(process.stderr.fileno(), False)
     return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
@@ -249,19 +249,19 @@ def _run(
 def _go_behind(
     walls: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
-    """Build walls around something that only waits, and have a worker go behind them."""
+    """Build a sandbox around a process that only waits, and let a worker join it."""
     info, number = os.pipe()
-    # The first process of a table of processes ends all others when it ends.
+    # When process 1 of a process table ends, so do all others.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        # Both ends: who cannot tell its number would end, and leave what waits for it.
+        # Both ends: if bubblewrap could not write, it would end and leave its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
         process = _run([*walls, *options], request["home"], pipes, *both)
     finally:
         os.close(number)
     try:
-        # By what is behind the walls: they are complete.
+        # The process inside writes this line, so the sandbox is complete.
         ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
         with os.fdopen(info) as told:
             first = json.load(told)["child-pid"] if ready else None

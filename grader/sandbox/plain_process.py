@@ -1,4 +1,4 @@
-"""No walls: an ordinary process with resource limits, for code that one trusts."""
+"""No sandbox: an ordinary process with resource limits, for trusted code."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grader.sandbox.protocol import Limits, Worker
 
 @dataclass(frozen=True)
 class Unwalled:
-    """For a student's own machine and for the demo, never for strangers' code."""
+    """The choice for a student's own machine and for the demo, never for untrusted code."""
 
     name: str = "process"
     warning: str = (
@@ -24,11 +24,11 @@ class Unwalled:
         """Every machine has processes."""
 
     def label(self) -> str:
-        """Name it; see `grader.sandbox.protocol.Sandbox`."""
+        """Return its name; see `grader.sandbox.protocol.Sandbox`."""
         return "no sandbox"
 
     def walls(self) -> str:
-        """Say that there are none."""
+        """Return that there are no protections."""
         return "none"
 
     def start(

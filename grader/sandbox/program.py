@@ -1,34 +1,35 @@
-"""What runs behind the wall: a notebook's code, and what the lesson adds to it and allows."""
+"""The program that a worker runs: a notebook's code with what its lesson adds and allows."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
 
-# What a lesson finds inside unless its header names more, as pip calls it.
+# Packages that every lesson may import, by their names on PyPI; a header may name more.
 PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
-# More than any lesson has, solved: which line it was is told of no longer notebook.
+# More lines than any solved lesson. In a longer notebook, the number of a line could carry a
+# message, so it is not shown.
 MOST_LINES_OF_ALL = 4096
 
 
 def cell_and_line(place: str) -> tuple[int, int] | None:
-    """Both numbers of a place such as ``code cell 3, line 12``; None if it is none."""
+    """Return the two numbers in a place such as ``code cell 3, line 12``; None if not a place."""
     found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
     return (int(found[1]), int(found[2])) if found else None
 
 
 @dataclass(frozen=True)
 class Given:
-    """Code of the lesson that takes the place of whatever a notebook makes of it.
+    """Code of the lesson that replaces the notebook's own versions of some names.
 
     Attributes
     ----------
     names : tuple of str
     source : str
     open : tuple of str
-        Those of the names that a notebook may write anew: then its own count.
+        Those of the names that a notebook may redefine; its own versions are then used.
     """
 
     names: tuple[str, ...] = ()
@@ -38,7 +39,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Program:
-    """All that a worker is told.
+    """Everything that a worker gets to know.
 
     Attributes
     ----------
@@ -47,14 +48,14 @@ class Program:
     names : tuple of str
         The functions and classes that will be called.
     modules : dict of str to str
-        Source of the modules that were handed in beside the notebook, by name.
+        Source of the modules that were submitted with the notebook, by name.
     given : Given
     forbidden : tuple of str
         Modules that the lesson does not allow.
     packages : tuple of str
-        Installed packages that it does.
+        Installed packages that the lesson allows.
     steps : tuple of str
-        Functions that the lesson asks for and does not grade. They are not called; a message may
+        Functions that the lesson asks for but does not grade. They are not called; a message may
         name one that is still a stub.
     """
 
@@ -68,20 +69,20 @@ class Program:
 
     @property
     def named(self) -> tuple[str, ...]:
-        """The packages that stand anywhere in the code, be it in a comment."""
+        """The packages whose names occur anywhere in the code, even in a comment."""
         sources = (*self.cells, *self.modules.values(), self.given.source)
         return tuple(name for name in self.packages if any(name in source for source in sources))
 
     def edited(self, cell: int, first: int, last: int, text: str) -> Program:
-        """The same, with something else in the place of some lines of a cell."""
+        """Return a copy in which a text replaces lines `first` to `last` of a cell, from 1."""
         lines = self.cells[cell - 1].split("\n")
         changed = "\n".join([*lines[: first - 1], text, *lines[last:]])
         return replace(self, cells=(*self.cells[: cell - 1], changed, *self.cells[cell:]))
 
     def line_at(self, place: str) -> str | None:
-        """What stands at a place such as ``code cell 3, line 12``; None if there is no such one.
+        """Return the line at a place such as ``code cell 3, line 12``; None if there is none.
 
-        None, too, where there are so many lines that which of them it is says too much.
+        In a notebook with more than `MOST_LINES_OF_ALL` lines the result is None for every place.
         """
         found = cell_and_line(place)
         if not found or sum(1 + cell.count("\n") for cell in self.cells) > MOST_LINES_OF_ALL:

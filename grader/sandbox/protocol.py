@@ -1,7 +1,7 @@
-"""What a sandbox is: something that can start a worker with nothing of the student in it yet.
+"""The interface of a sandbox: it starts workers, which do not contain student code yet.
 
-The worker is `inside/worker.py`, wherever and however it runs: a process, a container, another
-machine. What the judge's side wants of it is `Worker`, and no more.
+The worker is `inside/worker.py`. It may run as a process, in a container or on another machine;
+the judge only uses the interface `Worker`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ class SandboxUnavailable(Exception):
     Parameters
     ----------
     reason : str
-        Sentences that say why.
+        The reason in sentences.
     advice : str
-        What to do on a machine of one's own; ``str()`` shows it after the reason.
+        What to do on your own machine; ``str()`` shows it after the reason.
     """
 
     def __init__(self, reason: str, advice: str = "") -> None:
@@ -36,14 +36,28 @@ class SandboxUnavailable(Exception):
 class Limits:
     """What a student's process may use.
 
-    Seconds are those that `grader.sandbox.time_budget` counts, in which a process works or sleeps
-    and nobody keeps it waiting: for the cells that the exercises need; for all cells, where a name
-    is missing afterwards; for one call; and for everything together. `wall_seconds` are the wall's,
-    for everything together. Where steps that raised, or had to be stopped, have taken as long as
-    one may, the next have an eighth of that.
-
-    Bytes of `memory` are for one process, of `total_memory` for it and all it starts. `restarts` is
-    how often the process may die or hang before the rest of its tests are given up.
+    Attributes
+    ----------
+    start_seconds : float
+        For the cells that the exercises need. These and the next three are seconds in which the
+        process works or sleeps, without waiting for a processor; `grader.sandbox.time_budget`
+        measures them.
+    whole_seconds : float
+        For all cells, which run if a name is still missing.
+    call_seconds : float
+        For one call. When calls that raised or were stopped have taken this long in an exercise,
+        each later call gets an eighth of it.
+    total_seconds : float
+        For everything.
+    wall_seconds : float
+        Elapsed time for everything.
+    restarts : int
+        How often the process may die or hang before the remaining tests are given up.
+    memory, total_memory : int
+        Bytes for one process, and for the worker with all that it starts.
+    processes : int
+    file_size, temporary_space : int
+        Bytes of one file, and of each temporary folder.
     """
 
     start_seconds: float = 10.0
@@ -59,7 +73,7 @@ class Limits:
     temporary_space: int = 64 * MEBIBYTE
 
     def resources(self) -> dict[str, int]:
-        """Resource limits by the names of Python's `resource` module."""
+        """Return resource limits by the names of Python's `resource` module."""
         return {
             "RLIMIT_AS": self.memory,
             "RLIMIT_CPU": int(2 * self.total_seconds),
@@ -70,14 +84,14 @@ class Limits:
 
 
 class Thread(NamedTuple):
-    """A thread that runs for a worker.
+    """A thread of a worker.
 
     Attributes
     ----------
     delayed : float
-        Seconds for which it wanted a processor and had none, since it began.
+        Seconds that it has waited for a processor since it began.
     ready : bool
-        Whether it has a processor now, or wants one.
+        Whether it is running or waiting for a processor.
     """
 
     delayed: float
@@ -85,41 +99,40 @@ class Thread(NamedTuple):
 
 
 class Worker(Protocol):
-    """A running worker that knows its rules, and that nobody has asked anything yet.
+    """A running worker that has applied its rules and has received no request yet.
 
     Attributes
     ----------
     read_end, write_end : int
-        Descriptors of the two pipes, or sockets, to and from it. They do not block.
+        Non-blocking descriptors of the two pipes, or sockets, from and to the worker.
     """
 
     read_end: int
     write_end: int
 
     def cpu_seconds(self) -> float:
-        """Processor time that it and all it started have had; at least never going back.
+        """Return the processor time of the worker and of all that it started; never decreases.
 
-        Where nobody can tell, the clock on the wall, which the processor's is never ahead of.
+        If that is unknown, elapsed time serves as an upper bound.
         """
 
     def threads(self) -> dict[int, Thread] | None:
-        """All that run for it now, by number; None where nobody can tell.
+        """Return the threads that run for the worker now, by ID; None if that is unknown.
 
-        Only those that want a processor as much as we do: who asks for little, waits of its own
-        accord.
+        Threads that lowered their own scheduling priority are left out, because they chose to wait.
         """
 
     def has_ended(self, seconds: float) -> bool:
-        """Whether it ends by itself within some seconds; `stop` is called in any case."""
+        """Return whether it ends by itself within some seconds; `stop` is called in any case."""
 
     def stop(self) -> int | None:
-        """End it and all it started, close the descriptors, and tell its exit code.
+        """End the worker and all that it started, close the descriptors, return the exit code.
 
         Returns
         -------
         int or None
-            As `subprocess` has it, a signal as a negative number, or as a shell, 128 more than
-            the signal; None where nobody knows.
+            A signal is a negative number, as in `subprocess`, or 128 plus the signal, as in a
+            shell. None if the exit code is unknown.
         """
 
 
@@ -129,28 +142,28 @@ class Sandbox(Protocol):
     Attributes
     ----------
     name : str
-        What ``--sandbox`` calls it.
+        Its name for ``--sandbox``.
     warning : str
-        What it does not protect, for whoever grades; empty where it has walls.
+        What it does not protect, for the instructor; empty if it is safe for a class.
     """
 
     name: str
     warning: str
 
     def available(self) -> None:
-        """Return if this machine has what it needs.
+        """Check that this machine has what it needs.
 
         Raises
         ------
         SandboxUnavailable
-            With the command that would mend it.
+            If not; the message names the remedy.
         """
 
     def label(self) -> str:
-        """Name the program that builds the sandbox, with its version, for reports."""
+        """Return the name and version of the program that builds the sandbox, for reports."""
 
     def walls(self) -> str:
-        """Say what stands between a student's code and this machine."""
+        """List what protects this machine from student code."""
 
     def start(
         self,
@@ -159,20 +172,20 @@ class Sandbox(Protocol):
         packages: Iterable[str] = (),
         named: Iterable[str] = (),
     ) -> Worker:
-        """Start a worker; nothing of the student is in it yet.
+        """Start a worker that does not contain student code yet.
 
         Parameters
         ----------
         limits : Limits
         forbidden : iterable of str
-            Dotted names of modules that shall not exist inside.
+            Dotted names of modules that the sandbox hides.
         packages : iterable of str
-            Installed packages, as pip calls them, that shall exist inside.
+            Installed packages that the sandbox shows, by their names on PyPI.
         named : iterable of str
-            Those of them that the code to come names: they may be imported beforehand.
+            Those packages that the student's code names, which may be imported in advance.
 
         Raises
         ------
         SandboxUnavailable
-            If the worker does not report: the fault is then ours, not the student's.
+            If the worker does not report, which is the grader's fault, not the student's.
         """

@@ -1,8 +1,9 @@
-"""What may be told of an exception outside of hidden tests: what stands in the submission anyway.
+"""Describe exceptions outside hidden tests, using only what is in the submission anyway.
 
-No hidden question is near, but a neighbour's may be: notebooks that are judged on one machine can
-tell each other something, if only by how long they take. So no word is told that the code has
-chosen. What remains is a type among Python's own, one line of the submission, and a name in it.
+The code may know nothing of its own hidden questions here, but of another notebook's: notebooks
+that are judged on one machine can signal to each other, if only by how long they take. So a message
+never contains words that the code chose while running. It contains a type that Python defines, one
+line of the submission, and a name in that line.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import re
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from utils.notebooks.forbidden import forbidden_part, refusal
 
-# Of a line is shown, and looked at, what a person writes into one.
+# Characters of a line that are shown and searched; people write no longer lines.
 LONGEST_LINE = 120
 NAMED_EXCEPTIONS = frozenset(
     (
@@ -25,7 +26,7 @@ NAMED_EXCEPTIONS = frozenset(
         ),
     )
 )
-# (exception, its message, what is told of it). A name is told if it stands in the line.
+# (exception type, its message, the text to show). A name is shown only if it is in the line.
 SENTENCES = (
     ("NameError", r"name '(\w+)' is not defined", "name '{}' is not defined"),
     ("NameError", r"the notebook does not define it", "the notebook does not define it"),
@@ -53,22 +54,22 @@ SENTENCES = (
 
 
 def sentence_on(error: StudentError) -> str:
-    """Which exception a function raised, and where."""
+    """Return a sentence that says which exception a function raised, and where."""
     where = _there(error.place, error.line)
-    if error.calling:  # whoever looks at the other function alone may break one that is right
+    if error.calling:  # the function that raised may be right, and called with wrong arguments
         where = f"{_there(error.calling, error.calling_line)}, which calls {where}"
     return f"{error.function} raised {_quoted(error)}{where and f' ({where})'}."
 
 
 def sentence_on_cell(error: StudentError) -> str:
-    """Which cell failed, and how."""
+    """Return a sentence that says which cell failed, and how."""
     where = f"{error.place.capitalize()}," if error.place else "A cell"
     line = _shown(error.line)
     return f"{where} failed: {_quoted(error)}{line and f' ({line})'}."
 
 
 def _quoted(error: StudentError) -> str:
-    """An exception's type, and what may be told of its message."""
+    """Return an exception's type and those parts of its message that may be shown."""
     kind, message, line = error.type_name, error.message, error.line[:LONGEST_LINE]
     module = message.partition(" ")[0]
     refused = forbidden_part(module, error.forbidden)

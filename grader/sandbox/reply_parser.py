@@ -1,6 +1,6 @@
-"""What a stranger's reply says, read without belief: each function takes anything at all.
+"""Parse untrusted replies of a worker; each function accepts any value.
 
-What is not of the kind that is asked for counts as nothing; what is long is cut.
+A value of the wrong type counts as empty, and long values are cut.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ MOST_ITEMS = 20
 
 
 def texts(values: object) -> list[str]:
-    """A stranger's list of sentences, of which the first few are enough."""
+    """Return the first few sentences of an untrusted list, each on one line."""
     return [readable(value) for value in values[:MOST_ITEMS]] if isinstance(values, list) else []
 
 
 def readable(value: object) -> str:
-    """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
+    """Return one line of text without control characters, safe to print on a terminal."""
     text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:
-    """Rows of a stranger's table that begin with a number and a name."""
+    """Yield those rows of an untrusted table that begin with a number and a name."""
     if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
         return
     for row in zip(*columns, strict=False):
@@ -32,7 +32,7 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
 
 
 def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
-    """A stranger's table of changes: number of a cell, first and last line, and a text."""
+    """Return those rows of an untrusted table that are a cell, first and last line, and a text."""
     if not isinstance(values, list):
         return ()
     kinds = [int, int, int, str]
@@ -42,12 +42,12 @@ def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
 
 
 def positions(values: object) -> list[int]:
-    """A stranger's list of whole numbers, of which the first few are enough."""
+    """Return the whole numbers among the first few items of an untrusted list."""
     if not isinstance(values, list):
         return []
     return [value for value in values[:MOST_ITEMS] if type(value) is int]
 
 
 def names_a_number(reply: dict) -> bool:
-    """Whether an object that a reply tells of comes under a number, if it tells of one."""
+    """Return whether a reply that refers to an object does so by a whole number."""
     return "object" not in reply or type(reply["object"]) is int

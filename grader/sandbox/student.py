@@ -1,8 +1,8 @@
-"""The judge's side of the pipe: a student's functions, called as if they were ours.
+"""The judge's side of the pipe: call a student's functions as if they were local.
 
-``student.longest_run(values)`` sends the values into the sandbox and returns what comes back.
-Everything that comes back is a claim by a stranger: plain data or an exception, no more. Nothing
-that a function does to its arguments reaches our objects; `RemoteFunction.observe` looks at it.
+``student.longest_run(values)`` sends the values into the sandbox and returns the reply. Replies are
+untrusted and contain only plain data or an exception. A function cannot change the caller's
+objects; `RemoteFunction.observe` returns its changed arguments.
 """
 
 from __future__ import annotations
@@ -21,41 +21,41 @@ from grader.sandbox.reply_parser import changes, names_a_number, positions, read
 from grader.sandbox.time_budget import Budget, Meter, Patience
 from utils.remote_objects import ENDLESS, Observed, Remote
 
-# What may be stopped beside exercises: the cells that these need, and the whole notebook.
+# Steps other than exercises that may be stopped: the cells that exercises need, and all cells.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
-# What a step may take of its limit once as much was lost on steps that had to be stopped, or that
-# raised: an endless loop costs the class little more than that once.
+# Share of its limit that a step gets after failed or stopped steps have used up a whole limit. So
+# an endless loop costs little more than one limit.
 ONCE_MORE = 1 / 8
-# What the worker raises in a call that it interrupts.
+# The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
-# What fails after these, fails for their sake.
+# Later cells usually fail because of these.
 MOST_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
 class _Held:
-    """Where an object is: under a number, in a worker that may be gone by now."""
+    """A reference to an object in a worker, which may have been stopped since."""
 
     number: int
     worker: Worker
 
 
 class RemoteFunction(Remote):
-    """A function, a class or a method inside: call it, or observe what it does."""
+    """A function, class or method in the sandbox that can be called or observed."""
 
     def __init__(self, student: StudentProxy, name: str, held: _Held | None = None) -> None:
         self._student, self.__name__, self._held = student, name, held
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
-        """Return what it returns."""
+        """Return its result."""
         return self._student._ask(self.__name__, [arguments], keywords, self._held)
 
     def observe(self, *arguments: object) -> Observed:
-        """Call it, and look at what became of the arguments; see `utils.checks.assertions`."""
+        """Call it; return the result and the arguments after the call."""
         return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
 
     def timed(self, *arguments: object) -> tuple[object, float]:
-        """Return what it returns, and the seconds that it takes, as a `Meter` counts."""
+        """Return its result, and the seconds that it takes as measured by a `Meter`."""
         student = self._student
         student._ensure_running()
         meter = student._meter = Meter(student._worker)
@@ -67,14 +67,14 @@ class RemoteFunction(Remote):
         return answer, meter.seconds
 
     def each(self, calls: Sequence[Sequence]) -> list:
-        """Call it with each of these arguments, in one message; they share the time of a call."""
+        """Call it with each of these arguments in one message; all share the limit of one call."""
         return self._student._ask(self.__name__, calls, held=self._held, each=True) if calls else []
 
 
 class RemoteObject(Remote):
-    """An object of a student's own class. It stays inside; its attributes and methods answer.
+    """An object of a student's own class, which stays in the sandbox.
 
-    ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
+    ``tree.root`` is plain data, None, or another `RemoteObject`; ``tree.insert(p, 0)`` is a call.
     """
 
     def __init__(self, student: StudentProxy, held: _Held, type_name: str) -> None:
@@ -90,7 +90,7 @@ class RemoteObject(Remote):
         return self._student._ask(name, held=self._held, call=False)
 
     def reach(self, names: Sequence[str]) -> object:
-        """Return where a way along attributes leads; see `utils.checks.assertions`."""
+        """Return the attribute at the end of a path, such as ``["root", "left"]``."""
         return self._student._ask(".".join(names), held=self._held, call=False)
 
 
@@ -102,29 +102,29 @@ class StudentProxy:
     program : grader.sandbox.program.Program
         The notebook's code, and what its lesson allows.
     sandbox : grader.sandbox.Sandbox
-        Starts a worker, and another one where that was stopped.
+        Starts a worker, and a new one if that had to be stopped.
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
-        What is left of the notebook's time; by default all of it.
+        The remaining time of the notebook; by default all of it.
     mend : str, optional
-        An exercise whose edits are to be tried.
+        An exercise for which one-edit changes are requested.
 
     Attributes
     ----------
     problems : list of str
-        What was wrong with the notebook's own cells, one sentence each.
+        One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
-        Which of the functions each of them calls, as the notebook's text says.
+        The functions that each function calls, according to the notebook's source.
     exercise : str
-        What is asked about now: an exercise that hangs costs the others nothing.
+        The exercise that calls are counted for, so that one that hangs costs the others nothing.
     edits : tuple of tuple
-        What one edit makes of the exercise to mend, once it was started: number of the cell, first
-        and last line, and the text that takes their place; the likeliest first.
+        One-edit changes of the exercise `mend`, the likeliest first, known after the start: number
+        of the cell, first and last line, and the text that replaces these lines.
     interrupts_after : float or None
-        Processor seconds after which calls are interrupted inside, where `TOOK_TOO_LONG` is raised
-        then; None where nobody but the limits ends them, and their process.
+        Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`; None
+        if only the limits end a call, together with its process.
     starved : bool
-        Whether a call was given up that had not had its time: on a quieter machine it may be right.
+        Whether a call was given up before it had used its time, because the machine was busy.
     """
 
     def __init__(
@@ -138,21 +138,21 @@ class StudentProxy:
         self._mend, self.edits = mend, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
-        # Attributes that came with another one, of the same object and of those that it leads to;
-        # until something is called. Methods stay.
+        # Attributes that came along with a requested one, from the same object and those that it
+        # refers to. They are valid until the next call; methods stay valid.
         self._known: dict[tuple[int, str], object] = {}
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[StudentStopped]] = {}
         self._budget = budget or Budget(self._limits)
-        # In a process before this one: once more is enough.
+        # Steps that hung in an earlier process are not restarted again and again.
         self._hung_before = frozenset(self._budget.hung)
         self._told, self._took, self._past = False, 0.0, 0.0
         self.interrupts_after: float | None = None
-        self._meter: Meter | None = None  # of a call that is timed
+        self._meter: Meter | None = None  # while a call is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
-        self._alone: dict[str, list[list[int]]] = {}  # without what other exercises define
+        self._alone: dict[str, list[list[int]]] = {}  # without the lines of other exercises
 
     def __enter__(self) -> StudentProxy:
         return self
@@ -166,17 +166,17 @@ class StudentProxy:
         return RemoteFunction(self, name)
 
     def start(self) -> None:
-        """Read the notebook, and run what its functions need."""
+        """Start a worker, and run the cells that its functions need."""
         self._ensure_running()
 
     def edit(self, number: int) -> None:
-        """Go on with the exercise as one of `edits` makes it."""
+        """Apply one of `edits` to the exercise for all later calls."""
         self._ensure_running()
         self._reply_to({"name": self._mend, "edit": number})
 
     @property
     def cpu_seconds(self) -> float:
-        """Processor time that its workers have had."""
+        """Processor time of all its workers so far."""
         return self._past + (self._worker.cpu_seconds() if self._worker else 0.0)
 
     def close(self) -> None:
@@ -195,9 +195,9 @@ class StudentProxy:
         observe: bool = False,
         each: bool = False,
     ) -> object:
-        """Call a function or a method of an object that is held inside, or ask for an attribute.
+        """Call a function or a method of a remote object, or get an attribute.
 
-        Of several calls all answers come back, without what stays inside, or the first exception.
+        Several calls return a list of plain results, or raise the first exception.
         """
         self._refuse_what_is_gone(name, held)
         if call:
@@ -224,7 +224,7 @@ class StudentProxy:
         return self._observed_in(reply, result, name, len(calls[0])) if observe else result
 
     def _refuse_what_is_gone(self, name: str, held: _Held | None) -> None:
-        """Have a worker running; raise if what is wanted of it is not there."""
+        """Ensure that a worker is running; raise if the function or object does not exist in it."""
         if held is not None and held.worker is not self._worker:
             raise StudentStopped(
                 "The notebook's process was stopped, and what it had built is gone."
@@ -238,7 +238,10 @@ class StudentProxy:
             )
 
     def _reply_to(self, request: dict) -> dict:
-        """Ask, and see that the reply is one to this question, and no exception."""
+        """Send a request; return the reply after checking that it belongs to this request.
+
+        Raises the exception that the reply reports, if any.
+        """
         self._calls += 1
         name = request["name"]
         reply = self._exchange(
@@ -258,7 +261,7 @@ class StudentProxy:
         return reply
 
     def _result_in(self, reply: dict, name: str, held: _Held | None, call: bool) -> object:
-        """What was returned, or a proxy of it where that stays inside."""
+        """Return the result in a reply, or a proxy if the object stays in the sandbox."""
         if "object" not in reply:
             return reply.get("result")
         if reply.get("callable") is True and not call:
@@ -270,7 +273,7 @@ class StudentProxy:
         return result
 
     def _observed_in(self, reply: dict, result: object, name: str, count: int) -> Observed:
-        """A call of `count` arguments, and what became of them."""
+        """Return the result of a call with its `count` arguments after the call."""
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != count:
             self._stop_off_the_question(name)
@@ -283,7 +286,7 @@ class StudentProxy:
         return RemoteObject(self, _Held(number, self._worker), wire_format.known_type(kind))
 
     def _remember(self, beside: object) -> None:
-        """Keep what came with an attribute: whoever asks for one walks the whole tree."""
+        """Store the attributes that came along; a caller usually walks the whole tree."""
         plain, others = beside if isinstance(beside, list) and len(beside) == 2 else ((), ())
         for number, name, value in rows(plain, 3):
             self._known[number, name] = value
@@ -318,14 +321,14 @@ class StudentProxy:
         )
 
     def _calling(self, place: str, through: list[str]) -> str | None:
-        """Where the exercise's own code calls the other function that a place is in."""
+        """Return where the exercise calls the other function that contains a place."""
         own = self._alone.get(self.exercise, ())
         if _is_one_of_few(place, own):
             return None
         return next((one for one in reversed(through) if _is_one_of_few(one, own)), None)
 
     def _failed_cells(self, failures: object) -> list[str]:
-        """A sentence for each of the first cells that failed."""
+        """Return a sentence for each of the first cells that failed."""
         failures = failures if isinstance(failures, list) else []
         said = [
             sentence_on_cell(self._error("", failure)) for failure in failures[:MOST_FAILED_CELLS]
@@ -367,7 +370,7 @@ class StudentProxy:
         self._budget.begins = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._told:
-            # No line of the student had run when the first of these were found.
+            # Only the first of these are trustworthy: they were found before student code ran.
             self.problems += texts(found.get("problems")) + self._failed_cells(
                 failed.get("problems")
             )
@@ -400,17 +403,17 @@ class StudentProxy:
             )
 
     def _try_whole_notebook(self) -> None:
-        """Run every cell, for names that nobody can read off the text."""
+        """Run every cell, for names that are not visible in the source."""
         try:
             found = self._start({"whole": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
-        except StudentStopped:  # a cell that hangs or quits: only now does it do harm
+        except StudentStopped:  # a cell that hangs or quits, and that no exercise needed
             self._ensure_running()
 
     def _start(
         self, message: dict | None = None, what: str = _NEEDED, seconds: float | None = None
     ) -> dict:
-        """One step of starting a notebook."""
+        """Take one step of starting a notebook; return the reply."""
         too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
         seconds = self._limits.start_seconds if seconds is None else seconds
         answer = self._exchange(what, too_slow, seconds, message)
@@ -421,7 +424,7 @@ class StudentProxy:
     def _exchange(
         self, what: str, too_slow: str, seconds: float, message: dict | None = None
     ) -> object:
-        """Send a message, if any, and return the next one."""
+        """Send a message, if any, and return the reply; stop the worker if there is none."""
         seconds *= ONCE_MORE if self._budget.lost.get(what, 0.0) >= seconds else 1.0
         seconds = min(seconds, max(self._budget.seconds, 0.1))
         patience = Patience(self._worker, seconds, self._budget.until, self._meter)
@@ -455,11 +458,11 @@ class StudentProxy:
     def _stop(
         self, what: str, sentence: str | None, reason: str = "", out_of_time: bool = False
     ) -> NoReturn:
-        """Kill the worker, remember what was stopped and why, and say so."""
+        """Kill the worker, remember which step was stopped and why, and raise."""
         self._budget.note_lost(what, self._took)
         self._past = self.cpu_seconds
         worker, self._worker = self._worker, None
-        by_itself = sentence is None and worker.has_ended(2)  # it may live on, pipe closed
+        by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
         code = worker.stop()
         if sentence is None:
             sentence = why_it_ended(code if by_itself else None)
@@ -469,9 +472,9 @@ class StudentProxy:
 
 
 def _is_one_of_few(place: str, ranges: Sequence[Sequence[int]]) -> bool:
-    """Whether a place is a line of an exercise as it was handed in, and that is short.
+    """Return whether a place is a submitted line of an exercise with at most `MOST_LINES` lines.
 
-    The process that tells the place is the student's, and so could be the line.
+    The student's process reports the place, so in a long exercise the line could carry a message.
     """
     cell, line = cell_and_line(place) or (0, 0)
     is_there = any(cell == where and first <= line <= last for where, first, last in ranges)

@@ -1,4 +1,4 @@
-"""How long a notebook may take: by what its process takes, and by one clock on the wall."""
+"""Limits on the time of a notebook: the time that its process uses, and elapsed time."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
 from grader.sandbox.usage import seconds_of_our_own
 
-# How many times its limit a step may take by the clock on the wall, where nobody can tell who
-# waits for a processor from who sleeps.
+# Elapsed time that a step may take, in multiples of its limit, if the kernel does not show whether
+# a process sleeps or waits for a processor.
 PATIENCE = 3
-SOON = 0.05  # seconds, in which most answers come
-# After what share of a step's time it is looked at again, at least twice that at most: nobody
-# knows when.
+SOON = 0.05  # seconds within which most replies come
+# The next measurement comes after one to two times this share of the elapsed time. The moment is
+# random, so that student code cannot predict it.
 NEXT_LOOK = 1 / 16
 _DICE = random.SystemRandom()
 
 
 class Budget:
-    """What a notebook may still take, over all the processes that it is asked in.
+    """The remaining time of a notebook, for all of its processes together.
 
     Attributes
     ----------
     seconds : float
-        What is left of its time, as a `Meter` counts it.
+        Remaining time, as measured by a `Meter`.
     until : float
-        When its time by the clock on the wall is over.
+        Time of the monotonic clock at which the notebook is given up.
     lost : dict of str to float
-        Seconds that were taken to no end, by what they were taken for: an exercise, or another
-        step of a `Student`.
+        Seconds used by calls that raised or were stopped, by exercise or other step of a
+        `StudentProxy`.
     hung : dict of str to str
-        In which sentence it was first said that one took too long.
+        By exercise or step, the sentence that first reported that it took too long.
     begins : bool
-        Whether the notebook's own cells came to their end when they were last run.
+        Whether the notebook's own cells finished when they last ran.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -45,23 +45,23 @@ class Budget:
         self.begins = True
 
     def note_lost(self, what: str, seconds: float) -> None:
-        """Note that something took so long, and then raised or had to be stopped."""
+        """Record the seconds of a call that raised or had to be stopped."""
         self.lost[what] = self.lost.get(what, 0.0) + seconds
 
 
 class Meter:
-    """What a worker takes, from now on.
+    """Measures the time that a worker uses from now on.
 
-    That is the processor's time, and the time for which it sleeps: none of its threads was ready to
-    run when it was looked at. All that passes while nobody keeps it waiting is the most it can be,
-    neither others who are at work on this machine, nor we.
+    This is its processor time plus the time for which it sleeps, which means that none of its
+    threads was ready to run at a measurement. It is at most the elapsed time without the time in
+    which the worker waits for a processor or for the judge.
 
     Attributes
     ----------
     seconds : float
-        What it has taken when it was last looked at.
+        Time used until the last measurement.
     waited : float
-        What had passed until then.
+        Elapsed time until the last measurement.
     """
 
     def __init__(self, worker: Worker) -> None:
@@ -73,37 +73,37 @@ class Meter:
 
     @property
     def tells(self) -> bool:
-        """Whether who sleeps is told from who waits for a processor."""
+        """Whether the kernel shows if a thread sleeps or waits for a processor."""
         return self._threads is not None
 
     def look(self, answered: bool = False) -> None:
-        """Read it; the oftener, the better is told for how long it sleeps.
+        """Measure; frequent measurements give a better estimate of sleeping time.
 
         Parameters
         ----------
         answered : bool
-            Whether it has done its work, so that nothing of it is ready to run.
+            Whether the worker has just replied, so that none of its threads is ready to run.
         """
         self.waited = time.monotonic() - self._begin
         worked = self._worker.cpu_seconds() - self._had
         self.seconds = worked
         if self.tells:
             now = self._worker.threads() or {}
-            # What passed while we were at work ourselves is ours.
+            # Time in which the judge itself was at work does not count.
             passed = self.waited - (seconds_of_our_own() - self._ours)
             share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
             if answered and self._noticed:
-                share = self._slept / self._noticed  # as before
+                share = self._slept / self._noticed  # assume the same share as before
             self._slept += share * max(0.0, passed - self._noticed)
             self._noticed = passed
             most = passed - self._delayed(now)
             self.seconds = max(worked, min(most, worked + self._slept))
 
     def _delayed(self, now: dict[int, Thread]) -> float:
-        """Seconds for which others kept it waiting, of which threads that have ended tell nothing.
+        """Return the seconds for which the worker waited for a processor.
 
-        That is the longest that any of its threads was. Their sum would be the larger, the more of
-        them wait for each other; but while one waits for others, these work at least as long.
+        This is the longest wait of any thread that still runs. The sum would be too large, because
+        a thread may wait while another one of the same worker runs.
         """
         begun = {number: thread.delayed for number, thread in self._threads.items()}
         delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
@@ -111,39 +111,39 @@ class Meter:
 
 
 class Patience:
-    """What a worker may take for one step of the conversation, from now on.
+    """The time limit of a worker for one exchange of messages, from now on.
 
     Parameters
     ----------
     worker : grader.sandbox.protocol.Worker
     seconds : float
-        Its limit, as a `Meter` counts.
+        The limit, as measured by a `Meter`.
     until : float
-        When it is given up in any case.
+        Time of the monotonic clock at which the worker is given up in any case.
     meter : Meter, optional
-        What reads what the worker takes, if somebody has begun to.
+        A meter that was started before; by default a new one.
 
     Attributes
     ----------
     starved : bool
-        Whether the worker was given up before it had had its time: on a quieter machine it may be
-        right.
+        Whether the worker was given up before it had used its time, because the machine was busy.
     """
 
     def __init__(
         self, worker: Worker, seconds: float, until: float, meter: Meter | None = None
     ) -> None:
         self._worker, self._seconds, self._until = worker, seconds, until
-        # Looking takes longer than most steps.
+        # A measurement takes longer than most exchanges, so the first one comes late.
         self._look_at, self._meter = time.monotonic() + SOON, meter
         self.starved = False
 
     def __call__(self) -> float:
-        """For how many seconds at most to wait before it is asked again; see `wire.within`.
+        """Return for how many seconds to wait at most before the next call; see `wire.within`.
 
         Raises
         ------
         grader.sandbox.inside.wire.WireTimeout
+            If the limit is used up.
         """
         now = time.monotonic()
         if now >= self._look_at:
@@ -151,7 +151,7 @@ class Patience:
         return self._look_at - now
 
     def _look(self, now: float) -> float:
-        """For how long not to look again."""
+        """Measure; return the seconds until the next measurement."""
         if self._meter is None:
             self._meter = Meter(self._worker)
             if not self._meter.tells:
@@ -165,7 +165,7 @@ class Patience:
         return max(SOON, min(left, self._until - now, nap))
 
     def taken(self) -> float:
-        """Seconds that the step has cost so far; nothing if it took no longer than most do."""
+        """Return the seconds used so far; 0 if the exchange ended before the first measurement."""
         if self._meter is None:
             return 0.0
         self._meter.look(answered=True)

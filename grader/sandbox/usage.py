@@ -1,7 +1,7 @@
-"""What a process and all it started use: memory, processor time, files; read from /proc.
+"""Measure the memory, processor time and files of a process and its descendants, from /proc.
 
-Each function gives 0 where there is no such process or no /proc, if it does not say else. What is
-read may be gone in the same moment, so every read may fail.
+A function returns 0 if the process or /proc does not exist, unless its docstring says otherwise. A
+process may end at any moment, so every read may fail.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from grader.sandbox.protocol import Thread
 PAGE = os.sysconf("SC_PAGE_SIZE")
 TICK = os.sysconf("SC_CLK_TCK")
 PROC = os.path.exists("/proc/self/stat")
-# An empty file takes about as much of the kernel's memory, which no limit of ours counts.
+# Kernel memory of an empty file, which our memory limit does not include.
 BYTES_OF_A_FILE = 1024
 
 
 def tree(pid: int) -> Iterator[int]:
-    """A process and its descendants."""
+    """Yield the IDs of a process and its descendants."""
     yield pid
     for children in _of_threads(pid, "children"):
         for child in children.split():
@@ -31,30 +31,30 @@ def tree(pid: int) -> Iterator[int]:
 
 
 def memory_of_tree(pid: int) -> int:
-    """Bytes that a process and its descendants have mapped, and that their files take.
+    """Return the bytes that a process and its descendants have mapped, plus those of their files.
 
-    Mapped and not used, because used memory can hide: pages shared by two processes may be
-    in the page tables of neither.
+    Mapped memory counts, not resident memory, because shared pages may be in the page tables of
+    neither process.
     """
     members = list(tree(pid))
     return sum(map(_mapped, members)) + max(map(_files, members), default=0)
 
 
 def cpu_of_tree(pid: int) -> float:
-    """Seconds of processor time that a process and its descendants have had.
+    """Return the seconds of processor time that a process and its descendants have used.
 
-    Without /proc the clock on the wall, which the processor's is never ahead of.
+    Without /proc, elapsed time serves as an upper bound.
     """
     return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
 
 
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
-    """The threads of a process and its descendants, as `grader.sandbox.protocol.Worker` wants them.
+    """Return the threads of a process and its descendants with at least our priority.
 
     Returns
     -------
     dict of int to grader.sandbox.protocol.Thread, or None
-        By number. None where the kernel does not tell who waits for a processor.
+        By thread ID. None if the kernel does not record waiting times.
     """
     if not _tells_delays():
         return None
@@ -71,13 +71,13 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
 
 
 def seconds_of_our_own() -> float:
-    """Seconds in which this very thread has been at work, or has waited for a processor."""
+    """Return the seconds for which this thread has run or waited for a processor."""
     return sum(_schedule("/proc/thread-self")) if _tells_delays() else time.thread_time()
 
 
 @functools.cache
 def _tells_delays() -> bool:
-    """Whether this kernel tells who waits for a processor: some do not, and some say 0."""
+    """Return whether this kernel records how long threads wait; some always report 0."""
     try:
         return _schedule("/proc/self")[0] > 0
     except (OSError, ValueError):
@@ -85,13 +85,13 @@ def _tells_delays() -> bool:
 
 
 def _schedule(folder: str) -> tuple[float, float]:
-    """Seconds that a thread has had a processor, and has waited for one."""
+    """Return the seconds for which a thread has run, and has waited for a processor."""
     worked, waited, _ = Path(folder, "schedstat").read_text().split()
     return int(worked) / 1e9, int(waited) / 1e9
 
 
 def memory_left() -> float:
-    """Share of the machine's memory that is available; 1 where that cannot be told."""
+    """Return the share of the machine's memory that is available; 1 if unknown."""
     try:
         lines = Path("/proc/meminfo").read_text().splitlines()
     except OSError:
@@ -101,13 +101,16 @@ def memory_left() -> float:
 
 
 def _mapped(pid: int) -> int:
-    """Of its live threads: a leader that has ended shows no memory, and they share one."""
+    """Return the bytes that a process has mapped, from its live threads.
+
+    All threads share one memory, but a main thread that has ended shows none.
+    """
     pages = (int(text.split()[0]) for text in _of_threads(pid, "statm"))
     return max(pages, default=0) * PAGE
 
 
 def _of_threads(pid: int, name: str) -> Iterator[str]:
-    """A file of each thread; one that ends meanwhile hides none of the others."""
+    """Yield the content of a /proc file for each thread; skip threads that have ended."""
     for thread in _threads(pid):
         with contextlib.suppress(OSError):
             yield Path(f"/proc/{pid}/task/{thread}/{name}").read_text()
@@ -121,7 +124,7 @@ def _threads(pid: int) -> list[str]:
 
 
 def _files(pid: int) -> int:
-    """Of the two folders that a student may write to, as this process sees them."""
+    """Return the bytes of kernel memory for files in the two folders that students write to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:
@@ -143,6 +146,6 @@ def _cpu(pid: int) -> float:
 
 
 def _fields(path: str) -> list[str]:
-    """Those of a file `stat`, from the third on."""
-    # The second field is a name in parentheses, which may hold anything, and no text.
+    """Return the fields of a /proc `stat` file, from the third on."""
+    # The second field is a name in parentheses, which may contain any bytes.
     return Path(path).read_text(errors="replace").rpartition(")")[2].split()

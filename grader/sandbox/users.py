@@ -1,4 +1,4 @@
-"""Users that nobody is: where root grades, each worker becomes one of its own."""
+"""Unused user IDs: if root grades, each worker becomes a user of its own."""
 
 import os
 import secrets
@@ -6,12 +6,12 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """True for a root who can become other users; in some containers it is the only one."""
+    """Return whether this is root and can become other users; some containers have no others."""
     return os.geteuid() == 0 and _how_many() >= 2**16
 
 
 def unused() -> int:
-    """A user of its own for each worker: limits are counted by user and do not bind root."""
+    """Return a random unused user ID; limits are counted by user and do not bind root."""
     count = _how_many()
     return count // 2 + secrets.randbelow(count // 2 - 2)
 

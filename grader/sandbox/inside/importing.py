@@ -1,4 +1,4 @@
-"""What `import` does in here, beside Python's own ways."""
+"""Import hooks in the sandbox: refuse forbidden modules, find submitted ones."""
 
 import ast
 import importlib.abc
@@ -12,10 +12,10 @@ from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
 
 
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Answers the import of a library that would do the exercise with a clear sentence.
+    """Refuses to import libraries that would do the exercise, with a clear sentence.
 
-    A library that imports it gets something that stands for it: of the code itself nothing comes
-    into memory.
+    If another library imports such a library, it gets a stand-in, so that none of the forbidden
+    code is ever in memory.
     """
 
     def __init__(self, modules: Iterable[str]) -> None:
@@ -24,27 +24,27 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Refuse what is forbidden; leave everything else to other finders."""
+        """Refuse forbidden modules; leave all others to other finders."""
         if not forbidden_part(fullname, self.modules):
             return None
         if not _a_library_asks():
             raise refusal(fullname)
-        # What is not even installed is missing here, too. Of what is hidden the folder is there.
+        # A module that is not installed gets no stand-in. Of a hidden one the empty folder exists.
         inside = isinstance(sys.modules.get(fullname.rpartition(".")[0]), StandInModule)
         if inside or importlib.machinery.PathFinder.find_spec(fullname, path):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
         return None
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> StandInModule:
-        """What stands for it."""
+        """Return a stand-in."""
         return StandInModule(spec.name, forbidden_part(spec.name, self.modules))
 
     def exec_module(self, module: object) -> None:
-        """There is nothing to run."""
+        """Do nothing: a stand-in has no code."""
 
 
 def _a_library_asks() -> bool:
-    """Whether it is code in a file that wants to import; a student's is in none."""
+    """Return whether the importing code is in a file; student code is not."""
     frame = sys._getframe(1)
     while frame.f_code.co_filename == __file__ or _is_importlib(frame):
         frame = frame.f_back
@@ -56,9 +56,9 @@ def _is_importlib(frame: object) -> bool:
 
 
 def refuse_imports(tree: ast.AST, modules: Iterable[str]) -> None:
-    """Make each statement inside some code raise that imports what is forbidden.
+    """Replace each statement that imports a forbidden module by one that raises.
 
-    Else it would find what stands there for libraries.
+    Otherwise it might get the stand-in that a library has loaded.
     """
     for parent in ast.walk(tree):
         for _, content in ast.iter_fields(parent):
@@ -77,7 +77,7 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
 
 
 class Beside(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Modules that were handed in beside the notebook; asked last, so they hide nothing."""
+    """Finds modules that were submitted with the notebook, after all other finders."""
 
     def __init__(self, sources: dict[str, str], forbidden: Iterable[str]) -> None:
         self.sources, self.forbidden = sources, tuple(forbidden)
@@ -85,16 +85,16 @@ class Beside(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """A spec for a module that was handed in."""
+        """Return a spec for a submitted module."""
         if fullname in self.sources:
             return importlib.machinery.ModuleSpec(fullname, self)
         return None
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
-        """An ordinary module will do."""
+        """Return None to get Python's default module."""
 
     def exec_module(self, module: object) -> None:
-        """Run the source."""
+        """Run the module's source, without forbidden imports."""
         name = module.__name__
         tree = ast.parse(self.sources[name])
         refuse_imports(tree, self.forbidden)

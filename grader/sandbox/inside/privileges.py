@@ -1,4 +1,4 @@
-"""Give up what root may do, for good: before a line of the student is read.
+"""Give up the privileges of root permanently, before student code is read.
 
 See prctl(2), capabilities(7) and linux/capability.h.
 """
@@ -14,29 +14,30 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
 def give_up(*, keep_user_changes: bool) -> None:
-    """Give up all capabilities, for good and for all children.
+    """Give up all capabilities permanently, also for all children.
 
     Parameters
     ----------
     keep_user_changes : bool
-        But for those to become another user: a worker of root's does that next.
+        Keep those for changing to another user, which a worker of root does next.
 
     Raises
     ------
     OSError
-        If the kernel does not let us.
+        If the kernel refuses.
     """
     kept = (1 << _SETGID | 1 << _SETUID) if keep_user_changes else 0
     for capability in range(64):
-        # Beyond the last one that this kernel knows it says so.
+        # The kernel refuses numbers beyond its last capability, which does no harm.
         if not kept >> capability & 1:
             _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
     header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)
-    # Effective, permitted, inheritable; of the first 32 capabilities and of the rest.
+    # Effective, permitted and inheritable sets, for the first 32 capabilities and for the others.
     sets = (ctypes.c_uint32 * 6)(kept, kept, 0, 0, 0, 0)
     if _LIBC.capset(header, sets):
         number = ctypes.get_errno()
         raise OSError(number, f"capset: {os.strerror(number)}")
     _LIBC.prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), 0, 0, 0)
-    # Entering a user namespace hides a process from its own user, who is to count its files.
+    # After joining a user namespace, /proc hides a process from its own user, but the judge has to
+    # measure its files there.
     _LIBC.prctl(_SET_DUMPABLE, ctypes.c_ulong(1), 0, 0, 0)

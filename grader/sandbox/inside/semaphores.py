@@ -1,8 +1,8 @@
-"""Semaphores of `multiprocessing` that look again and again, as nobody here can be woken.
+"""Semaphores of `multiprocessing` that poll, because the sandbox forbids shared futexes.
 
-To wait and to wake across processes take a futex that is not private, which `syscalls` leaves
-without effect. What `multiprocessing` builds its locks, queues and pools from looks, sleeps, and
-looks again.
+Waiting for and waking another process take a futex that is not private, which `syscalls` leaves
+without effect. So the semaphore under all locks, queues and pools of `multiprocessing` tries,
+sleeps, and tries again.
 """
 
 import _multiprocessing
@@ -12,10 +12,10 @@ SHORTEST, LONGEST = 50e-6, 2e-3
 
 
 class SemLock(_multiprocessing.SemLock):
-    """Like the one that it is made from, but for how it waits."""
+    """A semaphore that polls."""
 
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
-        """Take it; False where it is not free, or not in time."""
+        """Acquire it; return False if it is not free in time."""
         end = None if timeout is None else time.monotonic() + timeout
         pause = SHORTEST
         while not super().acquire(False):
@@ -30,5 +30,5 @@ class SemLock(_multiprocessing.SemLock):
 
 
 def poll() -> None:
-    """Let every semaphore of this process, and of those that it forks, be such a one."""
+    """Use polling semaphores in this process and in all that it forks."""
     _multiprocessing.SemLock = SemLock

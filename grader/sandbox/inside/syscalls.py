@@ -1,12 +1,16 @@
-"""Take away the system calls that no exercise needs.
+"""Deny the system calls that no exercise needs.
 
-Some memory belongs to no process and so to no limit (System V segments, queues, `memfd_create`); a
-user namespace gives everybody a root's view of the kernel; keyrings are inherited from whoever
-grades; virtual sockets reach through a namespace to the host. And all notebooks see the same
-files, which the kernel knows under one name: locks, watches, hints, futexes on their pages and
-what lies in memory of them are places where two could meet. A seccomp filter answers all of them,
-for this process and all it will ever start, with "no such call". To let children end unnoticed has
-no effect: what they have worked is counted once somebody has waited for them.
+- System V segments, message queues and `memfd_create` allocate memory that belongs to no process
+  and so counts for no limit.
+- A user namespace gives ordinary users root's view of the kernel.
+- Keyrings are inherited from the instructor's session.
+- Virtual sockets reach through a namespace to the host.
+- All notebooks see the same files, so locks, watches, hints, futexes on their pages, and which of
+  their pages are in memory could carry messages between notebooks.
+
+For this process and all that it starts, a seccomp filter answers these calls with "no such call".
+Ignoring the end of child processes has no effect, because the kernel adds a child's processor time
+only when its parent waits for it.
 
 The filter is a program for the kernel's packet filter: see seccomp(2) and
 ``linux/filter.h``.
@@ -18,7 +22,7 @@ import os
 import sys
 from collections.abc import Iterator
 
-# By machine: what the kernel calls it (linux/audit.h), and its numbers of system calls.
+# For each machine, its number in linux/audit.h and the numbers of its system calls.
 MACHINES = {
     "x86_64": (
         0xC000003E,
@@ -132,21 +136,21 @@ MACHINES = {
         },
     ),
 }
-# These stay, with limits on an argument.
+# These calls are allowed with some values of an argument.
 LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
 NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
-# Descriptors and their flags: no locks, leases, watches, nor hints, which a file keeps.
+# Commands for descriptors and their flags, but not for locks, leases, watches or hints.
 ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
-# Of terminals, pipes and sockets ("T"): a file system keeps what others tell it, too.
+# Requests for terminals, pipes and sockets ("T"), but not for file systems, which store settings.
 KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
-# To merge what is equal in two processes, and to take pages out of memory.
+# Advice to merge equal pages of two processes, and to take pages out of memory.
 MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
 MERGE_ALL = 67
-# A futex that is not private lies on a page, perhaps of a file that all see.
+# A futex that is not private is on a page that may belong to a shared file.
 PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
 WAITS, WAKES = (0, 9), (1, 10)
-# Of children that end unnoticed the kernel forgets what they have worked.
+# The kernel forgets the processor time of children whose end is ignored.
 END_OF_A_CHILD = 17
 
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
@@ -155,10 +159,10 @@ _NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16,
 _FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
-_ANSWER = 0x00050000  # and the number of an error, or 0 for "done"
-# "No such call": libraries know it from old kernels and take another way.
+_ANSWER = 0x00050000  # to be combined with an error number, or 0 for success
+# "No such call" is what old kernels answer, so libraries have a fallback.
 _DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
-# Waiting returns at once, as it may at any time, and waking has found nobody.
+# Waiting returns at once, which is always allowed, and waking wakes no process.
 _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
 _DONE = (_RETURN, 0, 0, _ANSWER)
 
@@ -168,19 +172,19 @@ class _Program(ctypes.Structure):
 
 
 def deny(*, sockets: bool = True) -> None:
-    """Deny them to this process and its children, for good.
+    """Install the filter permanently for this process and its children.
 
-    Other processors than those of `MACHINES` go without: this wall stands behind others.
+    Machines that are not in `MACHINES` get no filter; it is only an additional protection.
 
     Parameters
     ----------
     sockets : bool
-        Whether there may be sockets: not where the network is that of others.
+        Whether sockets are allowed. They must not be if the sandbox shares the host's network.
 
     Raises
     ------
     OSError
-        If the kernel does not take the filter.
+        If the kernel refuses the filter.
     """
     machine = os.uname().machine
     if sys.platform != "linux" or machine not in MACHINES:
@@ -203,7 +207,7 @@ _Instruction = tuple[int, int, int, int]
 
 
 def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
-    """Instructions (operation, how many to skip if true, if false, value)."""
+    """Yield instructions (operation, number to skip if true, number to skip if false, value)."""
     name, numbers = MACHINES[machine]
     yield _LOAD, 0, 0, _MACHINE
     yield _IF_EQUAL, 1, 0, name
@@ -222,7 +226,7 @@ def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
 
 
 def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
-    """What is done about each call with a limit; first the one that is made most often."""
+    """Return the instructions for each call in `LIMITED`, the most frequent call first."""
     return {
         "futex": [
             _argument(1),
@@ -254,7 +258,7 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
         "rt_sigaction": [
             _argument(0),
             *_unless(END_OF_A_CHILD, _ALLOW),
-            # To ask what is done about it is no change.
+            # With a null pointer the call only reads the current action.
             _argument(1),
             *_unless(0, _DONE),
             _argument(1, _SIZE_OF_HALF),
@@ -265,18 +269,18 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
 
 
 def _argument(position: int, half: int = 0) -> _Instruction:
-    """Load an argument; of its two halves the lower one, which is all that most take."""
+    """Return an instruction that loads half of an argument, by default the lower half."""
     return _LOAD, 0, 0, _FIRST_ARGUMENT + _SIZE_OF_ARGUMENT * position + half
 
 
 def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
-    """Give an answer where an argument fits one of some values."""
+    """Yield instructions that return an answer if the argument matches one of some values."""
     for value in values:
         yield test, 0, 1, value
         yield what
 
 
 def _unless(value: int, what: _Instruction) -> Iterator[_Instruction]:
-    """Give an answer where an argument is another one."""
+    """Yield instructions that return an answer if the argument differs from a value."""
     yield _IF_EQUAL, 1, 0, value
     yield what

@@ -1,4 +1,4 @@
-"""Messages through a pipe, with a clock: whoever holds the other end may be hostile, or hang."""
+"""Send and receive messages through a pipe with a time limit; the other end may be hostile."""
 
 import os
 import select
@@ -12,20 +12,21 @@ else:  # in the worker, which is shown this folder and nothing above it
 
 
 class WireTimeout(Exception):
-    """The other end did not answer in time."""
+    """The other end did not reply in time."""
 
 
 class WireClosed(Exception):
-    """The other end has gone."""
+    """The other end has closed the pipe."""
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Patience for so many seconds from now on, by the clock on the wall.
+    """Return a time limit of some seconds of elapsed time from now on.
 
     Returns
     -------
     callable
-        Returns for how long at most to wait before it is asked again; raises `WireTimeout`.
+        Returns for how many seconds to wait at most before the next call; raises `WireTimeout`
+        when the time is over.
     """
     end = time.monotonic() + seconds
 
@@ -46,7 +47,7 @@ def send(descriptor: int, value: object, patience: Callable[[], float] | None = 
         With a patience it must be non-blocking, or the other end can make a write wait forever.
     value : object
     patience : callable, optional
-        As `within` returns one; by default there is no end to it.
+        A time limit like the result of `within`; by default there is none.
 
     Raises
     ------
@@ -86,7 +87,7 @@ def _read(descriptor: int, size: int, patience: Callable[[], float] | None) -> b
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
-        # Asked even while data keep coming: a drop at a time is no answer.
+        # The limit also holds while data trickle in, a byte at a time.
         pause = patience and patience()
         try:
             count = os.readv(descriptor, [missing])

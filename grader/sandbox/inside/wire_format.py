@@ -1,9 +1,9 @@
-"""Plain data as bytes: the only thing that passes between a student's code and the judge.
+"""Encode plain data, the only thing that passes between a student's code and the judge.
 
 A message is a JSON tree followed by the bytes of its arrays. Numbers, strings, containers and
-arrays of plain dtype pass; anything else arrives as an `Opaque` that holds only the name of
-its type, if Python or NumPy gave it that name. Nothing is ever unpickled, and every size is
-checked before memory is taken, because whoever writes the other end may be hostile.
+arrays of plain dtype pass. Anything else arrives as an `Opaque`, which contains only the name of
+its type, if that is a type of Python or NumPy. Nothing is ever unpickled, and every size is checked
+before memory is allocated, because the other end may be hostile.
 """
 
 import builtins
@@ -20,22 +20,22 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Of values and of containers in a tree, twice what the largest array has as a list of rows. Each
-# takes up to forty times the memory of its bytes.
+# Numbers of values and containers in a tree: twice as many as the largest array has as a list of
+# rows. A value may take forty times as much memory as its bytes.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19
 MAXIMUM_GENERATORS = 100
 MAXIMUM_DEPTH = 60
 MAXIMUM_DIMENSIONS = 16
 HEADER = struct.Struct(">II")  # bytes of the tree, and of the arrays
-# One that has no end goes to the end: no place of a hostile tree is looked at twice.
+# A text without a closing quote extends to the end, so the search takes linear time.
 _TEXT = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _SCALARS = (type(None), bool, int, float, str, np.generic)
 _DEEP = "a very deeply nested value"
 _LONG = "an integer beyond 64 bits"
 _KEYS = "a {} of more than numbers and texts"
 _OWN = "an object of a class of its own"
-# What a judge may repeat: a student's class could be named after a hidden question.
+# Type names that messages may contain. A student's class could be named after a hidden question.
 _NAMES_OF_TYPES = {
     value.__name__
     for module in (builtins, types, np)
@@ -67,12 +67,12 @@ class Opaque:
 
 
 def encode(value: object) -> bytes:
-    """Bytes of a message.
+    """Return the bytes of a message.
 
     Parameters
     ----------
     value : object
-        Any tree; what is not plain data becomes an `Opaque`.
+        Any tree; values that are not plain data become an `Opaque`.
 
     Raises
     ------
@@ -86,17 +86,17 @@ def encode(value: object) -> bytes:
 
 
 def sizes_in(header: bytes) -> tuple[int, int]:
-    """Bytes of the tree and of the arrays in the message that begins with a header.
+    """Return the numbers of bytes of the tree and of the arrays, from the header of a message.
 
     Parameters
     ----------
     header : bytes or bytearray
-        `HEADER.size` of them.
+        `HEADER.size` bytes.
 
     Raises
     ------
     WireError
-        If no message is as large as it claims to be.
+        If the message would be larger than the limits.
     """
     tree_size, blob_size = HEADER.unpack(header)
     if tree_size > MAXIMUM_TREE or blob_size > MAXIMUM_ARRAYS:
@@ -105,22 +105,22 @@ def sizes_in(header: bytes) -> tuple[int, int]:
 
 
 def decode(tree: bytes, blob: bytes) -> object:
-    """Value of a message; every claim in it is checked.
+    """Return the value of a message, after checking every statement in it.
 
     Parameters
     ----------
     tree, blob : bytes or bytearray
-        What follows the header, in parts as long as it says.
+        The parts that follow the header, with the lengths that it states.
 
     Returns
     -------
     object
-        Arrays come back writable.
+        Arrays are writable.
 
     Raises
     ------
     WireError
-        If the bytes are not what `encode` writes.
+        If `encode` cannot have written these bytes.
     """
     if not _is_modest(tree):
         raise WireError("more values than any answer has")
@@ -128,12 +128,12 @@ def decode(tree: bytes, blob: bytes) -> object:
         return _from_tree(json.loads(tree), _Rest(blob), 0)
     except WireError:
         raise
-    except Exception as error:  # hostile bytes may break json or numpy in any way they like
+    except Exception as error:  # hostile bytes may make json or numpy raise anything
         raise WireError(f"not a message: {type(error).__name__}") from None
 
 
 def is_plain(value: object) -> bool:
-    """True for what crosses as it is; an object of a student's own class stays where it is."""
+    """Return whether a value can be sent; an object of a student's own class stays inside."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -166,16 +166,16 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         return {"generator": _state_of(value)}
     if isinstance(value, Opaque):
         return {"opaque": value.type_name}
-    if hasattr(value, "__array__"):  # a pandas or torch user answers correctly too
+    if hasattr(value, "__array__"):  # pandas and torch results are right answers
         return _array_to_tree(np.asarray(value), blob, depth)
     if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray, memoryview)):
-        return _to_tree(list(value), blob, depth)  # a range, a deque: NumPy reads them too
+        return _to_tree(list(value), blob, depth)  # a range or a deque, which NumPy can read
     return {"opaque": type(value).__name__}
 
 
 def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
-    # Scalars only: a stranger can make a million tuples with one hash, and a set of those
-    # would take the other end hours to build.
+    # Scalars only: student code can make a million tuples with one hash, and the judge would take
+    # hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"
     if not all(isinstance(key, _SCALARS) for key in value):
         return {"opaque": _KEYS.format(name)}
@@ -204,20 +204,20 @@ def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
 
 
 class _Rest:
-    """What a message may still be made of."""
+    """The part of a message that is not decoded yet."""
 
     def __init__(self, blob: bytes) -> None:
         self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
 
     def take(self, size: int) -> memoryview:
-        """Bytes of an array, from the front: a few cannot stand for many arrays."""
+        """Return the next bytes for an array, so that no bytes serve for two arrays."""
         if size > len(self.blob):
             raise WireError("array outside its message")
         taken, self.blob = self.blob[:size], self.blob[size:]
         return taken
 
     def take_generator(self) -> None:
-        """Making one takes as long as a hundred numbers."""
+        """Count a generator; creating one takes as long as a hundred numbers."""
         if not self.generators:
             raise WireError("more generators than any answer has")
         self.generators -= 1
@@ -263,7 +263,7 @@ def _key_from_tree(tree: object, rest: _Rest, depth: int) -> object:
 
 def _array_from_tree(content: list, rest: _Rest) -> np.ndarray:
     dtype, shape = content
-    # A list, because numpy reads types out of the strangest texts.
+    # Only listed types, because NumPy parses many other texts as types.
     if dtype not in PLAIN_TYPES:
         raise WireError("array of unknown type")
     if not isinstance(shape, list) or not _is_possible(shape):
@@ -275,7 +275,10 @@ def _array_from_tree(content: list, rest: _Rest) -> np.ndarray:
 
 
 def _is_generator(value: object) -> bool:
-    """A generator as `numpy.random.default_rng` makes them; importing numpy.random takes time."""
+    """Return whether a value is a generator from `numpy.random.default_rng`.
+
+    The name is compared first, because importing numpy.random takes time.
+    """
     return type(value).__name__ == "Generator" and isinstance(
         getattr(value, "bit_generator", None), np.random.PCG64
     )
@@ -284,12 +287,12 @@ def _is_generator(value: object) -> bool:
 def _state_of(generator: np.random.Generator) -> list:
     state = generator.bit_generator.state
     numbers = (state["state"]["state"], state["state"]["inc"])
-    # 128 bits each: as texts, because not every reader of JSON has such numbers.
+    # Texts, because some JSON parsers cannot read numbers of 128 bits.
     return [*map(hex, numbers), state["has_uint32"], state["uinteger"]]
 
 
 def _generator_from(content: object) -> np.random.Generator:
-    """A generator that draws what the one at the other end would draw next."""
+    """Return a generator with the state of the one at the other end."""
     state, increment, has_uint32, uinteger = content
     bits = np.random.PCG64()
     bits.state = {
@@ -302,21 +305,21 @@ def _generator_from(content: object) -> np.random.Generator:
 
 
 def _is_possible(shape: Sequence[int]) -> bool:
-    # Every single length counts: an array without elements can claim any other length for free.
+    # Check each length: an array with a length of 0 could state any other length without data.
     return len(shape) <= MAXIMUM_DIMENSIONS and all(
         type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
     )
 
 
 def _is_modest(tree: bytes) -> bool:
-    """Whether a tree has no more values than answers have.
+    """Return whether a tree has at most as many values and containers as an answer can have.
 
-    What stands in texts is no value: a notebook may hold a long table.
+    Commas and brackets inside texts do not count, because a notebook may contain a long table.
     """
     commas, brackets = tree.count(b","), tree.count(b"[") + tree.count(b"{")
     if commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS:
         return True
-    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # so many texts are values, too
+    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # texts also are values
         return False
     for text in _TEXT.finditer(tree):
         begin, end = text.span()
@@ -330,9 +333,9 @@ def _is_small(value: object) -> bool:
 
 
 def _is_flat(values: Sequence) -> bool:
-    """Whether these are nothing but floats, or small integers: each crosses as it is.
+    """Return whether all values are floats, or all are small integers, which need no conversion.
 
-    Most lists are such, and looking at their items one by one takes ten times as long.
+    Most lists are like this, and converting their items one by one takes ten times as long.
     """
     kinds = set(map(type, values))
     if kinds == {int}:
@@ -341,10 +344,10 @@ def _is_flat(values: Sequence) -> bool:
 
 
 def _writable_text(text: str) -> str:
-    """The text without half characters, which no file could hold."""
+    """Return a text without lone surrogates, which cannot be written to a file."""
     return text if text.isascii() else text.encode("utf-8", "replace").decode()
 
 
 def known_type(name: object) -> str:
-    """What to call a type: by its name where no student can have chosen that."""
+    """Return the name of a type if it is a known one, or else a general description."""
     return name if isinstance(name, str) and name in _KNOWN else _OWN

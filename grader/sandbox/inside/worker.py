@@ -1,8 +1,8 @@
-"""The process in which a student's code runs, and nothing else.
+"""The process in which a student's code runs.
 
-It reads its limits, then the notebook's code cells, then answers calls until the pipe closes.
-It knows no expected answer, no score and no secret: whatever a student makes it say
-is only an answer, and the judge decides whether the answer is right.
+It reads its limits, then the notebook's code cells, then answers calls until the pipe closes. It
+knows no expected answer, no score and no secret. Student code can make it send anything, but that
+is only an answer, and the judge decides whether it is right.
 
 Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
@@ -36,12 +36,12 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
-# Of functions that call each other until one raises.
+# Lines reported for an exception in functions that call each other.
 MOST_PLACES = 8
-# What comes along with an attribute at most: a small tree, whose nodes have a few small values.
+# Limits on what is sent along with an attribute: a small tree whose nodes have few, small values.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
-# Names that are not there because the lesson does not allow what they are imported from.
+# Names that are undefined because their import was refused, and the refused modules.
 _REFUSED: dict[str, str] = {}
 
 
@@ -51,7 +51,7 @@ def main(read_end: int, write_end: int) -> None:
     volunteer_for_the_memory_killer()
     become_nobody(rules["user"])
     set_limits(rules["limits"])
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # for good, with the next line
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # permanent after the next line
     syscalls.deny(sockets=rules.get("sockets", True))
     semaphores.poll()
     sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
@@ -63,8 +63,8 @@ def main(read_end: int, write_end: int) -> None:
     statements, own = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
-    # No line of the student has run: this is still what their text says.
-    # An answer may be a method of a class of one's own.
+    # No student code has run yet, so these facts about the source can be trusted. An answer may be
+    # a method of a class that the student wrote.
     uses = {name: used_by((name, *own), start["names"], statements) for name in start["names"]}
     lines = {name: slicing.lines_of((name, *own), statements) for name in start["names"]}
     alone = {
@@ -73,7 +73,7 @@ def main(read_end: int, write_end: int) -> None:
     }
     mended = (start["mend"], *own) if start["mend"] else ()
     theirs = definitions_of(mended, start["names"], statements)
-    # A helper may have passed checks of its own, so that of edits as likely these come later.
+    # A helper may have passed its own checks, so among equally likely edits those in it come last.
     own_first = sorted(theirs, key=lambda statement: start["mend"] not in statement.binds)
     edits = edits_of(start["cells"], own_first)
     told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
@@ -98,7 +98,7 @@ def main(read_end: int, write_end: int) -> None:
         except wire.WireClosed:
             return
         if "whole" in request:
-            # `exec`, `globals()` and the like bind names that nobody can read off the text.
+            # `exec`, `globals()` and the like bind names that are not visible in the source.
             run(statements, namespace)
             missing = missing_from(namespace, start["names"], own)
             wire.send(write_end, {"missing": missing})
@@ -112,29 +112,28 @@ def main(read_end: int, write_end: int) -> None:
 def with_given_code(
     statements: list[slicing.Statement], names: list[str], given: dict
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
-    """Put the lesson's own code where it belongs.
+    """Replace the notebook's versions of given code by the lesson's, unless they may change.
 
-    It takes the place of whatever the notebook makes of it, but for what the notebook may write
-    anew: where it does so, above the last check of it, all runs as it stands there.
+    If the notebook redefines open names above the last check of them, its versions stay.
 
     Parameters
     ----------
     statements : list of slicing.Statement
-        The notebook's.
+        Statements of the notebook.
     names : list of str
-        What will be called.
+        Functions and classes that will be called.
     given : dict
-        ``names`` that the lesson gives, those of them that are ``open`` to a notebook, and their
+        ``names`` that the lesson gives, those of them that are ``open`` to changes, and their
         ``source`` as it was released.
 
     Returns
     -------
     statements : list of slicing.Statement
     own : frozenset of str
-        What the notebook has written anew.
+        Open names that the notebook redefines.
     """
     released, _ = slicing.parse_notebook([given["source"]])
-    # No place in the notebook is the lesson's fault.
+    # An exception in the lesson's code must not be reported at a place in the notebook.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
     theirs, may_change = frozenset(given["names"]), frozenset(given["open"])
     ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]
@@ -142,7 +141,7 @@ def with_given_code(
     kept, own = _less_given(statements, released, theirs, may_change, end)
     bound = theirs.union(*(statement.binds for statement in kept))
     if not own and not bound.issuperset(names):
-        # Answers that are nowhere else are perhaps in a class below its checks.
+        # The student may have written the missing answers in a class below its checks.
         kept, own = _less_given(statements, released, theirs, may_change, len(statements))
     if not own:
         kept = [statement for statement in kept if statement.cell]
@@ -156,9 +155,9 @@ def _less_given(
     may_change: frozenset[str],
     end: int,
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
-    """A notebook without what it makes of the lesson's code; and what it may write anew, and does.
+    """Return the statements without changes to given code, and the open names that they redefine.
 
-    Of that counts what stands above a position. What is as it was released stays in its place.
+    Only redefinitions above the position `end` count. Unchanged given code stays in its place.
     """
     as_released = {ast.dump(statement.node): statement for statement in released}
     kept, own = [], set()
@@ -176,21 +175,21 @@ def _less_given(
 
 
 def lend_members(own: Iterable[str], source: str, namespace: dict) -> None:
-    """Give classes of the notebook the methods of the lesson's that they lack.
+    """Add missing methods of the lesson's classes to the notebook's classes of the same names.
 
     Parameters
     ----------
     own : iterable of str
-        Names of what the notebook has written anew.
+        Names that the notebook redefines.
     source : str
-        Of what the lesson gives.
+        Source of the given code.
     namespace : dict
-        The notebook's, in which these methods look up names.
+        Namespace of the notebook, in which these methods look up names.
     """
     if not own:
         return
     lessons = {}
-    with contextlib.suppress(BaseException):  # of metaclasses, and names that mean something else
+    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name not be a class
         for statement in slicing.parse_notebook([source])[0]:
             exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
         for name in own:
@@ -205,8 +204,8 @@ def without_forbidden(
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Leave out imports that the lesson forbids; also return a sentence for each cell with one.
 
-    The names that such a statement binds are remembered, for when they are missed. Where it lies
-    within another statement, it raises.
+    The names that such an import binds are stored, for the message when one is used. An import
+    inside another statement is replaced by a statement that raises.
     """
     kept, sentences = [], {}
     for statement in statements:
@@ -227,7 +226,7 @@ def without_forbidden(
 def used_by(
     parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[str]:
-    """The functions among `names` that an answer calls, directly or not: its parts call them."""
+    """Return the functions among `names` that the parts of an answer call, directly or not."""
     needed = slicing.slice_for(parts, statements)
     bound = set().union(*(statement.binds for statement in needed))
     return [other for other in names if other in bound and other != parts[0]]
@@ -236,7 +235,7 @@ def used_by(
 def definitions_of(
     parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[slicing.Statement]:
-    """Where a notebook defines an answer, and the helpers that it has for it alone."""
+    """Return the statements that define an answer and the helpers that only this answer uses."""
     others = frozenset(names) - frozenset(parts)
     kinds = (ast.FunctionDef, ast.ClassDef)
     return [
@@ -247,7 +246,7 @@ def definitions_of(
 
 
 def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict:
-    """Define some functions anew, one of them with an edit."""
+    """Define some functions again, one of them with an edit."""
     try:
         node = ast.parse(edit.statement).body[0]
         for statement in theirs:
@@ -261,7 +260,7 @@ def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict
 
 
 def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list[str]:
-    """The names that a notebook does not define, be it as a method of a class of its own."""
+    """Return the names that a notebook does not define, not even as a method of its own class."""
     classes = [namespace.get(name) for name in own]
     return [
         name
@@ -271,13 +270,13 @@ def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list
 
 
 def volunteer_for_the_memory_killer() -> None:
-    """Ask Linux to end this process, and not the grader, when the machine runs out of memory."""
+    """Let Linux end this process and not the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
 
 def become_nobody(user: int | None) -> None:
-    """Leave root for good: limits on processes do not bind root."""
+    """Change to an unused user permanently, because process limits do not bind root."""
     if user is not None:
         os.setgroups([])
         os.setgid(user)
@@ -285,7 +284,7 @@ def become_nobody(user: int | None) -> None:
 
 
 def set_limits(limits: dict[str, int]) -> None:
-    """Set resource limits that cannot be raised again."""
+    """Set resource limits, including the hard ones, which cannot be raised again."""
     for name, value in limits.items():
         which = getattr(resource, name)
         allowed = resource.getrlimit(which)[1]
@@ -295,7 +294,7 @@ def set_limits(limits: dict[str, int]) -> None:
 
 
 def make_namespace() -> dict:
-    """A fresh `__main__`, with an IPython that agrees to everything and does nothing."""
+    """Return the namespace of a new `__main__`, with an IPython stand-in that does nothing."""
     main_module = types.ModuleType("__main__")
     sys.modules["__main__"] = main_module
     builtins.get_ipython = lambda: _Agreeable()
@@ -309,13 +308,13 @@ class _Agreeable:
 
 
 def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
-    """Execute statements one by one; describe each failure, by its own line where that is known."""
+    """Execute statements one by one; return a description of each failure with its line."""
     failures = []
     for statement in statements:
         try:
             code = slicing.compile_statement(statement, f"code cell {statement.cell}")
             exec(code, namespace)
-        except BaseException as error:  # SystemExit too: nothing a cell does ends the judging
+        except BaseException as error:  # including SystemExit, so that judging goes on
             failure = describe(error)
             failure["place"] = (
                 failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
@@ -325,12 +324,11 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
 
 
 def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
-    """Do what a request asks for; the result, or what went wrong.
+    """Carry out a request; return the result, or a description of the exception.
 
-    A request names a function of the notebook, or a method or an attribute (with dots, an
-    attribute's) of an object that an earlier answer left here under a number. With `each` there
-    are several calls, and a list of what they return. `seconds`, where it is not None, are how long
-    they may take.
+    A request names a function of the notebook, or a method or attribute of an object that an
+    earlier reply referred to by a number; dots separate nested attributes. With `each` there are
+    several calls, and the result is a list. `seconds` limits their time, unless it is None.
     """
     try:
         if request["object"] is None:
@@ -356,14 +354,15 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
 
 
 class TookTooLong(BaseException):
-    """What is called goes on and on: few answers catch this."""
+    """A call takes too long. It derives from BaseException, which few answers catch."""
 
 
 @contextlib.contextmanager
 def interrupted_after(seconds: float | None) -> Iterator[None]:
-    """Raise `TookTooLong` after some seconds of the processor: cheaper than another process.
+    """Raise `TookTooLong` after some seconds of processor time, which saves a new process.
 
-    Code that catches it is interrupted again, and who sleeps is not; they have the judge's clock.
+    Code that catches it is interrupted again. Code that sleeps is not interrupted; the judge's own
+    limit ends it.
     """
 
     def stop(*signal_and_frame: object) -> None:
@@ -382,20 +381,21 @@ def interrupted_after(seconds: float | None) -> Iterator[None]:
 
 
 def held(value: object, objects: dict[int, object]) -> dict:
-    """Keep an object, under a number by which it can be asked for."""
+    """Store an object; return the number by which later requests refer to it, and its type."""
     objects[len(objects)] = value
     return {"object": len(objects) - 1, "type": type(value).__name__}
 
 
 def beside(number: int, objects: dict[int, object]) -> list:
-    """The attributes of an object, and of those that it leads to: who asks for one walks a tree.
+    """Return the attributes of an object and of all that it refers to, for callers that walk trees.
 
-    Two tables, as lists of columns: whose attribute, its name and its value, of plain ones; whose
-    attribute, its name, the number and the type of the object that it holds, of the others.
+    The result has two tables as lists of columns. The first has the plain attributes: number of
+    the object, name, value. The second has the others: number of the object, name, number and type
+    of the value.
     """
     plain, others = [[], [], []], [[], [], [], []]
     waiting = [number]
-    for number in waiting:  # grows while it is walked
+    for number in waiting:  # the list grows in this loop
         attributes = getattr(objects[number], "__dict__", None)
         if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
             continue
@@ -415,7 +415,7 @@ def beside(number: int, objects: dict[int, object]) -> list:
 
 
 def is_small(value: object) -> bool:
-    """Whether a value is a number, or a few of them."""
+    """Return whether a value is a scalar or has only a few elements."""
     if type(value) is np.ndarray:
         return value.size <= MOST_NUMBERS
     if type(value) in (list, tuple):
@@ -424,13 +424,13 @@ def is_small(value: object) -> bool:
 
 
 def methods(value: object) -> list[str]:
-    """Names of the methods of an object's class; what is called is looked up only then."""
+    """Return the names of the public methods of an object's class."""
     names = [name for name, member in vars(type(value)).items() if callable(member)]
     return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
 
 
 def observed(result: object, arguments: list) -> dict:
-    """What became of the arguments, and which of them share their memory with the result."""
+    """Return the arguments after a call, and which of them share memory with the result."""
     arrays = [value if isinstance(value, np.ndarray) else np.empty(0) for value in arguments]
     shared = [
         position
@@ -441,7 +441,7 @@ def observed(result: object, arguments: list) -> dict:
 
 
 def reply(write_end: int, number: int, content: dict) -> None:
-    """Send an answer, or say why it cannot be sent."""
+    """Send a reply, or the reason why it cannot be sent."""
     try:
         wire.send(write_end, {"id": number, **content})
     except wire.WireClosed:
@@ -457,20 +457,21 @@ def reply(write_end: int, number: int, content: dict) -> None:
                 },
             },
         )
-    except Exception as error:  # an object that cannot be turned into an array, or read
+    except Exception as error:  # a student's object may raise when it is read or converted
         wire.send(write_end, {"id": number, "error": describe(error)})
 
 
 def describe(error: BaseException) -> dict:
-    """Plain data about an exception: type, message, the notebook's last line and function in it.
+    """Return plain data about an exception: type, message, and lines of the notebook.
 
-    And the lines of other functions that led there, the outermost first.
+    `place` and `function` are the innermost line and function of the notebook in the traceback;
+    `through` has the lines of other functions that led there, the outermost first.
     """
     places, function, trace = {}, None, error.__traceback__
     while trace is not None:
         code = trace.tb_frame.f_code
         if code.co_filename.startswith("code cell "):
-            places.pop(code, None)  # what calls itself has one place, the last
+            places.pop(code, None)  # a recursive function counts once, with its last line
             places[code], function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
         trace = trace.tb_next
     *through, place = places.values() or [None]
@@ -491,7 +492,7 @@ def describe(error: BaseException) -> dict:
 
 
 def serve(read_end: int, write_end: int) -> None:
-    """Serve one notebook, in silence: printing, reading and warnings do no harm."""
+    """Serve one notebook with standard input and output closed off."""
     silence = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
         os.dup2(silence, standard)

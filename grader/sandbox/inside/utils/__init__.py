@@ -26,7 +26,7 @@ _REAL = tuple(f"utils.{name}." for name in ("in_sandbox", "notebooks", *in_sandb
 
 
 class Agreeable:
-    """Has every attribute, can be called, entered and gone through; it is always another one."""
+    """A stand-in that has every attribute and can be called, entered and iterated."""
 
     def __getattr__(self, name: str) -> Agreeable:
         if name.startswith("__"):
@@ -34,7 +34,7 @@ class Agreeable:
         return Agreeable()
 
     def __call__(self, *arguments: object, **keywords: object) -> Agreeable:
-        """Agree."""
+        """Return another stand-in."""
         return Agreeable()
 
     def __iter__(self) -> Iterator:
@@ -54,21 +54,21 @@ class Agreeable:
 
 
 class _Everything(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finds every module of `utils` that is not real, and fills it with agreement."""
+    """Finds every module of `utils` that is not real, and fills it with stand-ins."""
 
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """A spec for all but what is real."""
+        """Return a spec for every module of `utils` that is not real."""
         if not fullname.startswith("utils.") or f"{fullname}.".startswith(_REAL):
             return None
         return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
-        """An ordinary module will do."""
+        """Return None to get Python's default module."""
 
     def exec_module(self, module: types.ModuleType) -> None:
-        """Let it agree to every name."""
+        """Give the module a stand-in for every name."""
         module.__getattr__ = _agree
 
 
@@ -79,7 +79,7 @@ def _agree(name: str) -> Agreeable:
 
 
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
-    """Say that there is one notebook only."""
+    """Raise, because the sandbox has only one notebook."""
     raise FileNotFoundError(
         f"There is no notebook {str(name)!r} here. (The judge sees one notebook only: paste what "
         "it needs into that notebook.)"
