@@ -527,7 +527,11 @@ def main(wanted: list[str]) -> int:
     # A fork of a process with threads of OpenMP hangs.
     os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     hypothesis.settings.register_profile(
-        "mutants", phases=[hypothesis.Phase.generate], database=None, derandomize=True
+        "mutants",
+        deadline=None,
+        phases=[hypothesis.Phase.generate],
+        database=None,
+        derandomize=True,
     )
     hypothesis.settings.load_profile("mutants")
     forgiven, survived, stopped = equivalent(), 0, []

@@ -16,7 +16,7 @@ from grader.course.lessons import find_lesson
 from grader.sandbox import SANDBOXES, Limits, choose_sandbox, jail
 from grader.sandbox.boundary import WORKER
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.launcher import introduce
+from grader.sandbox.launcher import send_rules
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 
@@ -65,7 +65,7 @@ class Container:
     def start(self, limits, forbidden=(), packages=(), named=()):
         worker = Streams()
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
-        introduce(worker, rules)
+        send_rules(worker, rules)
         return worker
 
 

@@ -18,6 +18,7 @@ PLAIN = (
     "grader/intake",
     "grader/judging",
     "grader/lms",
+    "grader/sandbox",
     "grader/site",
     "utils/boxes",
     "utils/breaking",

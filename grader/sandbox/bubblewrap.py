@@ -77,22 +77,22 @@ class Bubblewrap:
             "forbidden": list(forbidden),
         }
         packages, forbidden = tuple(packages), tuple(forbidden)
-        windows = _windows(packages, forbidden)
+        windows = _options_for_files(packages, forbidden)
         walls = [*_walls(limits), *windows, "--remount-ro", "/"]
-        if _can_go_behind_walls():
+        if _can_join_namespaces():
             client = client_for(preloaded(packages), forbidden)
             return launch(walls, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
         return launch([*walls, "--die-with-parent", "--"], "/tmp", rules, limits)
 
 
 @functools.cache
-def _search() -> tuple[bwrap.Executable | None, str]:
+def _find_program() -> tuple[bwrap.Executable | None, str]:
     """Return a bubblewrap that works here, or the reason why there is none."""
     return bwrap.find(_options(Limits()))
 
 
 def _program() -> bwrap.Executable:
-    program, complaint = _search()
+    program, complaint = _find_program()
     if not program:
         raise SandboxUnavailable(
             complaint,
@@ -103,14 +103,14 @@ def _program() -> bwrap.Executable:
 
 
 @functools.cache
-def _can_go_behind_walls() -> bool:
+def _can_join_namespaces() -> bool:
     """Return whether a process may join namespaces that it created; some systems forbid it."""
     rules = {
         "user": users.unused() if users.is_root() else None,
         "limits": Limits().resources(),
         "forbidden": [],
     }
-    walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
+    walls = [*_walls(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # Most lessons need this fork server, so it is started only once.
         launch(walls, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
@@ -181,23 +181,23 @@ def _options(limits: Limits) -> list[str]:
     ]
 
 
-def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
+def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     """Return options that show Python and the boundary's files, without forbidden modules."""
     ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # If the project is inside a visible folder, hide it there and show only these files.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
-    covered = [path for path in covered if _lies_in(path, (*SYSTEM, BASE_PREFIX))]
-    options = [] if _lies_in(BASE_PREFIX, SYSTEM) else _seen([BASE_PREFIX])
+    covered = [path for path in covered if _is_in_any(path, (*SYSTEM, BASE_PREFIX))]
+    options = [] if _is_in_any(BASE_PREFIX, SYSTEM) else _options_to_show([BASE_PREFIX])
     options += itertools.chain(*(("--tmpfs", path) for path in covered))
-    options += _seen(shown)
+    options += _options_to_show(shown)
     for hidden in map(str, folders_of_modules(forbidden, packages)):
         options += ["--tmpfs", hidden, "--remount-ro", hidden]
     options += itertools.chain(*(("--remount-ro", path) for path in covered))
     return options
 
 
-def _seen(paths: list[str]) -> list[str]:
+def _options_to_show(paths: list[str]) -> list[str]:
     """Return options that show files and folders, and create the folders above them."""
     parents = {str(parent) for path in paths for parent in Path(path).parents}
     # Folders that bubblewrap creates by itself are closed to other users.
@@ -205,5 +205,5 @@ def _seen(paths: list[str]) -> list[str]:
     return [*itertools.chain(*folders), *itertools.chain(*(("--ro-bind", p, p) for p in paths))]
 
 
-def _lies_in(path: str, folders: Iterable[str]) -> bool:
+def _is_in_any(path: str, folders: Iterable[str]) -> bool:
     return any(Path(path).is_relative_to(folder) for folder in folders)

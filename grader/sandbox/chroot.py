@@ -75,7 +75,7 @@ class Chroot:
         except OSError as error:
             raise SandboxUnavailable(f"The folder for a sandbox cannot be made: {error}") from None
         walls = [sys.executable, "-I", "-S", "-B", str(JAILER), str(folder), jail.HOME, str(user)]
-        return launch(walls, jail.HOME, rules, limits, give_back=lambda: offer(kind, folder))
+        return launch(walls, jail.HOME, rules, limits, give_back=lambda: put_back(kind, folder))
 
 
 Kind = tuple[tuple[str, ...], tuple[str, ...]]
@@ -83,7 +83,7 @@ Kind = tuple[tuple[str, ...], tuple[str, ...]]
 _free: dict[Kind, list[Path]] = defaultdict(list)
 
 
-def offer(kind: Kind, folder: Path) -> None:
+def put_back(kind: Kind, folder: Path) -> None:
     """Make a folder built by `jail.build` available to the next worker of its kind."""
     _free[kind].append(folder)
 
@@ -96,7 +96,7 @@ def _take(kind: Kind) -> Path:
         return jail.build(*kind)
 
 
-def hidden_by_their_own() -> str:
+def path_in_own_folders() -> str:
     """Return a visible path that is inside a worker's own folders; empty if there is none."""
     shown = (PYTHON, PREFIX, *SHOWN)
     return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
@@ -109,7 +109,7 @@ def _complaint() -> str:
         return f"These walls need Linux on {' or '.join(MACHINES)}."
     if not users.is_root():
         return "These walls need root: only root can shut others in."
-    if hidden := hidden_by_their_own():
+    if hidden := path_in_own_folders():
         return (
             f"{hidden} lies in {' or '.join(jail.OPEN)}, where whoever is shut in has files of "
             "their own. Move the course elsewhere, with its .venv."

@@ -108,7 +108,7 @@ class WorkerProcess:
                 if sum(map(memory_of_tree, self.pids)) > most:
                     with self._signals:
                         if not self._stopped.is_set():
-                            _let_end(self.process)
+                            _end_gently(self.process)
                     return
 
         threading.Thread(target=watch, daemon=True).start()
@@ -159,7 +159,7 @@ def launch(
             process, forked = _run(command, home, (their_read, their_write), talk), None
         else:
             request = {"own_users": rules["user"] is None, "home": home, "preload": preload}
-            process, forked = _go_behind(walls, request, client, their_read, their_write)
+            process, forked = _start_and_join(walls, request, client, their_read, their_write)
     except SandboxUnavailable:
         for end in (our_read, our_write):
             os.close(end)
@@ -169,16 +169,16 @@ def launch(
         os.close(their_write)
     worker = WorkerProcess(process, our_read, our_write, forked, give_back or (lambda: None))
     try:
-        introduce(worker, rules)
+        send_rules(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):
-        complaint = _last_words(process)
+        complaint = _end_with_message(process)
         worker.stop()
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
     worker.watch_memory(limits.total_memory)
     return worker
 
 
-def introduce(worker: Worker, rules: dict) -> None:
+def send_rules(worker: Worker, rules: dict) -> None:
     """Send a new worker its rules, and wait until it has applied them.
 
     Parameters
@@ -199,7 +199,7 @@ def introduce(worker: Worker, rules: dict) -> None:
 
 def _kill(process: Popen) -> int | None:
     """End a process and its group; return its exit code, or None if it does not end."""
-    for end in (_let_end, _kill_group):
+    for end in (_end_gently, _kill_group):
         if process.returncode is None:  # otherwise its ID may have been reused
             end(process)
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -207,7 +207,7 @@ def _kill(process: Popen) -> int | None:
     return process.returncode
 
 
-def _let_end(process: Popen) -> None:
+def _end_gently(process: Popen) -> None:
     """End a sandbox by closing its input; kill a process that does not wait for input."""
     if process.stdin:
         process.stdin.close()
@@ -220,7 +220,7 @@ def _kill_group(process: Popen) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _last_words(process: Popen) -> str:
+def _end_with_message(process: Popen) -> str:
     """End a process and return the end of its error output."""
     _kill(process)
     # A process that it started may live on and hold the pipe open.
@@ -246,7 +246,7 @@ def _run(
     )
 
 
-def _go_behind(
+def _start_and_join(
     walls: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
     """Build a sandbox around a process that only waits, and let a worker join it."""
@@ -269,7 +269,7 @@ def _go_behind(
             raise SandboxUnavailable("The sandbox cannot be built.")
         return process, client.fork({"walls": first, **request}, read_end, write_end)
     except SandboxUnavailable as fault:
-        complaint = _last_words(process)
+        complaint = _end_with_message(process)
         process.stderr.close()
         raise SandboxUnavailable(f"{fault} {complaint}".strip()) from None
     finally:

@@ -55,20 +55,20 @@ SENTENCES = (
 
 def sentence_on(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
-    where = _there(error.place, error.line)
+    where = _place_and_line(error.place, error.line)
     if error.calling:  # the function that raised may be right, and called with wrong arguments
-        where = f"{_there(error.calling, error.calling_line)}, which calls {where}"
-    return f"{error.function} raised {_quoted(error)}{where and f' ({where})'}."
+        where = f"{_place_and_line(error.calling, error.calling_line)}, which calls {where}"
+    return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 
 
 def sentence_on_cell(error: StudentError) -> str:
     """Return a sentence that says which cell failed, and how."""
     where = f"{error.place.capitalize()}," if error.place else "A cell"
-    line = _shown(error.line)
-    return f"{where} failed: {_quoted(error)}{line and f' ({line})'}."
+    line = _shortened(error.line)
+    return f"{where} failed: {_type_and_message(error)}{line and f' ({line})'}."
 
 
-def _quoted(error: StudentError) -> str:
+def _type_and_message(error: StudentError) -> str:
     """Return an exception's type and those parts of its message that may be shown."""
     kind, message, line = error.type_name, error.message, error.line[:LONGEST_LINE]
     module = message.partition(" ")[0]
@@ -85,11 +85,11 @@ def _quoted(error: StudentError) -> str:
     return kind if is_told else "another exception"
 
 
-def _there(place: str | None, line: str) -> str:
-    shown = _shown(line)
+def _place_and_line(place: str | None, line: str) -> str:
+    shown = _shortened(line)
     return f"{place}{shown and f': {shown}'}" if place else ""
 
 
-def _shown(line: str) -> str:
+def _shortened(line: str) -> str:
     shown = line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE]}…"
     return line and f"`{shown}`"

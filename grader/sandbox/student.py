@@ -33,7 +33,7 @@ MOST_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
-class _Held:
+class _Reference:
     """A reference to an object in a worker, which may have been stopped since."""
 
     number: int
@@ -43,16 +43,20 @@ class _Held:
 class RemoteFunction(Remote):
     """A function, class or method in the sandbox that can be called or observed."""
 
-    def __init__(self, student: StudentProxy, name: str, held: _Held | None = None) -> None:
-        self._student, self.__name__, self._held = student, name, held
+    def __init__(
+        self, student: StudentProxy, name: str, reference: _Reference | None = None
+    ) -> None:
+        self._student, self.__name__, self._reference = student, name, reference
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Return its result."""
-        return self._student._ask(self.__name__, [arguments], keywords, self._held)
+        return self._student._ask(self.__name__, [arguments], keywords, self._reference)
 
     def observe(self, *arguments: object) -> Observed:
         """Call it; return the result and the arguments after the call."""
-        return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
+        return self._student._ask(
+            self.__name__, [arguments], reference=self._reference, observe=True
+        )
 
     def timed(self, *arguments: object) -> tuple[object, float]:
         """Return its result, and the seconds that it takes as measured by a `Meter`."""
@@ -68,7 +72,11 @@ class RemoteFunction(Remote):
 
     def each(self, calls: Sequence[Sequence]) -> list:
         """Call it with each of these arguments in one message; all share the limit of one call."""
-        return self._student._ask(self.__name__, calls, held=self._held, each=True) if calls else []
+        return (
+            self._student._ask(self.__name__, calls, reference=self._reference, each=True)
+            if calls
+            else []
+        )
 
 
 class RemoteObject(Remote):
@@ -77,8 +85,8 @@ class RemoteObject(Remote):
     ``tree.root`` is plain data, None, or another `RemoteObject`; ``tree.insert(p, 0)`` is a call.
     """
 
-    def __init__(self, student: StudentProxy, held: _Held, type_name: str) -> None:
-        self._student, self._held = student, held
+    def __init__(self, student: StudentProxy, reference: _Reference, type_name: str) -> None:
+        self._student, self._reference = student, reference
         self.type_name = type_name
 
     def __repr__(self) -> str:
@@ -87,11 +95,11 @@ class RemoteObject(Remote):
     def __getattr__(self, name: str) -> object:
         if name.startswith("_"):
             raise AttributeError(name)
-        return self._student._ask(name, held=self._held, call=False)
+        return self._student._ask(name, reference=self._reference, call=False)
 
     def reach(self, names: Sequence[str]) -> object:
         """Return the attribute at the end of a path, such as ``["root", "left"]``."""
-        return self._student._ask(".".join(names), held=self._held, call=False)
+        return self._student._ask(".".join(names), reference=self._reference, call=False)
 
 
 class StudentProxy:
@@ -106,7 +114,7 @@ class StudentProxy:
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
         The remaining time of the notebook; by default all of it.
-    mend : str, optional
+    edited : str, optional
         An exercise for which one-edit changes are requested.
 
     Attributes
@@ -118,8 +126,8 @@ class StudentProxy:
     exercise : str
         The exercise that calls are counted for, so that one that hangs costs the others nothing.
     edits : tuple of tuple
-        One-edit changes of the exercise `mend`, the likeliest first, known after the start: number
-        of the cell, first and last line, and the text that replaces these lines.
+        One-edit changes of the exercise `edited`, the likeliest first, known after the start:
+        number of the cell, first and last line, and the text that replaces these lines.
     interrupts_after : float or None
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`; None
         if only the limits end a call, together with its process.
@@ -133,9 +141,9 @@ class StudentProxy:
         sandbox: Sandbox,
         limits: Limits | None = None,
         budget: Budget | None = None,
-        mend: str = "",
+        edited: str = "",
     ) -> None:
-        self._mend, self.edits = mend, ()
+        self._edited, self.edits = edited, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
         # Attributes that came along with a requested one, from the same object and those that it
@@ -146,13 +154,13 @@ class StudentProxy:
         self._budget = budget or Budget(self._limits)
         # Steps that hung in an earlier process are not restarted again and again.
         self._hung_before = frozenset(self._budget.hung)
-        self._told, self._took, self._past = False, 0.0, 0.0
+        self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
         self._meter: Meter | None = None  # while a call is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
-        self._alone: dict[str, list[list[int]]] = {}  # without the lines of other exercises
+        self._own_lines: dict[str, list[list[int]]] = {}  # without the lines of other exercises
 
     def __enter__(self) -> StudentProxy:
         return self
@@ -172,12 +180,12 @@ class StudentProxy:
     def edit(self, number: int) -> None:
         """Apply one of `edits` to the exercise for all later calls."""
         self._ensure_running()
-        self._reply_to({"name": self._mend, "edit": number})
+        self._reply_to({"name": self._edited, "edit": number})
 
     @property
     def cpu_seconds(self) -> float:
         """Processor time of all its workers so far."""
-        return self._past + (self._worker.cpu_seconds() if self._worker else 0.0)
+        return self._past_seconds + (self._worker.cpu_seconds() if self._worker else 0.0)
 
     def close(self) -> None:
         """Stop the sandbox."""
@@ -190,7 +198,7 @@ class StudentProxy:
         name: str,
         calls: Sequence[Sequence] = (),
         keywords: dict | None = None,
-        held: _Held | None = None,
+        reference: _Reference | None = None,
         call: bool = True,
         observe: bool = False,
         each: bool = False,
@@ -199,38 +207,38 @@ class StudentProxy:
 
         Several calls return a list of plain results, or raise the first exception.
         """
-        self._refuse_what_is_gone(name, held)
+        self._check_exists(name, reference)
         if call:
             self._known.clear()
         else:
             for known in (self._methods, self._known):
-                if (held.number, name) in known:
-                    return known[held.number, name]
+                if (reference.number, name) in known:
+                    return known[reference.number, name]
         request = {
             "name": name,
             "calls": [list(arguments) for arguments in calls],
             "keywords": keywords or {},
-            "object": held and held.number,
+            "object": reference and reference.number,
             "observe": observe,
             "each": each,
         }
         reply = self._reply_to(request)
-        result = self._result_in(reply, name, held, call)
+        result = self._result_in(reply, name, reference, call)
         if each and (not isinstance(result, list) or len(result) != len(calls)):
-            self._stop_off_the_question(name)
-        self._remember(reply.get("beside"))
+            self._stop_for_wrong_reply(name)
+        self._remember(reply.get("nearby"))
         if not call:
-            return self._known.get((held.number, name), result)
+            return self._known.get((reference.number, name), result)
         return self._observed_in(reply, result, name, len(calls[0])) if observe else result
 
-    def _refuse_what_is_gone(self, name: str, held: _Held | None) -> None:
+    def _check_exists(self, name: str, reference: _Reference | None) -> None:
         """Ensure that a worker is running; raise if the function or object does not exist in it."""
-        if held is not None and held.worker is not self._worker:
+        if reference is not None and reference.worker is not self._worker:
             raise StudentStopped(
                 "The notebook's process was stopped, and what it had built is gone."
             )
         self._ensure_running()
-        if held is None and name in self._missing:
+        if reference is None and name in self._missing:
             raise StudentError(
                 name,
                 "NameError",
@@ -252,42 +260,44 @@ class StudentProxy:
         )
         number = reply.get("id") if isinstance(reply, dict) else None
         if type(number) is not int or number != self._calls:
-            self._stop_off_the_question(name)
+            self._stop_for_wrong_reply(name)
         if "error" in reply:
-            self._budget.note_lost(self.exercise, self._took)
+            self._budget.note_lost(self.exercise, self._last_seconds)
             raise self._error(name, reply["error"])
         if not names_a_number(reply):
-            self._stop_off_the_question(name)
+            self._stop_for_wrong_reply(name)
         return reply
 
-    def _result_in(self, reply: dict, name: str, held: _Held | None, call: bool) -> object:
+    def _result_in(
+        self, reply: dict, name: str, reference: _Reference | None, call: bool
+    ) -> object:
         """Return the result in a reply, or a proxy if the object stays in the sandbox."""
         if "object" not in reply:
             return reply.get("result")
         if reply.get("callable") is True and not call:
-            return RemoteFunction(self, name, held)
+            return RemoteFunction(self, name, reference)
         result = self._object(reply["object"], reply.get("type"))
         for method in texts(reply.get("methods")):
-            function = RemoteFunction(self, method, result._held)
-            self._methods[result._held.number, method] = function
+            function = RemoteFunction(self, method, result._reference)
+            self._methods[result._reference.number, method] = function
         return result
 
     def _observed_in(self, reply: dict, result: object, name: str, count: int) -> Observed:
         """Return the result of a call with its `count` arguments after the call."""
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != count:
-            self._stop_off_the_question(name)
+            self._stop_for_wrong_reply(name)
         return Observed(result, tuple(after), frozenset(positions(shared)))
 
-    def _stop_off_the_question(self, name: str) -> NoReturn:
+    def _stop_for_wrong_reply(self, name: str) -> NoReturn:
         self._stop(self.exercise, f"{name} did not answer the question that was asked")
 
     def _object(self, number: int, kind: object) -> RemoteObject:
-        return RemoteObject(self, _Held(number, self._worker), wire_format.known_type(kind))
+        return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
 
-    def _remember(self, beside: object) -> None:
+    def _remember(self, nearby: object) -> None:
         """Store the attributes that came along; a caller usually walks the whole tree."""
-        plain, others = beside if isinstance(beside, list) and len(beside) == 2 else ((), ())
+        plain, others = nearby if isinstance(nearby, list) and len(nearby) == 2 else ((), ())
         for number, name, value in rows(plain, 3):
             self._known[number, name] = value
         for number, name, other, kind in rows(others, 4):
@@ -322,12 +332,12 @@ class StudentProxy:
 
     def _calling(self, place: str, through: list[str]) -> str | None:
         """Return where the exercise calls the other function that contains a place."""
-        own = self._alone.get(self.exercise, ())
+        own = self._own_lines.get(self.exercise, ())
         if _is_one_of_few(place, own):
             return None
         return next((one for one in reversed(through) if _is_one_of_few(one, own)), None)
 
-    def _failed_cells(self, failures: object) -> list[str]:
+    def _sentences_on_cells(self, failures: object) -> list[str]:
         """Return a sentence for each of the first cells that failed."""
         failures = failures if isinstance(failures, list) else []
         said = [
@@ -337,11 +347,11 @@ class StudentProxy:
         return [*said, *["More of the notebook failed after that."] * more]
 
     def _ensure_running(self) -> None:
-        self._refuse_what_takes_too_long()
+        self._check_elapsed_time()
         if self._worker:
             return
         for what in (self.exercise, _NEEDED):
-            self._refuse_what_was_stopped(what)
+            self._check_restarts(what)
         if self._budget.seconds <= 0:
             raise StudentStopped(
                 f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
@@ -358,7 +368,7 @@ class StudentProxy:
                 "cells": list(program.cells),
                 "names": list(program.names),
                 "modules": program.modules,
-                "mend": self._mend,
+                "edited": self._edited,
                 "given": {
                     "names": list(program.given.names),
                     "source": program.given.source,
@@ -369,29 +379,29 @@ class StudentProxy:
         failed = self._start()
         self._budget.begins = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
-        if not self._told:
+        if not self._has_reported:
             # Only the first of these are trustworthy: they were found before student code ran.
-            self.problems += texts(found.get("problems")) + self._failed_cells(
+            self.problems += texts(found.get("problems")) + self._sentences_on_cells(
                 failed.get("problems")
             )
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
-            self._lines, self._alone = found["lines"], found["alone"]
+            self._lines, self._own_lines = found["lines"], found["alone"]
             self.edits = changes(found.get("edits"))
-            self._told = True
+            self._has_reported = True
         if self._missing and _ALL not in (*self._stops, *self._budget.hung):
             self._try_whole_notebook()
 
-    def _refuse_what_takes_too_long(self) -> None:
+    def _check_elapsed_time(self) -> None:
         if time.monotonic() >= self._budget.until:
             self.starved = True
             self.close()
-            raise StudentStopped(f"Not tried: {self._over()}")
+            raise StudentStopped(f"Not tried: {self._time_is_over()}")
 
-    def _over(self) -> str:
+    def _time_is_over(self) -> str:
         seconds = f"{self._limits.wall_seconds:g}"
         return f"the notebook's {seconds} seconds by the clock on the wall were over."
 
-    def _refuse_what_was_stopped(self, what: str) -> None:
+    def _check_restarts(self, what: str) -> None:
         stops = self._stops.get(what, [])
         if len(stops) > (0 if what in self._hung_before else self._limits.restarts):
             code = "the notebook's own cells" if what == _NEEDED else "this exercise's code"
@@ -433,7 +443,7 @@ class StudentProxy:
         except wire.WireTimeout:
             self.starved |= patience.starved
             if time.monotonic() >= self._budget.until:
-                self._stop(what, f"The notebook was given up: {self._over()}")
+                self._stop(what, f"The notebook was given up: {self._time_is_over()}")
             sentence = too_slow.format(seconds=round(seconds, 1))
             reason = self._budget.hung.setdefault(what, sentence)
             self._stop(what, sentence, reason, out_of_time=what not in (_NEEDED, _ALL))
@@ -452,15 +462,15 @@ class StudentProxy:
                 wire.send(self._worker.write_end, message, patience)
             return wire.receive(self._worker.read_end, patience)
         finally:
-            self._took = patience.taken()
-            self._budget.seconds -= self._took
+            self._last_seconds = patience.taken()
+            self._budget.seconds -= self._last_seconds
 
     def _stop(
         self, what: str, sentence: str | None, reason: str = "", out_of_time: bool = False
     ) -> NoReturn:
         """Kill the worker, remember which step was stopped and why, and raise."""
-        self._budget.note_lost(what, self._took)
-        self._past = self.cpu_seconds
+        self._budget.note_lost(what, self._last_seconds)
+        self._past_seconds = self.cpu_seconds
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
         code = worker.stop()

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.slow
 def walls():
     if os.geteuid():
         pytest.skip(ROOT)
-    if chroot.hidden_by_their_own():
+    if chroot.path_in_own_folders():
         pytest.skip("a course outside /tmp and /var/tmp, with its Python: clone it elsewhere")
     return demand_walls("chroot")
 
@@ -57,7 +57,8 @@ def test_only_shown_files_are_visible(tmp_path):
     assert str(PROJECT / "grader" / "sandbox" / "inside" / "worker.py") in seen
     assert any(path.endswith("/numpy/__init__.py") for path in seen)
     ours = {path for path in seen if path.startswith(f"{PROJECT}/")}
-    shown = ("grader/sandbox/inside/", "utils/clouds/", "utils/notebooks/", "data/", ".venv/")
+    utils = ("utils/clouds/", "utils/in_sandbox.py", "utils/notebooks/")
+    shown = ("grader/sandbox/inside/", *utils, "data/", ".venv/")
     assert ours and all(path[len(f"{PROJECT}/") :].startswith(shown) for path in ours)
     assert not [path for path in seen if "/sklearn/" in path or "/proc/" in path]
     assert str(tmp_path / "seed") not in seen and "/etc/passwd" not in seen

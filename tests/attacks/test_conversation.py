@@ -300,7 +300,7 @@ def test_forged_attributes_are_ignored():
     source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
         thing = student.f(1)
-        number = thing._held.number
+        number = thing._reference.number
         forged = {"first": 5, "b": {"object": [1]}, 3: {"result": 1}}
         student._remember([[number, forged], "xy", [1], [None, forged], [number, 7]])
         student._remember({number: forged})

@@ -48,14 +48,14 @@ def f():
 @pytest.fixture(autouse=True)
 def forked():
     """Skip these tests if workers cannot be forked."""
-    if not bubblewrap._can_go_behind_walls():
+    if not bubblewrap._can_join_namespaces():
         not_here("the right to enter namespaces: sudo make test")
 
 
 def looked(monkeypatch, forks):
     with monkeypatch.context() as patch:
         if not forks:
-            patch.setattr(bubblewrap, "_can_go_behind_walls", lambda: False)
+            patch.setattr(bubblewrap, "_can_join_namespaces", lambda: False)
         return outcome_of(LOOK)
 
 
@@ -232,7 +232,7 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"
         "walls = bubblewrap.Bubblewrap()\n"
-        "bubblewrap._can_go_behind_walls()\n"
+        "bubblewrap._can_join_namespaces()\n"
         "ENVIRONMENT['MARK'] = sys.argv[1]\n"
         "for moment in range(20):\n"
         "    judge = os.fork()\n"
@@ -279,10 +279,10 @@ def test_python_starts_in_the_sandbox_if_entering_namespaces_is_refused(monkeypa
         raise bubblewrap.SandboxUnavailable("not here")
 
     monkeypatch.setattr(fork_client.ForkClient, "fork", refused)
-    bubblewrap._can_go_behind_walls.cache_clear()
+    bubblewrap._can_join_namespaces.cache_clear()
     try:
         worker = WALLS.start(Limits())
         assert worker.forked is None
         assert worker.stop() == -9
     finally:
-        bubblewrap._can_go_behind_walls.cache_clear()
+        bubblewrap._can_join_namespaces.cache_clear()

@@ -412,7 +412,7 @@ def elsewhere(tmp_path, monkeypatch):
             "folders_of_packages": lambda: (installed,),
         }.items():
             monkeypatch.setattr(bubblewrap, name, value)
-        options = bubblewrap._windows((), ())
+        options = bubblewrap._options_for_files((), ())
         ran = subprocess.run(
             [*bubblewrap._walls(Limits()), *options, "--", "/usr/bin/find", str(tmp_path)],
             capture_output=True,

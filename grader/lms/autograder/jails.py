@@ -34,7 +34,7 @@ def register_jails(source: Path) -> None:
     folder = source / "jails"
     if (folder / "list.json").exists():
         for (packages, forbidden), name in json.loads((folder / "list.json").read_text("utf-8")):
-            chroot.offer((tuple(packages), tuple(forbidden)), folder / name)
+            chroot.put_back((tuple(packages), tuple(forbidden)), folder / name)
 
 
 def _kind(lesson: Lesson) -> chroot.Kind:

@@ -76,7 +76,7 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     return statement
 
 
-class Beside(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finds modules that were submitted with the notebook, after all other finders."""
 
     def __init__(self, sources: dict[str, str], forbidden: Iterable[str]) -> None:

@@ -48,8 +48,8 @@ _REFUSED: dict[str, str] = {}
 def main(read_end: int, write_end: int) -> None:
     """Serve one notebook."""
     rules = wire.receive(read_end)
-    volunteer_for_the_memory_killer()
-    become_nobody(rules["user"])
+    prefer_for_oom_kill()
+    change_user(rules["user"])
     set_limits(rules["limits"])
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # permanent after the next line
     syscalls.deny(sockets=rules.get("sockets", True))
@@ -58,7 +58,7 @@ def main(read_end: int, write_end: int) -> None:
     wire.send(write_end, "ready")
 
     start = wire.receive(read_end)
-    sys.meta_path.append(importing.Beside(start["modules"], rules["forbidden"]))
+    sys.meta_path.append(importing.SubmittedModules(start["modules"], rules["forbidden"]))
     statements, problems = slicing.parse_notebook(start["cells"])
     statements, own = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
@@ -71,10 +71,10 @@ def main(read_end: int, write_end: int) -> None:
         name: slicing.places_of(definitions_of((name, *own), start["names"], statements))
         for name in start["names"]
     }
-    mended = (start["mend"], *own) if start["mend"] else ()
-    theirs = definitions_of(mended, start["names"], statements)
+    edited_parts = (start["edited"], *own) if start["edited"] else ()
+    theirs = definitions_of(edited_parts, start["names"], statements)
     # A helper may have passed its own checks, so among equally likely edits those in it come last.
-    own_first = sorted(theirs, key=lambda statement: start["mend"] not in statement.binds)
+    own_first = sorted(theirs, key=lambda statement: start["edited"] not in statement.binds)
     edits = edits_of(start["cells"], own_first)
     told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
     read = {
@@ -88,7 +88,7 @@ def main(read_end: int, write_end: int) -> None:
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    lend_members(own, start["given"]["source"], namespace)
+    add_missing_methods(own, start["given"]["source"], namespace)
     missing = missing_from(namespace, start["names"], own)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
@@ -138,17 +138,17 @@ def with_given_code(
     theirs, may_change = frozenset(given["names"]), frozenset(given["open"])
     ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]
     end = ends[0] or ends[1] or len(statements)
-    kept, own = _less_given(statements, released, theirs, may_change, end)
+    kept, own = _without_given(statements, released, theirs, may_change, end)
     bound = theirs.union(*(statement.binds for statement in kept))
     if not own and not bound.issuperset(names):
         # The student may have written the missing answers in a class below its checks.
-        kept, own = _less_given(statements, released, theirs, may_change, len(statements))
+        kept, own = _without_given(statements, released, theirs, may_change, len(statements))
     if not own:
         kept = [statement for statement in kept if statement.cell]
     return [*released, *kept], own
 
 
-def _less_given(
+def _without_given(
     statements: list[slicing.Statement],
     released: list[slicing.Statement],
     theirs: frozenset[str],
@@ -174,7 +174,7 @@ def _less_given(
     return kept, frozenset(own)
 
 
-def lend_members(own: Iterable[str], source: str, namespace: dict) -> None:
+def add_missing_methods(own: Iterable[str], source: str, namespace: dict) -> None:
     """Add missing methods of the lesson's classes to the notebook's classes of the same names.
 
     Parameters
@@ -269,13 +269,13 @@ def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list
     ]
 
 
-def volunteer_for_the_memory_killer() -> None:
+def prefer_for_oom_kill() -> None:
     """Let Linux end this process and not the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
 
-def become_nobody(user: int | None) -> None:
+def change_user(user: int | None) -> None:
     """Change to an unused user permanently, because process limits do not bind root."""
     if user is not None:
         os.setgroups([])
@@ -344,12 +344,12 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     result = results[0] if results else wanted
     seen = observed(result, request["calls"][0]) if request["observe"] else {}
     if not request["calls"] and not callable(result):
-        seen["beside"] = beside(request["object"], objects)
+        seen["nearby"] = nearby_attributes(request["object"], objects)
     if wire_format.is_plain(result):
         return {"result": result, **seen}
     kept = held(result, objects)
     if request["calls"]:
-        seen |= {"beside": beside(kept["object"], objects), "methods": methods(result)}
+        seen |= {"nearby": nearby_attributes(kept["object"], objects), "methods": methods(result)}
     return {**kept, "callable": callable(result), **seen}
 
 
@@ -386,7 +386,7 @@ def held(value: object, objects: dict[int, object]) -> dict:
     return {"object": len(objects) - 1, "type": type(value).__name__}
 
 
-def beside(number: int, objects: dict[int, object]) -> list:
+def nearby_attributes(number: int, objects: dict[int, object]) -> list:
     """Return the attributes of an object and of all that it refers to, for callers that walk trees.
 
     The result has two tables as lists of columns. The first has the plain attributes: number of
