@@ -1,4 +1,4 @@
-"""Who takes the course, read from one file; and whom a folder, a login or a name may mean."""
+"""Reading the roster, and finding people by folder, login or name."""
 
 import unicodedata
 
@@ -61,7 +61,7 @@ def test_each_person_is_read_in_the_order_of_the_file(course):
         (unicodedata.normalize("NFD", "id\nbjörn\n"), [Person("björn")]),
     ],
 )
-def test_what_spreadsheets_and_nbgrader_write_is_understood(course, written, people):
+def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people):
     assert list(read(course, written).people) == people
 
 
@@ -85,13 +85,13 @@ def test_what_spreadsheets_and_nbgrader_write_is_understood(course, written, peo
         ("id,last_name\nb,Müller\n".encode("utf-16"), "is not in UTF-8"),
     ],
 )
-def test_what_cannot_be_read_is_a_sentence_with_the_place_and_what_to_do(course, written, says):
+def test_an_invalid_roster_is_reported_with_line_and_remedy(course, written, says):
     with pytest.raises(RosterTrouble) as trouble:
         read(course, written)
     assert says in str(trouble.value) and str(trouble.value).startswith("roster.csv")
 
 
-def test_two_ids_may_differ_in_case_alone(course):
+def test_two_ids_may_differ_only_in_case(course):
     roster = read(course, "id\nyan\nYan\n")
     assert roster.person("Yan").id == roster.owner("Yan").id == "Yan"
     assert roster.owner("YAN") is None and len(roster.like("YAN")) == 2
@@ -114,16 +114,16 @@ def test_two_ids_may_differ_in_case_alone(course):
         ("oneiljrmaryjane", ["mary jane"]),
         ("müllerbjörn", ["björn"]),
         ("131", ["mary jane"]),
-        ("126", ["126"]),  # somebody's id goes before another's number
+        ("126", ["126"]),  # an id takes precedence over an lms_id
         ("Schmidt, Anna", ["anna", "anna2"]),
-        ("bm42", []),  # a login is a login
+        ("bm42", []),  # a login has to match exactly
         ("ghost", []),
         ("", []),
         (" ", []),
         (",", []),
     ],
 )
-def test_whom_a_text_may_mean(course, text, ids):
+def test_people_are_found_by_id_name_email_or_login(course, text, ids):
     assert [person.id for person in read(course, CLASS).like(text)] == ids
 
 
@@ -138,10 +138,10 @@ def test_whom_a_text_may_mean(course, text, ids):
         ("x", None),
     ],
 )
-def test_only_an_id_says_whose_a_folder_is(course, folder, id):
+def test_only_an_id_identifies_the_owner_of_a_folder(course, folder, id):
     owner = read(course, CLASS).owner(folder)
     assert (owner and owner.id) == id
 
 
-def test_nobody_is_meant_where_nobody_is():
+def test_an_empty_roster_matches_no_person():
     assert Roster(()).like("") == () and Roster(()).person("a") is None

@@ -1,4 +1,4 @@
-"""The judge's own rules, each by itself: no notebook is judged here."""
+"""Single rules of the judge, without judging a notebook."""
 
 import dataclasses
 import itertools
@@ -52,7 +52,7 @@ def outcomes_of(exercise, *held):
 
 
 def follow(monkeypatch, uses, outcomes, again):
-    """What comes of `carry_forward`; and the programs that were asked a second time."""
+    """Return the result of `carry_forward`, and the programs that ran a second time."""
     programs = []
 
     program = Program(("pass",), LINE.names)
@@ -72,8 +72,8 @@ BOTH_WRONG = [*outcomes_of("line_through", False, True), *outcomes_of("ransac_li
 ALL_HOLD = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", True, True)]
 
 
-def test_what_comes_later_is_never_put_right(monkeypatch):
-    """Else `line_through`, asked beside a right `ransac_line`, could read its answer there."""
+def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
+    """Otherwise `line_through` could find its answer in a right `ransac_line`."""
     uses = {"ransac_line": ("line_through",), "line_through": ("ransac_line",)}
     better, asked = follow(monkeypatch, uses, BOTH_WRONG, ALL_HOLD)
     assert set(better) == {"ransac_line"} and len(asked) == 1
@@ -82,7 +82,7 @@ def test_what_comes_later_is_never_put_right(monkeypatch):
     assert "def ransac_line" not in asked[0].given.source
 
 
-def test_nobody_is_followed_whose_helper_is_right(monkeypatch):
+def test_a_right_helper_excuses_no_later_error(monkeypatch):
     outcomes = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", False, True)]
     uses = {"ransac_line": ("line_through",)}
     assert follow(monkeypatch, uses, outcomes, ALL_HOLD) == ({}, [])
@@ -96,7 +96,7 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
     assert asked and not better
 
 
-def test_who_was_followed_stays_so():
+def test_a_carried_forward_result_is_immutable():
     assert error_carried_forward.CarriedForward.__dataclass_params__.frozen
 
 
@@ -111,13 +111,13 @@ STOP = StudentStopped("it did not answer")
         (NO, None, None, NO),
         (NO, NO, None, None),
         (NO, NO, NO, NO),
-        (None, STOP, NO, None),  # a process that was stopped has not answered
+        (None, STOP, NO, None),  # a stopped process has given no answer
         (NO, STOP, None, NO),
         (STOP, NO, None, STOP),
         (STOP, STOP, None, None),
     ],
 )
-def test_what_counts_of_three_tries(first, once_more, with_right, counts):
+def test_which_of_three_tries_counts(first, once_more, with_right, counts):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
     assert error_carried_forward.settled(*tries).failure is counts
@@ -125,8 +125,8 @@ def test_what_counts_of_three_tries(first, once_more, with_right, counts):
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
-def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
-    """Nor one that stops its process now and then, at whichever of the tries it likes."""
+def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
+    """Neither does an answer that stops its process in any of the tries."""
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
@@ -141,8 +141,8 @@ def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
         assert expected <= chance + 1e-12
 
 
-def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
-    """Else a coin for a whole exercise had a second throw where the first one failed, alone."""
+def test_a_perfect_exercise_is_also_run_again(monkeypatch):
+    """Otherwise a random answer would get a second chance only after a failure."""
     uses = {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, True)]
     for again, held in (((True, True), None), ((False, False), [False, False])):
@@ -162,7 +162,7 @@ def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
         assert (found and [not outcome.failure for outcome in found.outcomes]) == held
 
 
-def test_what_held_by_chance_is_taken_back(monkeypatch):
+def test_a_check_passed_by_chance_is_revoked(monkeypatch):
     program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]
     tries = iter([outcomes_of("ransac_line", False, True), outcomes_of("ransac_line", True, True)])
@@ -176,7 +176,7 @@ def test_what_held_by_chance_is_taken_back(monkeypatch):
 
 @pytest.mark.parametrize("fault", ["", "pytest ran 3 of 9 tests"])
 @pytest.mark.parametrize("starved", [False, True])
-def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved):
+def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
     uses = {"ransac_line": ("line_through",)}
     ended = dataclasses.replace(RunResults(tuple(ALL_HOLD)), fault=fault, starved=starved)
     asked, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
@@ -187,8 +187,8 @@ def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
-def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
-    """And of two who are, each is asked about itself alone."""
+def test_each_exercise_is_rerun_on_its_own(monkeypatch):
+    """An exercise that is not carried forward does not keep later ones from it."""
     plane = find_lesson("03_ransac_plane")
     names = [exercise.name for exercise in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
@@ -211,7 +211,7 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     better, late = error_carried_forward.carry_forward(
         Setting(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
-    assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
+    assert late and list(better) == [names[1], *names[3:]]  # the second of the four runs failed
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
     assert about == [{name} for name in names[1:] for _ in range(2)]
     assert [one.program for one in better.values()] == [programs[0], *programs[2:]]
@@ -237,7 +237,7 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
 
 @pytest.fixture
 def handed_in(tmp_path):
-    """A course and its one submission, with a verdict that can be believed."""
+    """A course and its one submission, with a valid verdict."""
     course = Course(tmp_path)
     path = course.submitted / "ada" / FILTER.stage / f"{FILTER.name}.ipynb"
     path.parent.mkdir(parents=True)
@@ -260,7 +260,7 @@ def handed_in(tmp_path):
         ({"fingerprint": ""}, False),
     ],
 )
-def test_which_verdicts_on_disk_are_believed(handed_in, change, believed):
+def test_which_verdicts_on_disk_are_valid(handed_in, change, believed):
     course, submission, verdict = handed_in
     write_verdict(dataclasses.replace(verdict, **change), submission.verdict_path(course))
     assert (grade.stored_verdict(course, submission, 1) is not None) == believed
@@ -290,7 +290,7 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
     assert bool(found) == (hour != 12) and all("time of submission" in one for one in found)
 
 
-def test_of_a_notebook_that_nobody_handed_in_nothing_waits_for_a_person():
+def test_a_missing_notebook_needs_no_manual_grading():
     waiting = SimpleNamespace(auto_score=4.0, needs_manual_grade=True)
     gradebook_writer._enter_as_missing(SimpleNamespace(grades=[waiting]))
     assert (waiting.auto_score, waiting.needs_manual_grade) == (0.0, False)
@@ -300,7 +300,7 @@ def test_of_a_notebook_that_nobody_handed_in_nothing_waits_for_a_person():
 
 
 def notebook(*cells):
-    """A notebook of lesson 06, or of 12, as somebody's editor left it: without metadata."""
+    """Return a notebook of lesson 06 or 12 without metadata, as some editors save it."""
     made = [
         {"cell_type": kind, "metadata": {}, "source": source}
         | ({"outputs": [], "execution_count": None} if kind == "code" else {})
@@ -314,7 +314,7 @@ def prepared(lesson, *cells):
     return prepare(SubmittedFiles(f"{lesson.name}.ipynb", text.encode()), lesson)
 
 
-def test_of_several_cells_that_define_an_exercise_the_last_is_graded():
+def test_the_last_of_several_cells_that_define_an_exercise_is_graded():
     made = prepared(
         FILTER,
         ("code", "def filter_ground(cloud):\n    return 1"),
@@ -325,8 +325,8 @@ def test_of_several_cells_that_define_an_exercise_the_last_is_graded():
     assert made.cells[made.graded["filter_ground"]].source.endswith("return 2")
 
 
-def test_a_written_answer_is_looked_for_below_the_last_copy_of_its_question():
-    """Who copies the question to the top of the notebook, and answers below the other."""
+def test_a_written_answer_is_found_below_the_last_copy_of_its_question():
+    """A student may copy the question to the top and answer below the original."""
     cells = json.loads(WRITTEN.released.read_text("utf-8"))["cells"]
     names = [cell["metadata"].get("nbgrader", {}).get("grade_id") for cell in cells]
     question = "".join(cells[names.index("write_up") - 1]["source"])
@@ -341,15 +341,15 @@ def test_a_written_answer_is_looked_for_below_the_last_copy_of_its_question():
     assert made.answers["write_up"].text == "It finds 14 of 17 cars."
 
 
-# ---- what the questions are made of -------------------------------------------------------------
+# ---- samples of hidden tests -------------------------------------------------------------
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4])
-def test_a_kerb_is_lit_by_the_angle_that_a_ray_meets_it_at(yaw):
+def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
     road = Ground(pose=Pose(0.0, 0.0, 0.0, yaw), width=7.0, kerb=0.5)
     normal = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
     along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # on the kerb's face, half way up
+    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # halfway up the face of the kerb
     eye = np.array([0.0, 0.0, 1.7])
     ray = (target - eye) / np.linalg.norm(target - eye)
     distance, cosine = road.crossings(ray[:, None], tuple(eye))

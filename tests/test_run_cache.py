@@ -1,4 +1,4 @@
-"""What many checks rest on is asked once a run."""
+"""Assertions that many checks need run once per run."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from utils.checks.run_cache import answer_to, once, one_run
 
 
 def counted(outcomes):
-    """An assertion that ends as it is told, call by call, and whom it was asked about."""
+    """Return an assertion with given outcomes, call by call, and a list of its calls."""
     asked = []
 
     @once
@@ -29,14 +29,14 @@ def g():
     pass
 
 
-def test_a_run_asks_once():
+def test_an_assertion_runs_once_per_run():
     assertion, asked = counted([None])
     with one_run():
         assertion(f), assertion(f), assertion(g)
     assert asked == [f, g]
 
 
-def test_a_failure_is_told_each_time():
+def test_a_cached_failure_is_raised_each_time():
     assertion, asked = counted([CheckFailed("wrong"), None])
     with one_run():
         for _ in range(3):
@@ -45,7 +45,7 @@ def test_a_failure_is_told_each_time():
     assert asked == [f]
 
 
-def test_the_next_run_asks_anew():
+def test_the_next_run_starts_with_an_empty_cache():
     assertion, asked = counted([CheckFailed("wrong"), None])
     with one_run(), pytest.raises(CheckFailed):
         assertion(f)
@@ -57,8 +57,8 @@ def test_the_next_run_asks_anew():
     assert len(asked) == 3
 
 
-def test_what_is_no_answer_is_asked_again():
-    """A process that was stopped may answer the next time."""
+def test_other_exceptions_are_not_cached():
+    """A stopped process may answer the next time."""
     assertion, asked = counted([OSError("stopped"), None])
     with one_run():
         with pytest.raises(OSError):
@@ -67,13 +67,13 @@ def test_what_is_no_answer_is_asked_again():
     assert len(asked) == 2
 
 
-def test_without_a_run_nothing_is_remembered():
+def test_nothing_is_cached_outside_a_run():
     assertion, asked = counted([None])
     assertion(f), assertion(f)
     assert len(asked) == 2
 
 
-def test_what_an_assertion_is_about_tells_it_apart():
+def test_arguments_are_part_of_the_cache_key():
     asked = []
     assertion = once(lambda function, about: asked.append(about))
     with one_run():
@@ -81,7 +81,7 @@ def test_what_an_assertion_is_about_tells_it_apart():
     assert asked == [1, 2]
 
 
-def test_an_answer_is_remembered_as_it_was():
+def test_a_cached_answer_is_a_copy():
     given, mine = [], np.zeros(2)
 
     def counts(array):
@@ -102,7 +102,7 @@ def test_an_answer_is_remembered_as_it_was():
     assert len(given) == 4
 
 
-def test_only_arrays_are_remembered():
+def test_only_arrays_are_cached():
     asked = []
 
     def lists(array):

@@ -1,4 +1,4 @@
-"""How a lesson's checks are asked, with a lesson and a student made of nothing."""
+"""Running the checks of a lesson, with a made-up lesson and student."""
 
 import dataclasses
 import hashlib
@@ -35,7 +35,7 @@ about = dict(title="It holds", hint="Look at it.")
 
 @pytest.fixture
 def made(tmp_path, monkeypatch):
-    """A function that makes a lesson of two exercises from hidden tests and shown checks."""
+    """Return a function that makes a lesson of two exercises from hidden and visible checks."""
 
     def make(hidden="", shown=()):
         tests = tmp_path / "06_made_here" / "hidden_tests.py"
@@ -55,7 +55,7 @@ def made(tmp_path, monkeypatch):
 
 
 class Nobody(SimpleNamespace):
-    """A student whose functions say what was asked."""
+    """A student whose functions record their calls."""
 
     def __init__(self):
         super().__init__(exercise="", asked=[], closed=0)
@@ -89,7 +89,7 @@ def test_first(student):
 """
 
 
-def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
+def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
     student = Nobody()
     checks = [
         shown("holds", "g", lambda function: function("shown")),
@@ -109,8 +109,8 @@ def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
     assert student.closed == 0
 
 
-def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
-    """A home with many folders would be looked at again for each notebook."""
+def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
+    """Otherwise each notebook would take longer in a home with many folders."""
     lesson, listed, scandir = made(TWO), [], os.scandir
 
     def noted(path="."):
@@ -123,7 +123,7 @@ def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
     assert above.intersection(listed) == set()
 
 
-def test_what_is_not_asked_for_is_left_out(made):
+def test_only_selected_checks_run(made):
     student = Nobody()
     checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
     outcomes = run_checks(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
@@ -132,8 +132,8 @@ def test_what_is_not_asked_for_is_left_out(made):
     assert run_checks(made(TWO), student, SEED, lambda check: False) == []
 
 
-def test_where_one_failure_decides_the_rest_is_not_asked(made):
-    """One call of a slow answer may take seconds, and there are many."""
+def test_the_rest_is_skipped_if_one_failure_decides(made):
+    """Calls of a slow answer may take seconds each."""
     student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
     checks = [shown("holds", "g", lambda function: function("shown"))]
     outcomes = run_checks(made(hidden, checks), student, SEED, to_the_end=False)
@@ -146,14 +146,14 @@ def test_where_one_failure_decides_the_rest_is_not_asked(made):
     assert student.asked == []
 
 
-def test_some_checks_are_questions_that_can_be_asked_again(made):
+def test_some_checks_can_be_run_again_later(made):
     student, lesson = Nobody(), made(TWO)
     checks = [
         shown("holds", "g", lambda function: function("shown")),
         *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
     ]
     (hidden,) = runner.hidden_calls(lesson, student, SEED, checks)
-    assert student.asked == []  # they are kept, and not asked
+    assert student.asked == []  # the calls are only prepared
     for _ in range(2):
         with pytest.raises(CheckFailed):
             hidden()
@@ -173,7 +173,7 @@ def test_some_checks_are_questions_that_can_be_asked_again(made):
         (TWO + "\nopen('there is no such file')", "there is no such file"),
     ],
 )
-def test_a_file_of_tests_that_cannot_be_asked_is_our_fault(made, hidden, says):
+def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, says):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
         run_checks(made(hidden), Nobody(), SEED)
@@ -181,7 +181,7 @@ def test_a_file_of_tests_that_cannot_be_asked_is_our_fault(made, hidden, says):
     assert dict(os.environ) == before
 
 
-def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
+def test_a_collected_test_that_never_ran_is_a_judge_fault(made, monkeypatch):
     monkeypatch.setattr(runner, "_OPTIONS", (*runner._OPTIONS, "--maxfail=1"))
     failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
     three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
@@ -189,14 +189,14 @@ def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
         run_checks(made(three), Nobody(), SEED)
 
 
-def test_a_file_of_tests_that_is_not_there_is_our_fault(made):
+def test_a_missing_file_of_hidden_tests_is_a_judge_fault(made):
     lesson = made()
     lesson.tests.unlink()
     with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
         run_checks(lesson, Nobody(), SEED)
 
 
-def test_a_test_that_cannot_be_set_up_has_failed_and_so_has_one_that_is_skipped(made):
+def test_a_test_without_its_fixture_and_a_skipped_test_fail(made):
     hidden = """
 @hidden("f", **about)
 def test_one(student, what_nobody_made):
@@ -214,7 +214,7 @@ def test_other(student):
 
 
 @pytest.mark.parametrize("where", ["shown", "hidden"])
-def test_a_sandbox_that_is_lost_is_said_to_be(made, where):
+def test_a_lost_sandbox_is_reported(made, where):
     class Lost(Nobody):
         def __getattr__(self, name):
             def ask(*arguments):
@@ -231,7 +231,7 @@ def test_a_sandbox_that_is_lost_is_said_to_be(made, where):
         run_checks(lesson, Lost(), SEED)
 
 
-def test_who_presses_stop_is_heard(made):
+def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
     hidden = TWO.replace('student.g("second")', "raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
         run_checks(made(hidden), Nobody(), SEED)
@@ -240,28 +240,28 @@ def test_who_presses_stop_is_heard(made):
 # ---- time and size -------------------------------------------------------------------------------
 
 
-def test_comparing_ends_in_time_and_the_clock_is_left_as_it_was(made, monkeypatch):
+def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
     hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # seconds
     student, before = Nobody(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
-    assert student.closed == 1  # it may have been in the middle of a sentence
+    assert student.closed == 1  # its process may have been in the middle of a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
 
 
-def test_waiting_for_a_student_is_no_work_of_the_judge(made, monkeypatch):
+def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
     hidden = TWO.replace('student.g("second")', "time.sleep(0.4)")
     assert "test_second" not in failures(run_checks(made(hidden), Nobody(), SEED))
 
 
-def test_a_test_has_seconds_and_not_less():
+def test_a_test_may_compute_for_seconds():
     assert 5 <= runner.SECONDS_OF_A_TEST <= 60  # the slowest right one takes two
 
 
-def test_in_another_thread_it_is_asked_without_a_clock(made):
+def test_in_another_thread_there_is_no_time_limit(made):
     found = []
     lesson = made(TWO)
     thread = threading.Thread(target=lambda: found.extend(run_checks(lesson, Nobody(), SEED)))
@@ -270,7 +270,7 @@ def test_in_another_thread_it_is_asked_without_a_clock(made):
     assert failures(found) == {"test_first": CheckFailed}
 
 
-def test_after_five_answers_that_are_far_too_large_an_exercise_is_not_tried_any_more(made):
+def test_an_exercise_is_given_up_after_five_huge_answers(made):
     def much(function):
         function()
         raise FarTooMuch("a million boxes")
@@ -290,11 +290,11 @@ def test_after_five_answers_that_are_far_too_large_an_exercise_is_not_tried_any_
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
         *("f5", "f6", "test_first"),
     ]
-    assert "test_second" not in found  # of the other exercise
+    assert "test_second" not in found  # it belongs to the other exercise
     assert len(student.asked) == 9 + 1
 
 
-def test_and_says_how_many_there_were(made):
+def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
     def much(function):
         raise FarTooMuch("a million boxes")
 
@@ -303,10 +303,10 @@ def test_and_says_how_many_there_were(made):
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
-# ---- nothing from outside ------------------------------------------------------------------------
+# ---- no influence from outside ------------------------------------------------------------------------
 
 
-def test_each_lesson_has_a_seed_of_its_own_of_120_bits(made):
+def test_each_lesson_has_its_own_seed_of_120_bits(made):
     hidden = """
 @hidden("f", **about)
 def test_seed(student, seed):
@@ -321,7 +321,7 @@ def test_seed(student, seed):
     assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
 
 
-def test_no_setting_and_no_file_beside_has_a_say(made, monkeypatch):
+def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
     settings = {
         "PYTEST_ADDOPTS": "-k nothing",
         "PYTEST_PLUGINS": "no_such_plugin",
@@ -337,12 +337,12 @@ def test_no_setting_and_no_file_beside_has_a_say(made, monkeypatch):
     assert "PYTEST_DISABLE_PLUGIN_AUTOLOAD" not in os.environ
 
 
-# ---- a program is asked --------------------------------------------------------------------------
+# ---- running a program --------------------------------------------------------------------------
 
 
 @pytest.fixture
 def asked_once(monkeypatch):
-    """A function that asks somebody whose checks ended so; and what was looked at and closed."""
+    """Return a function that runs checks with given outcomes, and a record of its calls."""
     seen = SimpleNamespace(looked=[], closed=[])
 
     class Somebody(SimpleNamespace):
@@ -395,27 +395,27 @@ def test_each_wrong_exercise_is_explained_once(asked_once):
     assert [one.check.name for one in asked.about("g")] == ["d"]
 
 
-def test_what_is_said_about_an_exercise_is_found_by_its_name():
-    """Which is one text in the notebook, and another in a test."""
+def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
+    """The name in a notebook and the name in a test may be different objects."""
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
     asked = program_run.RunResults(tuple(outcomes))
     assert asked.about("".join(("voxel", "_grid"))) == outcomes
     assert not asked.starved and asked.fault == ""
 
 
-def test_what_nothing_explains_is_asked_for_once_and_has_no_mistake(asked_once):
+def test_an_unexplained_failure_is_diagnosed_once(asked_once):
     ask, seen = asked_once
     assert ask(ENDED, None, explain=True).mistakes == {}
     assert [name for name, *_ in seen.looked] == ["f", "h"]
 
 
-def test_nobody_explains_what_was_not_to_be_explained(asked_once):
+def test_diagnosis_is_only_on_request(asked_once):
     ask, seen = asked_once
     assert ask(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
     assert seen.looked == []
 
 
-def test_a_fault_is_noted_and_the_process_ended(asked_once):
+def test_a_fault_is_recorded_and_the_process_stopped(asked_once):
     ask, seen = asked_once
     asked = ask(JudgeFault("pytest ran 3 of 9 tests"), explain=True)
     assert (asked.outcomes, asked.fault) == ((), "pytest ran 3 of 9 tests")
@@ -425,7 +425,7 @@ def test_a_fault_is_noted_and_the_process_ended(asked_once):
     assert seen.closed[1] is SandboxUnavailable
 
 
-def test_what_came_of_asking_stays_as_it_is(asked_once):
+def test_results_and_settings_are_immutable(asked_once):
     ask, _ = asked_once
     for made in (ask(ENDED), program_run.Setting(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):

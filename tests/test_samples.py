@@ -1,4 +1,4 @@
-"""Clouds and right answers for hidden tests, against other libraries and plain loops."""
+"""Samples and oracles of hidden tests, compared with other libraries and plain loops."""
 
 import hashlib
 import itertools
@@ -17,7 +17,7 @@ from solutions import samples
 
 @pytest.fixture
 def counted():
-    """An oracle that remembers, and what it was asked."""
+    """Return a cached oracle, and a list of its calls."""
     asked = []
 
     @remembered
@@ -29,7 +29,7 @@ def counted():
     return doubled, asked
 
 
-def test_an_oracle_is_asked_once_for_each_content(counted):
+def test_an_oracle_runs_once_for_each_content(counted):
     doubled, asked = counted
     cloud = np.arange(12.0).reshape(4, 3)
     first = doubled(cloud, 0.5)
@@ -47,7 +47,7 @@ def test_an_oracle_is_asked_once_for_each_content(counted):
     assert doubled(cloud, 0.5) is first
 
 
-def test_what_is_remembered_has_an_end(counted, monkeypatch):
+def test_the_cache_of_an_oracle_is_bounded(counted, monkeypatch):
     assert 100 <= hidden_tests.MOST_REMEMBERED <= 1000
     monkeypatch.setattr(hidden_tests, "MOST_REMEMBERED", 3)
     doubled, asked = counted
@@ -55,7 +55,7 @@ def test_what_is_remembered_has_an_end(counted, monkeypatch):
     for cloud in clouds[:3] * 2:
         doubled(cloud)
     assert len(asked) == 3
-    doubled(clouds[3])  # the oldest goes, and no other
+    doubled(clouds[3])  # only the oldest entry is dropped
     for cloud in clouds[1:]:
         doubled(cloud)
     assert len(asked) == 4
@@ -63,7 +63,7 @@ def test_what_is_remembered_has_an_end(counted, monkeypatch):
     assert len(asked) == 5
 
 
-def test_every_slow_oracle_remembers():
+def test_every_slow_oracle_is_cached():
     cloud = np.random.default_rng(7).uniform(0, 2, (30, 4))
     for oracle in (samples.cluster_labels, samples.without_ties, samples.voxel_centroids):
         answer = oracle(cloud, 0.5)
@@ -81,7 +81,7 @@ def test_a_generator_for_students_is_drawn_from_a_digest():
 
 
 def assert_rows_of(part, cloud):
-    """Each row of a part is one of a cloud, and comes no more often than there."""
+    """Assert that each row of a part is a row of a cloud, and not more often than there."""
     assert Counter(map(bytes, part)) <= Counter(map(bytes, cloud))
 
 
@@ -90,7 +90,7 @@ def assert_rows_of(part, cloud):
 def test_labels_of_clusters_are_single_linkage(columns, dtype):
     rng = np.random.default_rng(3)
     cloud = rng.uniform(-3, 3, (180, columns)).astype(dtype)
-    cloud[:, 3:] *= 100  # intensity is no place
+    cloud[:, 3:] *= 100  # intensity is not a coordinate
     labels = samples.cluster_labels(samples.without_ties(cloud, 0.7), 0.7)
     near = samples.without_ties(cloud, 0.7)[:, :3].astype(float)
     expected = fcluster(linkage(near, "single"), 0.7, "distance")
@@ -99,7 +99,7 @@ def test_labels_of_clusters_are_single_linkage(columns, dtype):
     assert len(pairs) == labels.max() == expected.max()
 
 
-def test_a_single_point_is_a_cluster_and_no_point_is_none():
+def test_one_point_is_a_cluster_and_no_points_are_no_cluster():
     lonely = np.array([[0.0, 0, 0], [9, 9, 9], [0, 0.2, 0.1]])
     assert samples.cluster_labels(lonely, 0.5).tolist() == [1, 2, 1]
     for columns in (3, 4):
@@ -114,7 +114,7 @@ def test_no_two_points_are_left_at_the_threshold(columns):
     kept = samples.without_ties(cloud, 0.8, 5e-3)
     assert (np.abs(pdist(kept[:, :3]) - 0.8) > 5e-3).all()
     assert_rows_of(kept, cloud)
-    # Of each pair that is in doubt the later one goes, and nobody else.
+    # Of each pair near the threshold only the later point is removed.
     doubtful = np.abs(squareform(pdist(cloud[:, :3])) - 0.8) < 5e-3
     goes = np.triu(doubtful).any(axis=0)
     assert 20 < goes.sum() < 200 and np.array_equal(kept, cloud[~goes])
@@ -140,7 +140,7 @@ def test_centroids_of_voxels(columns):
     order = np.lexsort(voxels.T), np.lexsort(np.array(expected).T)
     assert np.allclose(voxels[order[0]], np.array(expected)[order[1]], atol=1e-12)
     assert samples.voxel_centroids(cloud[:0], 0.5).shape == (0, columns)
-    # In whole columns, and not in bytes of another size.
+    # With another dtype, so that bytes cannot be mistaken for columns.
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
 
 

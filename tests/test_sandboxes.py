@@ -1,4 +1,4 @@
-"""Another kind of sandbox is a module and a line in the table: here is one, of 40 lines."""
+"""A third kind of sandbox in 40 lines: a class and a line in `SANDBOXES`."""
 
 import json
 import os
@@ -22,7 +22,7 @@ from grader.sandbox.student import StudentProxy
 
 
 class Streams:
-    """A worker that is talked to as one talks to a container: through its standard streams."""
+    """A worker whose pipes are its standard streams, as for a container."""
 
     def __init__(self):
         command = [sys.executable, "-I", "-B", str(WORKER), "0", "1"]
@@ -52,7 +52,7 @@ class Streams:
 
 
 class Container:
-    """What starts such workers."""
+    """A sandbox that starts such workers."""
 
     name, warning = "container", "It stands for one, and has no walls."
 
@@ -71,22 +71,22 @@ class Container:
 
 @pytest.fixture
 def container(monkeypatch):
-    """In the table, for the time of a test."""
+    """Register the sandbox during a test."""
     monkeypatch.setitem(SANDBOXES, Container.name, Container())
     return choose_sandbox(Container.name)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("is_shared", [0, 1])
-def test_a_folder_holds_the_library_that_python_was_built_with(is_shared, monkeypatch):
-    """One that is not among the system's: Python finds it by a path of its own."""
+def test_a_jail_contains_the_library_that_python_was_built_with(is_shared, monkeypatch):
+    """Python finds it by its own path, not among the system's libraries."""
     variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
     monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
     assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
 
 
-def test_a_third_sandbox_judges_by_its_name(container, tmp_path, capsys):
-    """The whole way from the command line to the points."""
+def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
+    """This covers the path from the command line to the points."""
     lesson = find_lesson("06_filter_ground")
     right, wrong = (
         next(answer for answer in answers_to("voxel_grid") if answer.right == is_right)
@@ -108,7 +108,7 @@ def test_a_third_sandbox_judges_by_its_name(container, tmp_path, capsys):
 
 
 def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
-    """Both are stopped there, although the judge's side knows nothing of processes.
+    """Both are stopped, although the judge knows nothing about processes there.
 
     Each has a function of its own, because a function that was stopped has less time afterwards.
     """
