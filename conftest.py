@@ -130,7 +130,7 @@ A_FEW_OF_MANY = {
     "test_an_endless_loop_costs_no_process_for_each_edit": (),
     "test_a_slip_in_a_helper_of_ones_own_is_a_slip": (),
     "test_what_an_exercise_is_about_is_no_slip": (),
-    "test_a_teacher_would_sign_what_a_slip_earns": ("line_through",),
+    "test_a_slip_earns_what_a_teacher_would_give": ("line_through",),
     "test_keeps_the_class_waiting": ("stops",),
     "test_a_notebook_that_sleeps_everywhere_has_one_budget": (),
     "test_tells_another_notebook": ("locks files", "reads pages into memory, and asks for"),
@@ -226,7 +226,7 @@ A_FEW_OF_MANY = {
     "test_stopped_anywhere_new_work_never_has_the_time_of_old_work": ("us-T",),
     "test_refuses_without_the_right": ("sys_chroot", "setuid"),
     "test_has_no_right": ("becomes root]", "looks", "mounts", "makes a socket]", "makes a root"),
-    "test_what_breaks_readers_costs_its_author_only": ("brackets", "ifs", "long"),
+    "test_a_hostile_notebook_affects_only_its_author": ("brackets", "ifs", "long"),
     "test_nothing_that_crosses_tells_what_another_question_is_drawn_from": ("02", "03", "05", "08"),
     "test_the_class_goes_on": ("grader.lms",),
     "test_the_largest_file_is_read_or_refused_in_little_memory": ("<lambda>1",),
@@ -240,7 +240,7 @@ A_FEW_OF_MANY = {
     "test_other_wrong_axes_cost_the_boxes_nothing": ("not centred",),
     "test_on_a_server_dates_are_the_same": (),
     "test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas": (),
-    "test_what_is_off_by_a_little_is_wrong": ("3-",),
+    "test_slightly_wrong_answers_lose_points": ("3-",),
     "test_the_largest_cloud_crosses_as_a_list_of_rows": (),
     "test_principal_axes_are_what_makes_the_curve_fall": (),
     "test_naive_squares_are_many_on_road_and_on_the_own_car": (),
@@ -255,7 +255,7 @@ A_FEW_OF_MANY = {
     "test_a_dead_worker_costs_one_retry_of_one_notebook": ("1",),
     "test_a_test_that_stands_still_is_named": ("2",),
     "test_judges_as_at_home": ("False",),
-    "test_nothing_is_written_to_standard_error_and_the_environment_stays": ("]",),
+    "test_standard_error_stays_empty_and_the_environment_unchanged": ("]",),
     "test_cheap_detectors_earn_nothing_to_speak_of": ("no boxes",),
     "test_draws_into_given_axes_and_returns_them": (
         "from_above",
@@ -286,13 +286,13 @@ A_FEW_OF_MANY = {
         "euclidean_clustering ",
         "get",
     ),
-    "test_of_the_wrong_answers_only_those_are_named_that_are_one_text_with_a_change": (
+    "test_wrong_answers_are_flagged_only_if_one_is_an_edit_of_the_other": (
         "crop",
         "insert",
         "ransac",
     ),
-    "test_nobody_who_wrote_alone_is_named": ("detect", "search", "voxel"),
-    "test_no_random_street_lets_things_stand_in_each_other": ("1",),
+    "test_independent_answers_are_not_flagged": ("detect", "search", "voxel"),
+    "test_objects_on_random_streets_do_not_overlap": ("1",),
 }
 
 

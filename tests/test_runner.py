@@ -303,7 +303,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
-# ---- no influence from outside ------------------------------------------------------------------------
+# ---- no influence from outside -------------------------------------------------------------------
 
 
 def test_each_lesson_has_its_own_seed_of_120_bits(made):

@@ -1,4 +1,4 @@
-"""Scenes are really drawn, by each renderer there is; pictures are looked at pixel by pixel."""
+"""Scenes drawn by each available renderer, with tests of single pixels."""
 
 import base64
 import itertools
@@ -67,7 +67,7 @@ def everything(cloud):
 # Cameras -------------------------------------------------------------------------------------
 
 
-def test_the_four_cameras_stand_where_the_course_put_them():
+def test_the_four_cameras_have_their_documented_positions():
     places = {name: (camera.position, camera.target) for name, camera in CAMERAS.items()}
     assert places == {
         "XY": ((-16, -16, 16), (1, 1, 0)),
@@ -87,7 +87,7 @@ def test_a_camera_sees_its_target_in_the_middle_and_left_on_the_left(name):
     assert beside[0] < 120
 
 
-def test_a_camera_is_found_in_any_case_and_missed_with_a_sentence():
+def test_a_camera_is_found_in_any_case_and_an_unknown_one_is_reported():
     assert as_camera("topdown") is CAMERAS["TopDown"]
     with pytest.raises(ValueError, match="XY, TopDown, Side, FPS"):
         as_camera("birdseye")
@@ -128,7 +128,7 @@ def test_a_block_car_fills_its_box_and_is_short_above():
 
 
 @pytest.mark.parametrize("plane", [(0, 0, 1, 1.7), (1, 0, 0, -3), (0.1, -0.2, 2, 3)])
-def test_a_piece_of_a_plane_lies_in_it(plane, street):
+def test_corners_of_a_plane_patch_are_on_the_plane(plane, street):
     triangles, grid = solids.plane_patch(plane, street[:, :3])
     for points in (triangles.reshape(-1, 3), grid.reshape(-1, 3)):
         np.testing.assert_allclose(points @ plane[:3] + plane[3], 0, atol=1e-9)
@@ -139,12 +139,12 @@ def test_a_plane_without_direction_is_refused(street):
         Scene().add_plane(street, (0, 0, 0, 1))
 
 
-def test_a_kd_tree_cuts_its_region_in_turn_and_a_loop_ends():
+def test_splitting_planes_of_a_kd_tree_end_even_with_a_cycle():
     root = Node((0, 0, 0), Node((-5, 1, 0)), Node((5, -1, 0)))
-    root.left.left = root  # a mistake
+    root.left.left = root  # a cycle, as a wrong `insert` may build
     cuts = list(solids.kd_cuts(root, (-10, -10, -10), (10, 10, 10), depth=5))
     assert [cut.axis for cut in cuts] == [0, 1, 1]
-    assert cuts[1].corners[:, 0].max() == 0  # the left child's plane ends at the root's
+    assert cuts[1].corners[:, 0].max() == 0  # the left child's plane ends at the root's plane
     assert set(cuts[1].corners[:, 1]) == {1}
 
 
@@ -154,10 +154,10 @@ def test_dashes_begin_and_end_with_the_line():
     assert (pieces[:, 1, 0] - pieces[:, 0, 0]).sum() < 1.3
 
 
-# What is added -------------------------------------------------------------------------------
+# Layers -------------------------------------------------------------------------------
 
 
-def test_every_switch_takes_its_part_away(street):
+def test_every_switch_removes_its_part(street):
     scene = everything(street)
     assert {part.layer for part in scene.parts} == set(LAYERS)
     for name in LAYERS:
@@ -166,14 +166,14 @@ def test_every_switch_takes_its_part_away(street):
     assert {part.layer for part in scene.only("boxes", "clusters").parts} == {"boxes", "clusters"}
 
 
-def test_a_trail_goes_from_place_to_place():
+def test_a_trail_connects_its_positions():
     (part,) = Scene().add_trails([BOX[:3], BOX[4:5], np.empty((0, 3))]).parts
     np.testing.assert_array_equal(part.ends, [BOX[:2], BOX[1:3]])
     assert part.name == "1 trail"
     assert not len(Scene().add_trails([]).parts[0].ends)
 
 
-def test_an_unknown_layer_is_refused_with_their_names():
+def test_an_unknown_layer_is_refused_with_the_known_names():
     for attempt in (
         lambda: Scene().switch(box=False),
         lambda: Scene().only("points"),
@@ -208,7 +208,7 @@ def test_reference_boxes_are_dashed(street):
     assert len(plain.ends) == 12 and len(broken.ends) > 24 and broken.broken
 
 
-def test_rows_and_boxes_with_nan_are_left_out_and_input_stays(street):
+def test_rows_and_boxes_with_nan_are_left_out_and_input_is_unchanged(street):
     street[5] = np.nan
     before = street.copy()
     boxes = np.stack([BOX, np.full((8, 3), np.nan)])
@@ -219,7 +219,7 @@ def test_rows_and_boxes_with_nan_are_left_out_and_input_stays(street):
 
 
 @pytest.mark.parametrize("boxes", [BOX, np.zeros((2, 4, 3)), "boxes"])
-def test_boxes_of_another_shape_are_refused_with_a_sentence(boxes):
+def test_boxes_of_another_shape_are_refused(boxes):
     with pytest.raises(ValueError, match=r"\(N, 8, 3\)"):
         Scene().add_boxes(boxes)
 
@@ -297,7 +297,7 @@ def test_scenes_are_drawn_into_given_axes(street):
     plt.close("all")
 
 
-def test_eye_dome_lighting_darkens_what_lies_behind_and_leaves_the_paper():
+def test_eye_dome_lighting_darkens_points_behind_an_edge_and_not_the_background():
     image = np.full((9, 9, 3), 200, np.uint8)
     depth = np.full((9, 9), np.inf)
     depth[:, 2:5], depth[:, 5:7] = 10.0, 20.0
@@ -306,7 +306,7 @@ def test_eye_dome_lighting_darkens_what_lies_behind_and_leaves_the_paper():
     assert (lit[4, [2, 3, 4, 7, 8, 0]] == 200).all()  # the wall itself, and the paper
 
 
-# Where it goes -------------------------------------------------------------------------------
+# Output -------------------------------------------------------------------------------
 
 
 def test_pictures_and_views_are_saved_by_suffix(tmp_path, street):
@@ -319,18 +319,18 @@ def test_pictures_and_views_are_saved_by_suffix(tmp_path, street):
         scene.save(tmp_path / "scene.pdf")
 
 
-def test_a_saved_picture_keeps_the_paper_white(tmp_path, street):
+def test_a_saved_picture_has_a_white_background(tmp_path, street):
     path = Scene().add_cloud(street[:50]).save(tmp_path / "scene.png", size=SIZE)
     assert (np.asarray(Image.open(path).convert("RGB"))[60, :3] == 255).all()
 
 
-def test_a_size_that_makes_no_picture_is_refused():
+def test_an_impossible_size_of_a_picture_is_refused():
     for size in ((0, 100), (100, 90_000)):
         with pytest.raises(ValueError, match="pixels wide and high"):
             Scene().picture(size=size)
 
 
-def test_the_notebook_gets_an_image_with_words(street):
+def test_the_notebook_gets_an_image_with_a_description(street):
     scene = Scene('A "quoted" street').add_cloud(street).add_boxes(BOX[None])
     bundle = scene._repr_mimebundle_()
     assert bundle["text/html"].startswith('<img src="data:image/png;base64,')
@@ -350,7 +350,7 @@ def test_show_displays_in_a_notebook(monkeypatch, street):
     assert shown[1]["text/html"].startswith("<iframe srcdoc=")
 
 
-def test_without_notebook_and_screen_show_says_what_to_do(monkeypatch, capsys, street):
+def test_show_names_an_alternative_without_notebook_and_screen(monkeypatch, capsys, street):
     monkeypatch.setattr(opengl, "has_screen", lambda: False)
     Scene().add_cloud(street).show()
     assert 'scene.save("scene.png")' in capsys.readouterr().out
@@ -364,7 +364,7 @@ def content_of(page):
     return json.loads(found[1])
 
 
-def test_the_view_holds_at_most_20_000_points_in_less_than_half_a_megabyte(street):
+def test_the_view_has_at_most_20_000_points_and_half_a_megabyte(street):
     cloud = np.random.default_rng(0).uniform(-60, 60, (120_000, 3))
     page = viewer.page(Scene().add_cloud(cloud).add_obstacles(street), CAMERAS["XY"], "")
     content = content_of(page)
@@ -374,13 +374,13 @@ def test_the_view_holds_at_most_20_000_points_in_less_than_half_a_megabyte(stree
     assert len(page) < 500_000
 
 
-def test_the_view_keeps_places_to_the_millimetre(street):
+def test_the_view_keeps_positions_to_the_millimetre(street):
     part = content_of(viewer.page(Scene().add_cloud(street), CAMERAS["XY"], ""))["points"][0]
     steps = np.frombuffer(base64.b64decode(part["xyz"]), "<u2").reshape(-1, 3)
     np.testing.assert_allclose(part["low"] + steps * part["step"], street[:, :3], atol=1e-3)
 
 
-def test_the_view_needs_nothing_from_outside_and_survives_odd_titles(street):
+def test_the_view_needs_no_other_file_and_accepts_any_title(street):
     title = "</script><script>alert(1)</script>"
     page = viewer.page(Scene(title).add_cloud(street), Camera((9, 9, 9), (0, 0, 0)), '"&<')
     assert page.count("</script>") == 2  # the data, and the program
@@ -390,7 +390,7 @@ def test_the_view_needs_nothing_from_outside_and_survives_odd_titles(street):
     assert content["camera"] == viewer.OWN and viewer.OWN in content["cameras"]
 
 
-def test_switches_come_along_switched_off(street):
+def test_hidden_layers_stay_hidden_in_the_view(street):
     scene = everything(street).switch(clusters=False)
     layers = {
         layer["name"]: layer
@@ -400,7 +400,7 @@ def test_switches_come_along_switched_off(street):
     assert not layers["clusters"]["on"] and layers["boxes"]["on"]
 
 
-def test_a_picture_stands_in_where_scripts_do_not_run(street):
+def test_a_picture_replaces_the_view_where_scripts_do_not_run(street):
     scene = Scene().add_cloud(street)
     bundle = output.bundle_of(scene, "XY", True, SIZE, None, "A street.")
     outside = bundle["text/html"].split("</iframe>")[1]
@@ -408,7 +408,7 @@ def test_a_picture_stands_in_where_scripts_do_not_run(street):
     assert "hidden = true" in bundle["text/html"]
 
 
-# Machines that cannot ------------------------------------------------------------------------
+# Machines without OpenGL ------------------------------------------------------------------------
 
 
 def run(program, **environment):
@@ -440,7 +440,7 @@ def test_importing_utils_stays_light():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("screen", ["", ":99"])
-def test_nothing_is_written_to_standard_error_and_the_environment_stays(screen):
+def test_standard_error_stays_empty_and_the_environment_unchanged(screen):
     if opengl.obstacle():
         pytest.skip(opengl.obstacle())
     after = f"import os; print(sorted(set({list(opengl.WITHOUT_SCREEN)}) & set(os.environ)))"
@@ -449,14 +449,14 @@ def test_nothing_is_written_to_standard_error_and_the_environment_stays(screen):
     assert done.stdout.splitlines() == ["(64, 64, 3) (64, 64, 3)", "[]"]
 
 
-def test_without_pyvista_matplotlib_draws_and_says_so_once():
+def test_matplotlib_replaces_a_missing_pyvista_and_says_so_once():
     done = run(DRAW.format(before="sys.modules['pyvista'] = None", after=""))
     assert done.stderr == ""
     assert done.stdout.splitlines() == [opengl.NOT_INSTALLED, "(64, 64, 3) (64, 64, 3)"]
 
 
 @pytest.mark.slow
-def test_without_opengl_matplotlib_draws_instead_of_a_crash(monkeypatch):
+def test_matplotlib_replaces_a_missing_opengl_without_a_crash(monkeypatch):
     before = """
 from utils.scene3d import opengl
 opengl._kind_of_window = lambda: opengl.LAST_RESORT

@@ -1,4 +1,4 @@
-"""The scenes: does the truth describe the cloud, and is it the same truth every time?"""
+"""Whether the truth of a scene describes its cloud, and is the same every time."""
 
 import hashlib
 import math
@@ -34,7 +34,7 @@ def taught() -> Frame:
 
 
 def assert_nothing_overlaps(frame):
-    # Crowns of trees reach over cars, and hedges may touch the houses they join.
+    # Crowns of trees extend over cars, and hedges may touch the houses next to them.
     solid = [box for box in frame.boxes if box.kind != "foliage"]
     for box, other in combinations(solid, 2):
         reach = (math.hypot(*box.size[:2]) + math.hypot(*other.size[:2])) / 2
@@ -66,9 +66,9 @@ def frame(name):
 
 
 class TestTruth:
-    """What the truth of every scene must satisfy."""
+    """Properties that the truth of every scene must have."""
 
-    def test_arrays_belong_together(self, name, frame):
+    def test_arrays_have_matching_lengths(self, name, frame):
         swept, n = frame.scan, len(frame.cloud)
         assert frame.cloud is swept.cloud and swept.cloud.shape == (n, 4)
         assert swept.cloud.dtype == np.float64 and np.isfinite(swept.cloud).all()
@@ -81,7 +81,7 @@ class TestTruth:
         assert swept.beams.shape == (n,)
         assert swept.cloud[:, 3].min() >= 0 and swept.cloud[:, 3].max() <= 1
 
-    def test_returns_lie_in_the_box_of_their_object(self, name, frame):
+    def test_returns_are_inside_the_box_of_their_object(self, name, frame):
         slack = 6 * 0.05 if "highway" in name else 6 * 0.02
         for box in frame.boxes:
             points = frame.cloud[frame.scan.objects == box.identity, :3]
@@ -105,7 +105,7 @@ class TestTruth:
         nobody = np.isin(np.array(CLASSES)[frame.scan.classes], ("invalid", "ground", "ego"))
         assert_array_equal(frame.scan.objects == 0, nobody)
 
-    def test_corners_are_a_box_of_the_stated_size(self, name, frame):
+    def test_corners_form_a_box_of_the_stated_size(self, name, frame):
         for box in frame.boxes:
             floor, roof = box.corners[:4], box.corners[4:]
             assert_allclose(roof - floor, np.broadcast_to((0, 0, box.size[2]), (4, 3)), atol=1e-9)
@@ -115,7 +115,7 @@ class TestTruth:
             ahead = floor[[0, 3]].mean(axis=0) - floor[[1, 2]].mean(axis=0)
             assert math.isclose(math.cos(math.atan2(ahead[1], ahead[0]) - box.yaw), 1.0)
 
-    def test_nothing_stands_in_anything_else(self, name, frame):
+    def test_objects_do_not_overlap(self, name, frame):
         assert_nothing_overlaps(frame)
 
 
@@ -135,7 +135,7 @@ def test_a_stream_is_a_lazy_sequence(make):
 
 
 @pytest.mark.parametrize("make", [city_block, cyclist, highway])
-def test_identities_and_sizes_last_through_a_stream_and_things_move_little(make):
+def test_identities_and_sizes_are_constant_in_a_stream_and_motion_is_small(make):
     first, second = make()[10], make()[11]
     before = {box.identity: box for box in first.boxes}
     after = {box.identity: box for box in second.boxes}
@@ -148,7 +148,7 @@ def test_identities_and_sizes_last_through_a_stream_and_things_move_little(make)
         assert abs(next(ranges) - next(ranges)) < 2.0
 
 
-def test_velocity_is_what_carries_a_box_over_the_ground():
+def test_velocity_is_the_motion_of_a_box_over_the_ground():
     frames = cyclist()[30:32]
     boxes = [{box.identity: box for box in frame.boxes} for frame in frames]
     # Parked cars give the ego motion: fit the rigid motion between the two frames.
@@ -167,7 +167,7 @@ def test_velocity_is_what_carries_a_box_over_the_ground():
     assert len(turning) >= 3
 
 
-def test_the_cyclist_is_in_view_all_the_way():
+def test_the_cyclist_is_always_in_view():
     stream = cyclist()
     rider = next(box.identity for box in stream[0].boxes if box.kind == "cyclist")
     for index in range(0, len(stream), 12):
@@ -175,7 +175,7 @@ def test_the_cyclist_is_in_view_all_the_way():
         assert box.returns > 50 and box.centre[0] > 0
 
 
-def test_the_city_has_parked_and_moving_cars_and_all_else():
+def test_the_city_has_every_kind_of_object():
     kinds = {}
     for box in city_block()[0].boxes:
         kinds.setdefault(box.kind, []).append(box)
@@ -185,7 +185,7 @@ def test_the_city_has_parked_and_moving_cars_and_all_else():
 
 
 @pytest.mark.slow
-def test_random_streets_fill_up_with_the_difficulty():
+def test_random_streets_have_more_objects_with_more_difficulty():
     counts = [
         np.mean([len(random_street(seed, level, CHEAP).boxes) for seed in range(4)])
         for level in (0.0, 0.5, 1.0)
@@ -194,7 +194,7 @@ def test_random_streets_fill_up_with_the_difficulty():
     assert counts[2] > 60
 
 
-def test_random_streets_take_any_sensor_and_differ_by_seed():
+def test_random_streets_accept_any_sensor_and_differ_by_seed():
     cheap = random_street(5, 0.5, CHEAP)
     assert 1000 < len(cheap.cloud) < 16 * 360
     again, other = random_street(5, 0.5, sensor=CHEAP), random_street(6, 0.5, sensor=CHEAP)
@@ -204,12 +204,12 @@ def test_random_streets_take_any_sensor_and_differ_by_seed():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
-def test_no_random_street_lets_things_stand_in_each_other(seed):
+def test_objects_on_random_streets_do_not_overlap(seed):
     assert_nothing_overlaps(random_street(seed, 1.0, CHEAP))
 
 
 @pytest.mark.slow
-def test_nothing_but_the_ego_car_is_in_its_space_on_a_random_street():
+def test_the_space_of_the_ego_car_is_empty_on_random_streets():
     for seed in range(20):
         frame = random_street(seed, seed % 3 / 2, CHEAP)
         points = frame.cloud[:, :3]
@@ -234,7 +234,7 @@ def test_a_difficulty_out_of_range_is_refused(difficulty):
 # The lesson's cloud
 
 
-def test_the_lesson_cloud_on_disk_is_the_one_the_simulator_makes(tmp_path):
+def test_the_simulator_makes_the_lesson_cloud_on_disk(tmp_path):
     write_lesson_cloud(tmp_path)
     assert (tmp_path / "cloud.txt").read_bytes() == (DATA / "cloud.txt").read_bytes()
     with np.load(tmp_path / "cloud_truth.npz") as new, np.load(DATA / "cloud_truth.npz") as old:
@@ -287,7 +287,7 @@ def test_the_lesson_cloud_teaches_what_the_lessons_need(taught):
 # The highway, ray by ray
 
 
-def test_the_highway_has_976_rays_give_or_take_and_no_ego_returns():
+def test_the_highway_has_about_976_rays_and_no_ego_returns():
     frame = simple_highway()
     assert abs(len(frame.cloud) - 976) <= 0.05 * 976
     assert [box.kind for box in frame.boxes] == ["car"] * 3
@@ -304,7 +304,7 @@ REAL = os.environ.get("REAL_CLOUDS")
 
 
 @pytest.mark.skipif(not REAL, reason=RECORDINGS)
-def test_the_highway_returns_as_often_per_object_as_the_published_recording():
+def test_the_highway_has_as_many_returns_per_object_as_the_published_recording():
     from tests.benchmarks.compare_real import highway_counts, read_highway
 
     ours = highway_counts(simple_highway().cloud[:, :3])
@@ -315,8 +315,8 @@ def test_the_highway_returns_as_often_per_object_as_the_published_recording():
         assert abs(mine - recorded) <= 0.05 * recorded
 
 
-def test_the_same_seed_has_always_given_these_bytes():
-    """A change of these sums is a change of every cloud that the hidden tests draw."""
+def test_a_seed_gives_the_same_bytes_as_in_earlier_releases():
+    """If these checksums change, so does every cloud that hidden tests draw."""
     frames = simple_highway(1), random_street(1, 0.5, CHEAP), cyclist(1)[3]
     digests = (hashlib.sha256(np.round(frame.cloud, 3).tobytes()).hexdigest() for frame in frames)
     assert [digest[:12] for digest in digests] == ["2635125a4faf", "c9e745b6c15f", "36f326700c0a"]

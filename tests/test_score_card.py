@@ -1,4 +1,4 @@
-"""The score card against counts by hand, its errors against another way to compute them."""
+"""The score card, compared with counts by hand and with errors from another method."""
 
 from types import SimpleNamespace
 
@@ -18,20 +18,20 @@ def car(x, y=0.0, identity=1, returns=100, kind="car", size=(4.0, 2.0, 1.5)):
 
 
 def frame_of(*boxes, cloud=None, objects=None):
-    """A frame in which nothing hides anything, unless a cloud says so."""
+    """Return a frame in which no object hides another, unless a cloud is given."""
     cloud = np.zeros((0, 3)) if cloud is None else np.asarray(cloud, dtype=float)
     objects = np.asarray([] if objects is None else objects, dtype=int)
     return SimpleNamespace(boxes=boxes, cloud=cloud, scan=SimpleNamespace(objects=objects))
 
 
 def shifted(box, by):
-    """Of a car 4 m long: the overlap is (4 - by) / (4 + by)."""
+    """Return the box of a car 4 m long, moved so that the overlap is (4 - by) / (4 + by)."""
     return box.corners + (by, 0, 0)
 
 
 def test_hits_are_counted_at_three_overlaps_and_by_distance():
     near, middling, far = car(5), car(15, 9), car(30, -9)
-    # Overlaps 0.78, 0.6 and 0.33; and one box on nothing.
+    # Overlaps 0.78, 0.6 and 0.33, and one box where there is no object.
     found = np.array([shifted(near, 0.5), shifted(middling, 1), shifted(far, 2), shifted(far, 12)])
     card = score_card([found], [frame_of(near, middling, far)], EVERYWHERE, "Three cars")
     assert card["recall"].values == pytest.approx((1, 2 / 3, 1 / 3))
@@ -64,7 +64,7 @@ def test_the_card_agrees_with_score_boxes_on_a_street():
     assert card["recall"].count == sum(row.count for row in card.rows[6:])
 
 
-def test_what_is_asked_for_are_road_users_with_enough_returns_in_the_region():
+def test_road_users_with_enough_returns_in_the_region_count():
     frame = frame_of(
         car(5, 0, 1), car(5, 9, 2, returns=29), car(5, 20, 3, kind="pole"), car(60, 0, 4),
         car(9, -9, 5, kind="pedestrian"),
@@ -73,20 +73,20 @@ def test_what_is_asked_for_are_road_users_with_enough_returns_in_the_region():
     assert [box.identity for box in counted(frame, EVERYWHERE, least=20)] == [1, 2, 5]
 
 
-def test_found_boxes_outside_of_the_region_are_not_looked_at():
+def test_detected_boxes_outside_the_region_are_ignored():
     frame = frame_of(car(5))
     found = np.array([car(5).corners, car(80).corners])
     assert score_card([found], [frame], EVERYWHERE)["precision"].values == (1, 1, 1)
 
 
-def test_nothing_found_and_nothing_there():
+def test_a_card_without_objects_and_detections():
     nothing = np.empty((0, 8, 3))
     card = score_card([nothing, nothing], [frame_of(car(5)), frame_of()], EVERYWHERE)
     assert card["recall"].values == (0, 0, 0) and card["precision"].values == (1, 1, 1)
     assert card["recall beyond 20 m"].texts == ["–"] * 3
 
 
-def test_what_only_one_frame_has_is_said_without_an_error():
+def test_a_value_from_one_frame_has_no_error():
     nothing = np.empty((0, 8, 3))
     frames = [frame_of(car(5), car(30, 9)), frame_of(car(5)), frame_of(car(5))]
     card = score_card([nothing] * 3, frames, EVERYWHERE)
@@ -95,11 +95,11 @@ def test_what_only_one_frame_has_is_said_without_an_error():
     assert card["precision"].texts == ["–"] * 3
 
 
-def test_hidden_is_the_share_of_rays_that_meet_something_before():
+def test_hidden_is_the_share_of_rays_that_hit_another_object_first():
     box = car(20, 0, 7)
-    rays = [(18, 0, 0.2), (18, 0.5, 0.1), (18, -0.5, 0)]  # its own
+    rays = [(18, 0, 0.2), (18, 0.5, 0.1), (18, -0.5, 0)]  # returns of the object
     before = [(9, 0.1, 0.0)]
-    others = [(9, 3, 0), (9, 0, 2), (30, 0, 0), (8, 0.1, -0.1)]  # beside, above, behind, ground
+    others = [(9, 3, 0), (9, 0, 2), (30, 0, 0), (8, 0.1, -0.1)]  # next to it, above, behind, ground
     frame = frame_of(box, cloud=rays + before + others, objects=[7] * 3 + [2] * 4 + [0])
     assert hidden_shares(frame, [box, box]) == pytest.approx([1 / 4, 1 / 4])
     assert hidden_shares(frame_of(box, cloud=rays, objects=[7] * 3), [box]) == 0
@@ -110,7 +110,7 @@ def test_hidden_is_the_share_of_rays_that_meet_something_before():
     assert hidden_shares(back, [behind_us]) == pytest.approx(1 / 4)
 
 
-def test_the_error_of_a_mean_is_the_one_of_the_text_books():
+def test_the_error_of_a_mean_is_the_standard_error():
     rng = np.random.default_rng(0)
     numbers = rng.normal(5, 2, 40)
     value, error = with_error(
@@ -120,7 +120,7 @@ def test_the_error_of_a_mean_is_the_one_of_the_text_books():
     assert error == pytest.approx(numbers.std(ddof=1) / np.sqrt(40))
 
 
-def test_the_error_of_a_ratio_is_near_that_of_many_new_samples():
+def test_the_error_of_a_ratio_agrees_with_many_new_samples():
     rng = np.random.default_rng(1)
 
     def sample():

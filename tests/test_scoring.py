@@ -1,4 +1,4 @@
-"""Overlap against clipping, matching against every permutation, scores against hand counts."""
+"""Overlap compared with clipping, matching with all permutations, scores with counts by hand."""
 
 from itertools import permutations
 
@@ -35,7 +35,7 @@ def random_boxes(rng, count, spread=4.0):
 
 
 def area(polygon):
-    """The shoelace formula."""
+    """Return the area of a polygon by the shoelace formula."""
     return sum(x * v - u * y for (x, y), (u, v) in sides(polygon)) / 2
 
 
@@ -44,7 +44,7 @@ def sides(polygon):
 
 
 def clipped(polygon, start, end):
-    """What of a polygon lies to the left of a line (Sutherland and Hodgman, 1974)."""
+    """Return the part of a polygon to the left of a line (Sutherland and Hodgman, 1974)."""
     along = end[0] - start[0], end[1] - start[1]
     kept = []
     for here, there in sides(polygon):
@@ -73,7 +73,7 @@ def clipped_iou(box, other, space):
 
 
 @pytest.mark.parametrize("overlap", [plane_iou, space_iou])
-def test_overlap_is_what_clipping_says(overlap):
+def test_overlap_agrees_with_polygon_clipping(overlap):
     rng = np.random.default_rng(0)
     boxes, others = random_boxes(rng, 60), random_boxes(rng, 50)
     expected = [[clipped_iou(a, b, overlap is space_iou) for b in others] for a in boxes]
@@ -96,7 +96,7 @@ def test_overlap_survives_shared_edges_corners_and_rounding(shift, size, yaw, fa
     assert_allclose(plane_iou(one, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
 
 
-def test_overlaps_that_can_be_worked_out_by_hand():
+def test_overlaps_computed_by_hand():
     square = corners(0, 0, 0, 2, 2, 2)[None]
     assert_allclose(plane_iou(square, square), 1.0)
     assert_allclose(space_iou(square, square), 1.0)
@@ -120,14 +120,14 @@ def test_the_order_of_floor_and_roof_corners_does_not_matter():
     assert_allclose(space_iou(mixed, others), space_iou(boxes, others), atol=1e-12)
 
 
-def test_boxes_along_the_axes_may_come_as_the_lesson_orders_their_corners():
+def test_axis_aligned_boxes_may_have_the_corner_order_of_the_lesson():
     bits = np.arange(8)
     corner = np.column_stack([bits & 1, bits >> 1 & 1, bits >> 2]) * (4.0, 2.0, 1.5)
     assert_allclose(space_iou(corner[None], corners(2, 1, 0.75)[None]), 1.0)
 
 
 @pytest.mark.parametrize("overlap", [plane_iou, space_iou])
-def test_no_boxes_and_flat_boxes_overlap_with_nothing(overlap):
+def test_empty_lists_and_flat_boxes_have_no_overlap(overlap):
     some, none = random_boxes(np.random.default_rng(1), 3), np.zeros((0, 8, 3))
     assert overlap(none, some).shape == (0, 3)
     assert overlap(some, none).shape == (3, 0)
@@ -140,14 +140,14 @@ def test_no_boxes_and_flat_boxes_overlap_with_nothing(overlap):
 
 @pytest.mark.parametrize("overlap", [plane_iou, space_iou])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_a_box_that_is_not_finite_overlaps_with_nothing(overlap, bad):
+def test_a_box_that_is_not_finite_has_no_overlap(overlap, bad):
     boxes = np.repeat(corners()[None], 3, axis=0)
     boxes[1, 0, 0] = bad
     assert_allclose(overlap(boxes, boxes), [[1, 0, 1], [0, 0, 0], [1, 0, 1]])
 
 
 @pytest.mark.parametrize("shape", [(8, 3), (2, 4, 2), (2, 3, 8)])
-def test_what_is_no_array_of_boxes_is_refused(shape):
+def test_other_arrays_than_boxes_are_refused(shape):
     with pytest.raises(ValueError, match=r"\(N, 8, 3\)"):
         plane_iou(np.ones(shape), np.ones((1, 8, 3)))
 
@@ -165,7 +165,7 @@ def test_matching_is_the_best_of_all_permutations(seed):
     assert_allclose(overlaps[paired, partners[paired]].sum(), best)
 
 
-def test_matching_nothing():
+def test_matching_empty_lists():
     assert match(np.zeros((0, 3))).shape == (0,)
     assert match(np.zeros((2, 0))).tolist() == [-1, -1]
     assert match(np.zeros((2, 2)), 0.0).tolist() == [-1, -1]
@@ -179,13 +179,13 @@ def test_scores_of_a_frame_by_hand():
     assert (score.precision, score.recall) == (0.5, 2 / 3)
     assert_allclose(score.f1, 2 * 0.5 * (2 / 3) / (0.5 + 2 / 3))
     assert score + score == Score(4, 4, 2)
-    # One roof floats above the other: the same in the plane, apart in space.
+    # One box is above the other: equal in the plane, but without overlap in space.
     lifted = truth + (0, 0, 5.0)
     assert score_boxes(lifted, truth).f1 == 1.0
     assert score_boxes(lifted, truth, overlap=space_iou).f1 == 0.0
 
 
-def test_scores_of_nothing():
+def test_scores_of_empty_frames():
     none, some = np.zeros((0, 8, 3)), corners()[None]
     assert (score_boxes(none, none).precision, score_boxes(none, none).f1) == (1.0, 1.0)
     assert (score_boxes(none, some).recall, score_boxes(none, some).f1) == (0.0, 0.0)
@@ -198,7 +198,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 
 
 def tracked(truth, found):
-    """A frame from dictionaries name: x."""
+    """Return a frame from dictionaries of names and x."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
         tuple(found),
@@ -223,12 +223,12 @@ def test_each_change_of_label_is_one_switch():
 
 
 def test_a_label_that_can_be_kept_is_kept():
-    # Label 8 overlaps a little more, but 7 followed the thing before and still fits.
+    # Label 8 overlaps a little more, but 7 was on the object before and still matches.
     frames = [tracked({1: 0}, {7: 0}), tracked({1: 0}, {7: 0.4, 8: 0.1})]
     assert score_stream(frames) == Score(2, 1, 0, 0)
 
 
-def test_streams_of_nothing():
+def test_scores_of_empty_streams():
     assert score_stream([]) == Score()
     empty = TrackedFrame(np.zeros((0, 8, 3)), (), np.zeros((0, 8, 3)), ())
     assert score_stream([empty, tracked({1: 0}, {}), tracked({}, {3: 0})]) == Score(0, 1, 1)

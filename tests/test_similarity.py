@@ -1,4 +1,4 @@
-"""Which answers are alike: no false alarm on who wrote by themselves, and copies found."""
+"""Similar answers: copies are found, without false alarms on independent answers."""
 
 import ast
 import json
@@ -34,7 +34,7 @@ def answer(exercise, source):
 
 
 def written(exercise, right=None):
-    """The kept answers, by name: each stands for a student."""
+    """Return the kept answers by name, each as the answer of one student."""
     found = {
         variant.name: answer(exercise, variant.source)
         for variant in answers_to(exercise)
@@ -51,19 +51,19 @@ def names_of(comparison):
     return {frozenset(pair.students) for pair in comparison.pairs}
 
 
-# False alarms.
+# No false alarms.
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
-def test_nobody_who_wrote_alone_is_named(exercise, monkeypatch):
-    """The right answers have each an author of their own. Nor are any two nearly named."""
+def test_independent_answers_are_not_flagged(exercise, monkeypatch):
+    """Each right answer has its own author. Stricter thresholds flag no pair either."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
 
 
-# Wrong answers are often right ones with one change; these are each other with a change.
+# Wrong answers are often right ones with one change; these are edits of each other.
 CHANGED = {
     "ransac_line": [("does not ask for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
@@ -85,12 +85,12 @@ CHANGED = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
-def test_of_the_wrong_answers_only_those_are_named_that_are_one_text_with_a_change(exercise):
+def test_wrong_answers_are_flagged_only_if_one_is_an_edit_of_the_other(exercise):
     found = names_of(compared(exercise, written(exercise)))
     assert found <= set(map(frozenset, CHANGED.get(exercise, [])))
 
 
-def test_who_follows_the_hints_to_the_letter_is_not_named():
+def test_answers_that_follow_the_hints_are_not_flagged():
     answers = written("euclidean_clustering", right=True)
     hints = answers["the hints followed to the letter"]
     assert len(hints.steps) > 10
@@ -99,7 +99,7 @@ def test_who_follows_the_hints_to_the_letter_is_not_named():
     assert names_of(compare("euclidean_clustering", class_)), "as it would be, were it not taught"
 
 
-def test_short_answers_say_nothing_in_any_class():
+def test_short_answers_are_never_flagged():
     class_ = {f"student {number}": answer("filter_ground", SHORT) for number in range(3)}
     others = written("filter_ground")
     comparison = compared("filter_ground", {**class_, **others})
@@ -111,7 +111,7 @@ SHORT = (
 )
 
 
-def test_what_many_write_is_no_surprise():
+def test_an_answer_that_many_write_is_not_flagged():
     answers = written("get_bounding_boxes", right=True)
     original = answers["a dictionary of running extremes, printing and warning"]
     few = {**answers, "copy": original}
@@ -122,7 +122,7 @@ def test_what_many_write_is_no_surprise():
     assert compared("get_bounding_boxes", many).pairs == ()
 
 
-# Hits.
+# Copies that are found.
 
 ORIGINAL = """\
 def get_bounding_boxes(cloud, cluster_labels):
@@ -279,7 +279,7 @@ def test_a_copy_is_found(disguise):
 
 
 def renamed(source):
-    """A copy with other names of its own, laid out anew."""
+    """Return a copy with other names and another layout."""
     trees = [ast.parse(cell) for cell in source.split(ANOTHER_CELL)]
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
     own = {node.id for node in nodes if isinstance(node.ctx, ast.Store)}
@@ -288,7 +288,7 @@ def renamed(source):
     return ANOTHER_CELL.join(f"# mine\n{ast.unparse(tree)}\n" for tree in trees)
 
 
-# Of these a copy is not found: they do what the lesson leads to, and so may anybody.
+# A copy of these is not found, because many students write what the lesson suggests.
 AS_TAUGHT = {
     "euclidean_clustering": ["a queue and NumPy"],
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
@@ -301,7 +301,7 @@ AS_TAUGHT = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
-def test_a_copy_of_any_long_answer_is_found_and_nobody_else(exercise):
+def test_a_copy_of_any_long_answer_is_the_only_one_found(exercise):
     class_ = written(exercise, right=True)
     missed = set()
     for variant in answers_to(exercise):
@@ -322,10 +322,10 @@ def statements_in(source):
     return sum(isinstance(node, ast.stmt) and not isinstance(node, named) for node in nodes)
 
 
-# What is said.
+# Numbers and words.
 
 
-def test_what_is_said_of_a_pair_is_counted():
+def test_the_numbers_about_a_pair_are_counted():
     others = {
         "ada": "def f(a):\n    return a",
         "bo": ORIGINAL,
@@ -341,15 +341,15 @@ def test_what_is_said_of_a_pair_is_counted():
     assert pair.share == 1.0
     assert pair.steps == (14, 14)
     assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
-    assert pair.alone == 13  # all but the empty dictionary
+    assert pair.alone == 13  # all except the empty dictionary
     assert pair.others == (1, 4)
-    assert pair.nearest == (0.0, 0.0)  # that dictionary is everybody's
+    assert pair.nearest == (0.0, 0.0)  # all students have that dictionary
 
 
 @pytest.mark.parametrize(
     "share, words", [(1, "100 %"), (0.9999, "99 %"), (0.001, "1 %"), (0, "0 %"), (0.256, "26 %")]
 )
-def test_only_the_whole_is_a_hundred_percent(share, words):
+def test_only_identical_answers_show_100_percent(share, words):
     assert percent(share) == words
 
 
@@ -366,7 +366,7 @@ def hand_in(course, student, text, lesson=LESSON):
 
 @pytest.fixture
 def course(tmp_path):
-    """Six who wrote by themselves, and two of whom one copied."""
+    """Return a course with six independent students and two of whom one copied."""
     course = Course(tmp_path)
     others = [v for v in answers_to("get_bounding_boxes") if v.right]
     others = [v.source for v in others if not v.name.startswith("a dictionary")]
@@ -390,7 +390,7 @@ def test_a_stage_is_compared_and_shown(course):
     assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs nothing beside it"
 
 
-def test_the_command_says_what_is_alike(course, monkeypatch, capsys):
+def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["similarity", LESSON.stage]) == 0
     said = capsys.readouterr().out
@@ -399,13 +399,13 @@ def test_the_command_says_what_is_alike(course, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "no two")])
-def test_without_a_class_the_command_says_so(stage, words, tmp_path, monkeypatch, capsys):
+def test_the_command_reports_a_missing_class(stage, words, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     assert cli.main(["similarity", stage]) == 2
     assert words in capsys.readouterr().err
 
 
-def test_identical_files_are_named_as_what_they_are(tmp_path):
+def test_identical_files_are_reported_as_identical(tmp_path):
     course = Course(tmp_path)
     own = fill_in(LESSON, {"get_bounding_boxes": ORIGINAL})
     run = json.loads(own)
@@ -422,7 +422,7 @@ def test_identical_files_are_named_as_what_they_are(tmp_path):
     ], "and not the two who handed in what they were given"
 
 
-# Strangers.
+# Hostile notebooks.
 
 HOSTILE = {
     "brackets": "get_bounding_boxes = " + "(" * 50_000,
@@ -440,7 +440,7 @@ HOSTILE = {
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("kind", HOSTILE)
-def test_what_breaks_readers_costs_its_author_only(kind, course):
+def test_a_hostile_notebook_affects_only_its_author(kind, course):
     pair = last_two(course)
     hand_in(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
     compared_ = compare_stage(course, LESSON.stage)
@@ -449,14 +449,14 @@ def test_what_breaks_readers_costs_its_author_only(kind, course):
     assert write_similarity(course, compared_).stat().st_size < 200_000
 
 
-def test_what_is_too_long_is_said():
+def test_an_answer_that_is_too_long_is_reported():
     for kind in ("long", "one long line"):
         text = fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]})
         work = read_work(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
         assert work.problems == ("get_bounding_boxes is too long to be compared.",)
 
 
-def test_code_is_read_and_never_run(tmp_path):
+def test_compared_code_never_runs(tmp_path):
     trap = tmp_path / "ran"
     source = f"open({str(trap)!r}, 'w')\n" + ORIGINAL.replace(
         "cloud, cluster_labels", f"cloud, cluster_labels=open({str(trap)!r}, 'w')", 1
@@ -467,7 +467,7 @@ def test_code_is_read_and_never_run(tmp_path):
     assert not trap.exists()
 
 
-def test_what_strangers_wrote_is_text_on_the_page(course):
+def test_submitted_code_is_escaped_on_the_page(course):
     evil = ORIGINAL.replace("boxes = np", "'</div><script>alert(1)</script>'; boxes = np")
     for student, name in zip(last_two(course), ("<b>x", "<i>y"), strict=True):
         shutil.rmtree(course.submitted / student)
@@ -477,7 +477,7 @@ def test_what_strangers_wrote_is_text_on_the_page(course):
     assert not re.search(r"<script|<b>x|<i>y", page)
 
 
-def test_a_function_in_a_module_beside_the_notebook_counts():
+def test_a_function_in_a_module_next_to_the_notebook_counts():
     text = fill_in(
         LESSON, {"get_bounding_boxes": "from mine import boxes\nget_bounding_boxes = boxes"}
     )

@@ -1,4 +1,4 @@
-"""The scanner: against analytic answers, a marching oracle and plain statistics."""
+"""The scanner, compared with analytic answers, a marching oracle and statistics."""
 
 import math
 from dataclasses import replace
@@ -38,7 +38,7 @@ def thing(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0
 
 
 def random_solids(rng, count):
-    """Boxes, frusta, cylinders and balls all around the sensor, near and far."""
+    """Return boxes, frusta, cylinders and balls all around the sensor, near and far."""
     solids = []
     for _ in range(count):
         centre = (*rng.uniform(-15, 15, 2), rng.uniform(-1, 3))
@@ -57,7 +57,7 @@ def random_solids(rng, count):
 
 
 def holds(solid, points):
-    """Whether points (..., 3) lie inside a solid, by its definition."""
+    """Return whether points (..., 3) are inside a solid, from its definition."""
     if hasattr(solid, "normals"):
         return np.all(points @ solid.normals.T <= solid.offsets, axis=-1)
     if hasattr(solid, "base"):
@@ -82,7 +82,7 @@ def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
     inside = holds(solid, rays.T[:, None] * steps[None, :, None])
     enter, leave, cosine = solid.crossings(rays)
     hit = (leave >= enter) & (leave > 0)
-    # Marching may step over a sliver thinner than a step, never the other way round.
+    # Marching may miss a sliver thinner than a step, but never hits something that is not there.
     assert not np.any(inside.any(axis=1) & ~hit)
     assert np.all((leave - np.maximum(enter, 0))[hit & ~inside.any(axis=1)] <= step + 1e-9)
     outside = inside.any(axis=1) & (enter > 0)
@@ -99,7 +99,7 @@ def sample_points(solid):
     return solid.centre[None]
 
 
-def test_a_wall_straight_ahead_is_met_at_its_distance_and_head_on():
+def test_a_ray_hits_a_wall_straight_ahead_at_its_distance():
     wall = box(1.0, 20.0, 20.0, (10.5, 0.0, 0.0))
     slant = math.radians(30)
     rays = np.array([[1.0, 0.0, 0.0], [math.cos(slant), math.sin(slant), 0.0]]).T
@@ -108,7 +108,7 @@ def test_a_wall_straight_ahead_is_met_at_its_distance_and_head_on():
     assert_allclose(cosine, [1.0, math.cos(slant)])
 
 
-def test_a_ball_and_a_post_are_met_where_geometry_says():
+def test_hits_on_a_ball_and_a_post_agree_with_geometry():
     ray = np.array([[1.0], [0.0], [0.0]])
     enter, leave, cosine = sphere(2.0, (10.0, 1.0, 0.0)).crossings(ray)
     assert_allclose([enter[0], leave[0]], [10 - math.sqrt(3), 10 + math.sqrt(3)])
@@ -117,7 +117,7 @@ def test_a_ball_and_a_post_are_met_where_geometry_says():
     assert_allclose([enter[0], cosine[0]], [10 - math.sqrt(3), math.sqrt(3) / 2])
 
 
-def test_a_post_is_met_on_its_lid_from_above():
+def test_a_ray_from_above_hits_the_lid_of_a_post():
     ray = np.array([[math.sqrt(0.5)], [0.0], [-math.sqrt(0.5)]])
     enter, _, cosine = cylinder(1.0, 1.0, (3.0, 0.0, -4.0)).crossings(ray)
     assert_allclose([enter[0], cosine[0]], [3 * math.sqrt(2), math.sqrt(0.5)])
@@ -131,7 +131,7 @@ def test_a_post_is_met_on_its_lid_from_above():
         box(2, 2, 2, (5, 3, 0)),
     ],
 )
-def test_a_ray_along_a_face_that_passes_beside_misses(solid):
+def test_a_ray_parallel_to_a_face_and_outside_misses(solid):
     for ray in ([1.0, 0.0, 0.0], [1.0, -0.0, -0.0]):
         enter, leave, _ = solid.crossings(np.array(ray).reshape(3, 1))
         assert enter[0] > leave[0]
@@ -148,7 +148,7 @@ def test_pose_inverse_and_composition_undo_each_other():
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_rays_meet_the_ground_where_they_first_dive_below_it(seed):
+def test_rays_hit_the_ground_where_they_first_go_below_it(seed):
     rng = np.random.default_rng(seed)
     ground = Ground(
         Pose(*rng.uniform(-3, 3, 2), 0.0, rng.uniform(-4, 4)),
@@ -172,7 +172,7 @@ def test_rays_meet_the_ground_where_they_first_dive_below_it(seed):
     assert np.all((cosine >= 0) & (cosine <= 1))
 
 
-def test_flat_ground_is_the_height_over_the_sine_away():
+def test_the_distance_of_flat_ground_is_height_over_sine():
     rays = ray_directions(EXACT)
     distance, cosine = Ground().crossings(rays, (0.0, 0.0, 1.7))
     down = rays[2] < 0
@@ -181,7 +181,7 @@ def test_flat_ground_is_the_height_over_the_sine_away():
     assert np.all(np.isinf(distance[~down]))
 
 
-def test_the_ground_seen_from_a_vehicle_has_height_zero_under_it():
+def test_the_ground_under_a_vehicle_has_height_zero():
     ground = Ground(Pose(1, 2, 3, 0.4), slope=0.03, width=8, crown=0.02, kerb=0.1, verge=0.01)
     vehicle = Pose(5.0, 1.0, 0.0, -0.8)
     seen = ground.seen_from(vehicle)
@@ -225,7 +225,7 @@ def test_the_nearest_of_two_walls_is_seen():
         assert_allclose(swept.cloud[swept.objects == 7, 0], 12.0, atol=2e-6)
 
 
-def test_every_return_of_an_exact_scan_lies_on_its_ray_and_its_surface():
+def test_every_return_of_an_exact_scan_is_on_its_ray_and_a_surface():
     world = World(Ground(), (thing(box(4, 2, 2, (8, 1, 1))),))
     swept = scan(world, EXACT, 0)
     rays = ray_directions(EXACT)
@@ -241,7 +241,7 @@ def test_every_return_of_an_exact_scan_lies_on_its_ray_and_its_surface():
     assert swept.times.min() >= 0 and swept.times.max() < 1 / EXACT.rotation_rate
 
 
-def test_no_obstacles_and_no_ground_in_reach_give_an_empty_scan():
+def test_a_scan_without_ground_and_obstacles_in_range_is_empty():
     sensor = replace(EXACT, elevations=(0.1, 0.2))
     swept = scan(World(), sensor, 0)
     assert swept.cloud.shape == (0, 4)
@@ -249,7 +249,7 @@ def test_no_obstacles_and_no_ground_in_reach_give_an_empty_scan():
 
 
 @pytest.mark.parametrize("elevation", [0.0, -0.1])
-def test_a_single_beam_with_a_single_firing_is_a_sensor_too(elevation):
+def test_a_sensor_may_have_a_single_beam_and_firing(elevation):
     sensor = replace(EXACT, elevations=(elevation,), azimuth_step=2 * math.pi)
     swept = scan(World(Ground(), (thing(box(1, 4, 4, (5.5, 0, 2))),)), sensor, 0)
     assert swept.objects.tolist() == [1]
@@ -263,7 +263,7 @@ def test_an_obstacle_around_the_sensor_is_not_seen_from_inside():
     assert len(swept.cloud) > 1000
 
 
-def test_what_is_too_near_hides_what_is_behind_it_and_is_not_reported():
+def test_an_object_below_the_minimum_range_hides_others_and_is_not_reported():
     sensor = replace(EXACT, minimum_range=3.0)
     world = World(
         Ground(),
@@ -302,7 +302,7 @@ def test_the_stated_share_of_echoes_is_lost():
 
 
 def share_seen(distance, material, weakest_signal):
-    """Share of the rays on a wall square to the beam that come back."""
+    """Return the share of rays that come back from a wall perpendicular to the beam."""
     sensor = replace(EXACT, azimuth_step=math.radians(0.2), elevations=layers(40, 1.0, -1.0))
 
     def returns(material, weakest_signal):
@@ -317,7 +317,7 @@ def test_glass_loses_the_stated_share_of_echoes():
     assert abs(share_seen(10, Material(0.4, loss=0.6), 0.0) - 0.4) < 0.05
 
 
-def test_weak_echoes_get_lost():
+def test_weak_echoes_are_lost():
     # The signal of a wall of reflectivity 0.4 at 50 m, head on, is 1.6.
     assert abs(share_seen(50, Material(0.4), 1.6) - (1 - math.exp(-1))) < 0.05
     dark, far, near = (
@@ -339,7 +339,7 @@ def test_the_road_fades_at_grazing_incidence():
     assert seen[2] < 0.4 * there[2]
 
 
-def test_foliage_is_met_inside_at_random_depths_and_lets_some_rays_through():
+def test_rays_end_inside_foliage_at_random_depths_or_pass():
     bush = thing(box(2, 6, 6, (9, 0, 0), Material(0.3, depth=0.5)), kind="foliage", identity=1)
     wall = thing(box(1, 60, 60, (20.5, 0, 0)), kind="wall", identity=2)
     sensor = replace(EXACT, elevations=layers(60, 1.0, -1.0))
@@ -350,7 +350,9 @@ def test_foliage_is_met_inside_at_random_depths_and_lets_some_rays_through():
     assert depths.min() >= 0 and depths.max() <= 2
     through = walled.sum() / (walled.sum() + bushed.sum())
     assert abs(through - math.exp(-2 / 0.5)) < 0.01
-    expected = 0.5 - 2 * math.exp(-4) / (1 - math.exp(-4))  # of a cut exponential
+    expected = 0.5 - 2 * math.exp(-4) / (
+        1 - math.exp(-4)
+    )  # mean of a truncated exponential distribution
     assert abs(depths.mean() - expected) < 0.03
 
 
@@ -366,7 +368,7 @@ def test_intensity_follows_material_and_incidence():
     assert swept.cloud[:, 3].min() >= 0 and swept.cloud[:, 3].max() <= 1
 
 
-def test_invalid_returns_lie_exactly_at_the_origin_and_belong_to_nothing():
+def test_invalid_returns_are_at_the_origin_and_belong_to_no_object():
     swept = scan(World(), hdl64(), 3)
     blank = swept.classes == CLASSES.index("invalid")
     assert blank.sum() == hdl64().invalid_returns

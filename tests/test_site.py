@@ -1,4 +1,4 @@
-"""The course as pages: what is on them, what is never on them, and that they need nobody."""
+"""The website: what its pages contain and never contain, and that they load no other host."""
 
 import base64
 import html
@@ -52,7 +52,7 @@ def displayed(data, about=None):
 
 
 def positions():
-    """A slider at its own value and at two others."""
+    """Return a slider's pictures at its own value and at two others."""
     yield displayed({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
     yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
@@ -66,13 +66,13 @@ ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
 
 
 def scene():
-    """A scene to turn, as a cell shows it."""
+    """Return the HTML of a scene, as a cell shows it."""
     drawn = Scene("A corner").add_cloud(np.array([[0, 0, 0], [1, 1, 1.0]]))
     return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
 
 
 def made_up():
-    """Solved notebooks as if they had run: one shows something of each kind."""
+    """Return solved notebooks with made-up outputs; one has an output of each kind."""
     ran = {lesson: nbformat.read(lesson.solved, as_version=4) for lesson in all_lessons()}
     code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
@@ -92,7 +92,7 @@ def site(tmp_path_factory):
 
 
 def text_of(path):
-    """What stands on a page, by a reader that is not the one under test."""
+    """Return the text of a page, by an independent parser."""
     plain = re.sub(r"<(script|style)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.S)
     return html.unescape(re.sub(r"<[^>]+>", "", plain))
 
@@ -100,7 +100,7 @@ def text_of(path):
 # ---- what a cell showed -------------------------------------------------------------------------
 
 
-def test_a_slider_is_its_picture_at_some_positions_with_words_beside():
+def test_a_slider_becomes_pictures_at_some_positions_with_labels():
     pictures = Pictures()
     (one,) = page_outputs([*positions()], pictures)
     page = one.data["text/html"]
@@ -126,7 +126,7 @@ def test_several_sliders_share_one_choice():
     assert len(ids) == len(set(ids)) == 4
 
 
-def test_a_question_is_a_field_and_its_answer_is_folded():
+def test_a_question_becomes_a_field_with_a_folded_answer():
     asked = html_of(displayed({widget_states.QUESTION: QUESTION}), Pictures())
     told = html_of(displayed({widget_states.ANSWER: ANSWER}), Pictures())
     assert '<input type="range" min="0" max="10" step="1"' in asked
@@ -139,7 +139,7 @@ def test_a_question_is_a_field_and_its_answer_is_folded():
     assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
 
 
-def test_a_scene_is_a_page_of_its_own_that_is_fetched_when_it_comes_near():
+def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     pictures = Pictures()
     page = html_of(displayed(scene()), pictures)
     assert "srcdoc" not in page and "base64" not in page
@@ -151,7 +151,7 @@ def test_a_scene_is_a_page_of_its_own_that_is_fetched_when_it_comes_near():
     assert 'alt="A "corner" in space"' in instead, "who runs no scripts sees a picture"
 
 
-def test_what_a_bar_has_overwritten_is_not_shown():
+def test_text_that_a_progress_bar_overwrote_is_not_shown():
     (one,) = page_outputs(
         [new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures()
     )
@@ -188,7 +188,7 @@ def test_one_slider_moves_at_a_time():
     assert all(isinstance(values["seed"], int) for values in found)
 
 
-def test_a_figure_says_its_titles_axes_and_legend():
+def test_the_description_of_a_figure_has_its_titles_axes_and_legend():
     figure, axes = plt.subplots()
     axes.plot([1, 2], label="n²: $n^2$")
     axes.set_title("Left", loc="left")
@@ -237,20 +237,20 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
 # ---- pages --------------------------------------------------------------------------------------
 
 
-def test_every_word_that_a_lesson_links_to_is_known():
+def test_every_glossary_link_of_a_lesson_has_an_entry():
     for lesson in all_lessons():
         linked = glossary.link_terms(lesson.released.read_text("utf-8"))
         assert "(../words.md)" not in linked, lesson.name
 
 
-def test_a_cell_without_partner_stops_the_site():
+def test_a_cell_without_a_counterpart_stops_the_build():
     notebook = nbformat.read(LESSON.solved, as_version=4)
     lost = notebook.cells.pop(5).id
     with pytest.raises(SiteError, match=lost):
         page_of(LESSON, nbformat.writes(notebook).encode(), "", Pictures())
 
 
-def test_a_page_says_where_it_runs_once_there_is_an_address():
+def test_a_page_links_to_colab_if_an_address_is_set():
     assert links_of(LESSON, Origin("", "main"), False).count("<a ") == 1
     there = links_of(LESSON, PUBLIC, False)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
@@ -276,7 +276,7 @@ def test_the_front_page_has_every_lesson():
     assert "13 · Compiled loops" in beside and "<code>snuggest_turn</code>" in beside
 
 
-def test_what_a_lesson_needs_is_looked_for_where_it_is_imported():
+def test_missing_packages_are_found_in_import_statements():
     text = """
 import json, no_such_compiler.jit as jit
 try:
@@ -290,7 +290,9 @@ except ImportError:
 
 
 @pytest.mark.parametrize("missing", [[], ["numba"]])
-def test_an_optional_lesson_runs_where_it_can(monkeypatch, tmp_path, capsys, missing):
+def test_an_optional_lesson_runs_if_its_packages_are_installed(
+    monkeypatch, tmp_path, capsys, missing
+):
     asked = []
     monkeypatch.setattr(runs, "missing_packages", lambda lesson: missing)
     monkeypatch.setattr(runs, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
@@ -301,11 +303,11 @@ def test_an_optional_lesson_runs_where_it_can(monkeypatch, tmp_path, capsys, mis
     assert (said in capsys.readouterr().out) == bool(missing)
 
 
-# ---- what is proven -----------------------------------------------------------------------------
+# ---- secrets and links ---------------------------------------------------------------------------
 
 
 def secrets():
-    """Each line of a solution that no student's notebook says in any way."""
+    """Return each line of a solution that is in no student's notebook."""
     notebooks = "\n".join(
         "".join(cell["source"])
         for lesson in every_lesson()
@@ -316,7 +318,7 @@ def secrets():
         text = lesson.source.read_text("utf-8")
         for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
             for line in map(str.strip, region.splitlines()):
-                # What is that short stands in any program; and build takes `# from` away.
+                # Short lines are in any program, and the build removes `# from`.
                 if (
                     len(line) > 15
                     and not line.startswith("# from ")
@@ -326,7 +328,7 @@ def secrets():
 
 
 @pytest.mark.parametrize("suffix", [".html", ".js", ".ipynb"])
-def test_a_line_of_a_solution_is_found_however_it_is_written(tmp_path, suffix):
+def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
     line = "newcomers = np.flatnonzero((distance < threshold) & (labels == 0))"
     assert line in set(secrets())
     text = {
@@ -351,19 +353,19 @@ def test_a_line_of_a_solution_is_found_however_it_is_written(tmp_path, suffix):
         ('<a href="https://example.org/">out</a> <a id="x" href="page.html#x">here</a>', ""),
     ],
 )
-def test_what_a_page_asks_for_and_where_it_leads(tmp_path, page, said):
+def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, said):
     (tmp_path / "page.html").write_text(page, "utf-8")
     found = site_checks.faults(tmp_path)
     assert [said in fault for fault in found] == [True] * bool(said)
 
 
-def test_styles_ask_no_other_host_either(tmp_path):
+def test_styles_that_load_from_another_host_are_found(tmp_path):
     style = "@import 'https://example.org/a.css'; a {background: url(img.png)}"
     (tmp_path / "a.css").write_text(style, "utf-8")
     assert len(site_checks.faults(tmp_path)) == 1
 
 
-def test_a_folder_of_something_else_is_left_alone(tmp_path):
+def test_a_folder_with_other_files_is_not_overwritten(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine", "utf-8")
     with pytest.raises(SiteError, match="holds something else"):
         builder.ready(tmp_path)
@@ -371,7 +373,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
     assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"
 
 
-# ---- the whole ----------------------------------------------------------------------------------
+# ---- the whole site ------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -387,7 +389,7 @@ def test_no_line_of_a_solution_is_in_the_site(site):
 
 
 @pytest.mark.slow
-def test_the_stub_is_on_its_page_and_so_is_what_was_shown(site):
+def test_a_page_has_the_stub_and_the_outputs(site):
     page = text_of(site / LESSON.stage / f"{LESSON.name}.html")
     assert "raise NotImplementedError" in page and "def euclidean_clustering" in page
     assert "2 of 2" in page and "1 of 2" not in page
@@ -395,7 +397,7 @@ def test_the_stub_is_on_its_page_and_so_is_what_was_shown(site):
 
 
 @pytest.mark.slow
-def test_what_did_not_run_has_a_page_without_outputs(site):
+def test_a_lesson_that_did_not_run_has_a_page_without_outputs(site):
     (lesson,) = optional_lessons()
     page = (site / lesson.stage / f"{lesson.name}.html").read_text("utf-8")
     assert "def snuggest_turn" in text_of(site / lesson.stage / f"{lesson.name}.html")
@@ -416,7 +418,7 @@ def test_search_finds_words_of_titles_and_of_text(site):
 
 
 @pytest.mark.slow
-def test_what_a_page_loads_is_beside_it(site):
+def test_every_file_that_a_page_loads_is_in_the_site(site):
     assert (site / "_static" / "mathjax" / "tex-chtml.js").is_file()
     assert len([*(site / "_static" / "mathjax").rglob("*.woff")]) > 10
     assert not [*site.rglob("*.map"), *site.rglob("fontawesome.js")]
@@ -448,7 +450,7 @@ def test_every_lesson_has_a_page_on_which_it_runs(tmp_path):
 
 
 @pytest.mark.proof
-def test_two_sites_are_the_same_bytes(site, tmp_path, monkeypatch):
+def test_two_builds_have_the_same_bytes(site, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     monkeypatch.setenv("PYTHONHASHSEED", "7")
     again = tmp_path / "elsewhere" / "deeper"

@@ -1,4 +1,4 @@
-"""Cutting a notebook down to what its exercise functions need."""
+"""Selecting the statements of a notebook that its exercises need."""
 
 import builtins
 import textwrap
@@ -9,12 +9,12 @@ from utils.notebooks import slicing
 
 
 def notebook(text):
-    """Code cells, parted by lines that hold only ---."""
+    """Return the code cells in a text, which lines of --- separate."""
     return [textwrap.dedent(cell) for cell in textwrap.dedent(text).split("---\n")]
 
 
 def sliced(text, *names):
-    """(namespace after running the slice, source of the statements in it, problems)."""
+    """Return the namespace after running the slice, its source, and the problems."""
     statements, problems = slicing.parse_notebook(notebook(text))
     kept, namespace = slicing.slice_for(names or ("f",), statements), {"__name__": "__main__"}
     for statement in kept:
@@ -24,7 +24,7 @@ def sliced(text, *names):
 
 
 class Agreeable:
-    """As in the worker: an IPython that does nothing."""
+    """An IPython stand-in that does nothing, as in the worker."""
 
     def __getattr__(self, name):
         return lambda *values, **options: None
@@ -164,7 +164,7 @@ def test_leaves_out_what_it_does_not_need(line):
         "[max(n for n in row) for row in slow_experiment()]",
     ],
 )
-def test_names_of_a_comprehension_are_its_own(comprehension):
+def test_variables_of_a_comprehension_are_local(comprehension):
     text = f"n = k = row = 42\n---\nothers = {comprehension}\n---\ndef f(): return n + k - row"
     namespace, source, problems = sliced(text)
     assert namespace["f"]() == 42 and not problems
@@ -178,14 +178,14 @@ def test_the_last_definition_wins_as_it_does_in_a_notebook():
     assert namespace["f"]() == 2
 
 
-def test_a_cell_that_is_no_python_is_named_and_the_others_stay():
+def test_a_cell_with_a_syntax_error_is_named_and_the_others_stay():
     namespace, _, problems = sliced("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
     assert namespace["f"]() == 1
     assert len(problems) == 1 and problems[0].startswith("Code cell 2 is not valid Python")
     assert "def g(:" in problems[0]
 
 
-def test_only_what_exists_is_kept():
+def test_a_missing_function_keeps_no_statements():
     assert sliced("x = 1\n---\nprint(x)", "f", "g")[1] == ""
 
 
@@ -200,7 +200,7 @@ def test_only_what_exists_is_kept():
         ("try:\n    import open3d\nexcept ImportError: pass", "open3d"),
     ],
 )
-def test_imports_are_found_wherever_they_stand(line, module):
+def test_imports_are_found_everywhere(line, module):
     statements, _ = slicing.parse_notebook(["x = 1", line])
     assert (2, module) in set(slicing.imported_modules(statements))
 
@@ -235,7 +235,7 @@ def test_magics_leave_every_line_in_its_place(above):
     assert f"(line {above.count(chr(10)) + 1}: 'def g(:')" in problems[0]
 
 
-def test_magics_do_nothing_and_are_nothing():
+def test_magics_do_nothing_and_return_none():
     namespace, source, _ = sliced(
         "x = %sx ls\ny = %who\nz = get_ipython().user_ns_of(1)\ndef f(): return x, y, z", "f"
     )
@@ -243,14 +243,14 @@ def test_magics_do_nothing_and_are_nothing():
     assert "ipython" not in source
 
 
-def test_what_is_checked_after_its_definition_is_an_exercise():
+def test_a_function_checked_after_its_definition_is_an_exercise():
     cells = ["check(f)", "def f(): pass", "def g(): pass", "check(g, 'h')\nplain = 1", "check(fg)"]
     statements, _ = slicing.parse_notebook(cells)
     names = ("f", "g", "plain", "nothing")
     assert [slicing.is_checked(name, statements) for name in names] == [False, True, False, False]
 
 
-def test_what_the_lesson_does_after_the_check_is_not_the_students():
+def test_code_of_the_lesson_after_a_check_is_left_out():
     text = """
 def near(point): return point + 1
 def f(point): return near(point)
@@ -269,7 +269,7 @@ def late(point): return point + 2
     assert (space["f"](1), space["g"](1)) == (2, 3)
 
 
-def test_a_definition_after_the_check_counts_too():
+def test_a_definition_after_the_check_also_counts():
     text = """
 def f(): return 1
 ---

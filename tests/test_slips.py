@@ -1,4 +1,4 @@
-"""What the likeliest slips earn by the checks alone, and whether a teacher would sign it."""
+"""Points that the likeliest slips earn from the checks alone, and what a teacher would give."""
 
 import ast
 import importlib
@@ -25,7 +25,7 @@ ALL = {
 
 
 def solution_of(exercise):
-    """The text of the lesson's own function."""
+    """Return the source of the lesson's own function."""
     lesson = lesson_of(exercise)
     for node in ast.parse(lesson.text).body:
         if isinstance(node, ast.FunctionDef) and node.name == exercise:
@@ -34,7 +34,7 @@ def solution_of(exercise):
 
 
 def with_slip(exercise, slip):
-    """The lesson's right functions, and the one with the slip in its place."""
+    """Return the lesson's right functions, one of them with the slip."""
     lesson, source = lesson_of(exercise), solution_of(exercise)
     assert source.count(slip.old) == 1, f"{slip.old!r} stands there {source.count(slip.old)} times"
     answers = vars(load_reference(lesson.name))
@@ -44,7 +44,7 @@ def with_slip(exercise, slip):
 
 
 def share_of(exercise, slip):
-    """Share of the exercise's weight that the checks leave, and the names of those that fail."""
+    """Return the share of the exercise's weight that is earned, and the names of failed checks."""
     lesson, answers = with_slip(exercise, slip)
     outcomes = run_checks(
         lesson, student_with(lesson, answers), SEED, lambda check: check.exercise == exercise
@@ -56,7 +56,7 @@ def share_of(exercise, slip):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ALL)
-def test_a_teacher_would_sign_what_a_slip_earns(case):
+def test_a_slip_earns_what_a_teacher_would_give(case):
     exercise, slip = ALL[case]
     share, failed = share_of(exercise, slip)
     assert failed

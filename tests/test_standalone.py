@@ -1,4 +1,4 @@
-"""Notebooks that need no file beside them."""
+"""Notebooks that need no other file."""
 
 import base64
 import hashlib
@@ -37,7 +37,7 @@ def written(tmp_path_factory):
 
 
 def unpacked(notebook):
-    """Files in the setup cell of a notebook, by name."""
+    """Return the files in the setup cell of a notebook, by name."""
     (cell,) = [
         "".join(cell["source"])
         for cell in json.loads(notebook)["cells"]
@@ -50,7 +50,7 @@ def unpacked(notebook):
         }
 
 
-def test_one_small_notebook_a_lesson(written):
+def test_each_lesson_has_one_small_notebook(written):
     assert [path.stem for path in sorted(written.iterdir())] == [
         lesson.name for lesson in all_lessons()
     ]
@@ -76,7 +76,7 @@ def test_each_has_the_checks_of_its_lesson_and_the_rules(written):
         assert "utils/checks/forbidden.json" in names
 
 
-def test_nothing_of_the_grader_and_no_solution_inside(written):
+def test_a_notebook_contains_no_solution_and_no_part_of_the_grader(written):
     found = unpacked((written / "06_filter_ground.ipynb").read_bytes())
     assert found["utils/__init__.py"] == (PROJECT / "utils" / "__init__.py").read_bytes()
     for name, content in found.items():
@@ -106,7 +106,7 @@ def run_python(folder, program):
     )
 
 
-def test_the_setup_cell_needs_nothing_and_makes_the_same_cloud(tmp_path):
+def test_the_setup_cell_needs_no_other_file_and_makes_the_same_cloud(tmp_path):
     done = run_setup(tmp_path, standalone.setup_cell(LESSON.name))
     assert done.returncode == 0, done.stderr
     said, ready, folder, place, digest = done.stdout.strip().splitlines()
@@ -121,7 +121,7 @@ def test_the_setup_cell_names_the_packages_that_a_browser_has_to_load():
     assert {"numpy", "scipy", "matplotlib", "shapely", "lzma", "utils"} <= named
 
 
-def test_a_damaged_cell_says_so(tmp_path):
+def test_a_damaged_setup_cell_is_reported(tmp_path):
     cell = standalone.setup_cell(LESSON.name)
     place = cell.index('packed = "') + 5000
     other = "0" if cell[place] != "0" else "1"
@@ -129,7 +129,7 @@ def test_a_damaged_cell_says_so(tmp_path):
     assert "This cell is damaged: get the notebook anew." in done.stderr
 
 
-def test_handed_in_it_is_judged_like_any_other(sandbox):
+def test_a_standalone_submission_is_judged_like_any_other(sandbox):
     notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
     answers = {
         name: next(answer.source for answer in answers_to(name) if answer.right)
@@ -145,7 +145,7 @@ def test_handed_in_it_is_judged_like_any_other(sandbox):
     assert (verdict.lesson, verdict.score, verdict.problems) == (LESSON.name, 30, ())
     copy = build_copy(prepare(handed_in, LESSON))
     assert len(graded_cells(copy)) == 4
-    assert max(len(cell.source) for cell in copy.cells) < 10_000  # no wall of letters
+    assert max(len(cell.source) for cell in copy.cells) < 10_000  # without the packed tools
 
 
 @pytest.mark.parametrize(
@@ -157,8 +157,8 @@ def test_handed_in_it_is_judged_like_any_other(sandbox):
         lambda setup: standalone.setup_cell("07_filter_by_distance"),
     ],
 )
-def test_what_is_judged_is_shown_whatever_cell_it_looks_like(hidden):
-    """Only the tools of the course, letter by letter, are left out where people look."""
+def test_judged_code_is_always_shown_to_the_instructor(hidden):
+    """Only an exact copy of the course's tools is left out of the instructor's copy."""
     setup = standalone.setup_cell(LESSON.name)
     source = hidden(setup) + "\ndef filter_ground(cloud): return 'code that nobody sees'"
     notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
@@ -170,7 +170,7 @@ def test_what_is_judged_is_shown_whatever_cell_it_looks_like(hidden):
     assert source in shown and setup not in shown
 
 
-def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
+def test_functions_of_a_neighbouring_standalone_notebook_load(tmp_path):
     here = tmp_path / "downloads"
     here.mkdir()
     notebook = standalone.standalone(LESSON.solved.read_bytes())
@@ -187,7 +187,7 @@ def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     assert "Upload your 07_filter_by_distance.ipynb beside this notebook" in done.stdout
 
 
-def test_it_is_the_lesson_that_is_seen_first(written):
+def test_a_notebook_begins_with_the_lesson(written):
     for path in written.iterdir():
         cells = json.loads(path.read_text())["cells"]
         assert cells[0]["cell_type"] == "markdown"
@@ -198,6 +198,6 @@ def test_it_is_the_lesson_that_is_seen_first(written):
         assert not [c for c in cells if "upload the folders" in "".join(c["source"])]
 
 
-def test_a_stage_that_is_none_is_named(tmp_path, capsys):
+def test_an_unknown_stage_is_named(tmp_path, capsys):
     assert cli.main(["release", "--standalone", "stage9", "--to", str(tmp_path)]) == 2
     assert "There is no stage stage9" in capsys.readouterr().err

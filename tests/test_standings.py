@@ -1,4 +1,4 @@
-"""Missing, 0, excused and waiting are four things; who is late, and who is on the roster."""
+"""Statuses of submissions (missing, zero, excused, waiting), lateness, and the roster."""
 
 import datetime
 import shutil
@@ -58,14 +58,14 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Ada handed in two lessons and earned nothing in one; Bob handed in one."""
+    """Return a course in which Ada submitted two lessons, one with 0 points, and Bob one."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def standing(course):
-    """(standing, score) by student and number of the lesson."""
+    """Return (standing, score) by student and number of the lesson."""
     results = class_results(course)
     return {
         (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
@@ -81,7 +81,7 @@ def change(course, student, lesson, **values):
         book.db.commit()
 
 
-def test_without_a_roster_it_is_who_handed_in(course):
+def test_without_a_roster_the_class_is_everyone_who_submitted(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("ada", first_name="Ada", last_name="Ash", lms_user_id="8")
         book.update_or_create_student("idle", first_name="Ida")
@@ -96,7 +96,7 @@ def test_without_a_roster_it_is_who_handed_in(course):
     assert results.strangers == ()
 
 
-def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
+def test_with_a_roster_the_class_is_the_roster_in_its_order(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
@@ -125,20 +125,20 @@ def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
     assert results.notebook("nobody", GROUND.name) is results.stage("nobody", STAGE) is None
 
 
-def test_who_is_not_on_the_roster_is_named_apart(course):
+def test_students_missing_from_the_roster_are_listed_separately(course):
     (course.root / "roster.csv").write_text("id\nbob\n")
     results = class_results(course)
     assert results.strangers == ("ada",)
     assert {notebook.student for notebook in (*results.notebooks, *results.stages)} == {"bob"}
 
 
-def test_what_a_person_has_still_to_grade_waits(course):
+def test_a_submission_that_needs_manual_grading_waits(course):
     change(course, "ada", GROUND, needs_manual_grade=True)
     assert standing(course)["ada", "06"] == (WAITING, 0.0)
     assert class_results(course).stage("ada", STAGE).standing == WAITING
 
 
-def test_what_is_handed_in_and_not_entered_waits(course):
+def test_a_submission_that_is_not_in_the_gradebook_waits(course):
     hand_in(course, "bob", GROUND)
     hand_in(course, "cleo", DISTANCE)
     assert standing(course)["bob", "06"] == (WAITING, None)
@@ -148,8 +148,8 @@ def test_what_is_handed_in_and_not_entered_waits(course):
     assert class_results(course).stage("cleo", STAGE).points is None
 
 
-def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
-    change(course, "bob", GROUND, manual_score=0.0)  # an oral exam, say
+def test_a_manual_mark_counts_without_a_submission(course):
+    change(course, "bob", GROUND, manual_score=0.0)  # after an oral exam, for example
     assert standing(course)["bob", "06"] == (MARKED, 0.0)
     shutil.rmtree(course.autograded)
     shutil.rmtree(course.submitted)
@@ -165,7 +165,7 @@ def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
     assert standing(course)["bob", "06"] == (MISSING, None)
 
 
-def test_points_that_a_person_adds_or_takes_are_a_mark_and_a_comment_is_none(course):
+def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     shutil.rmtree(course.autograded)
     shutil.rmtree(course.submitted)
     change(course, "bob", GROUND, extra_credit=-0.5)
@@ -177,13 +177,13 @@ def test_points_that_a_person_adds_or_takes_are_a_mark_and_a_comment_is_none(cou
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_what_nobody_handed_in_is_not_there(course):
+def test_a_lesson_without_submissions_is_left_out(course):
     shutil.rmtree(course.submitted / "ada" / STAGE)
     enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
 
 
-def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
+def test_times_and_late_penalties_of_a_stage(course):
     (course.root / "nbgrader_config.py").write_text(LATE)
     (course.root / "roster.csv").write_text(ROSTER)
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")
@@ -197,7 +197,7 @@ def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
         MARKED,
         score=18.25,
         max_score=60,
-        penalty=pytest.approx(3.65),  # 24 and a half hours: two days have begun
+        penalty=pytest.approx(3.65),  # 24.5 hours late, so two days have begun
         handed_in=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
         due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
         late=datetime.timedelta(hours=24, minutes=30),
@@ -207,7 +207,7 @@ def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
     assert (on_time.handed_in, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
 
 
-def test_who_handed_in_nothing_has_a_date_too(course):
+def test_a_student_without_a_submission_has_a_due_date(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
@@ -224,10 +224,10 @@ def test_who_handed_in_nothing_has_a_date_too(course):
         ((EXCUSED, EXCUSED), EXCUSED),
     ],
 )
-def test_what_lessons_come_to(standings, stage):
+def test_the_status_of_a_stage_follows_from_its_lessons(standings, stage):
     lessons = (NotebookResult("a", STAGE, standing, standing, None, 1.0) for standing in standings)
     assert combined_status(lessons) == stage
 
 
-def test_a_penalty_takes_no_more_than_there_is():
+def test_a_penalty_never_exceeds_the_points():
     assert NotebookResult("a", STAGE, "x", MARKED, 3.0, 30.0, 9.0).points == 0

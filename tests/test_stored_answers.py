@@ -1,4 +1,4 @@
-"""Nobody is locked out: stubs answer with what the course has stored, and say so."""
+"""Stubs return answers that the course has stored, and say so, so that students can go on."""
 
 import json
 import types
@@ -48,7 +48,7 @@ CLOUD = np.random.default_rng(1).normal(size=(500, 4))
     ],
     ids=repr,
 )
-def test_what_is_stored_comes_back(answer):
+def test_a_stored_answer_can_be_restored(answer):
     stored = json.loads(json.dumps(encoding.encode(answer)))
     back = encoding.decode(stored, (), {})
     if isinstance(answer, np.ndarray):
@@ -60,7 +60,7 @@ def test_what_is_stored_comes_back(answer):
         assert type(back) is type(answer)
 
 
-def test_kept_rows_are_stored_as_which():
+def test_kept_rows_are_stored_as_indices():
     kept = CLOUD[CLOUD[:, 2] > 0]
     stored = encoding.encode(kept, (CLOUD,))
     assert len(json.dumps(stored)) < 200
@@ -93,12 +93,12 @@ def test_a_frozen_class_comes_back():
     assert pair.second == "b" and pair.first.tolist() == [1, 1, 1]
 
 
-def test_what_cannot_be_stored_is_said():
+def test_a_value_that_cannot_be_stored_is_refused():
     with pytest.raises(TypeError, match="of the kind function cannot be stored"):
         encoding.encode(lambda: 0)
 
 
-def test_keys_tell_calls_apart():
+def test_different_calls_have_different_keys():
     rng = np.random.default_rng(3)
     calls = [
         (CLOUD,),
@@ -117,13 +117,13 @@ def test_keys_tell_calls_apart():
     assert len({encoding.key_of(call, {}) for call in calls}) == len(calls)
 
 
-def test_keys_forgive_the_last_digits():
+def test_keys_ignore_the_last_digits():
     slightly = CLOUD * (1 + 1e-15)
     assert encoding.key_of((CLOUD, 0.1 + 0.2), {}) == encoding.key_of((slightly, 0.3), {})
 
 
 def stub(cloud, level=0.0):
-    """A docstring, and nothing else."""
+    """Have a docstring and a plan, as a stub has."""
     # 1. a step
     raise NotImplementedError()
 
@@ -153,7 +153,7 @@ def test_a_stub_answers_the_calls_of_the_notebook(capsys):
         namespace["keep"](CLOUD, 2.0)
 
 
-def test_what_is_written_is_left_alone():
+def test_a_written_function_is_not_replaced():
     stored = recorded({"keep": written}, [("keep", (CLOUD,))])
     mine = types.FunctionType(written.__code__, {}, "keep")
     namespace = {"keep": mine}
@@ -161,7 +161,7 @@ def test_what_is_written_is_left_alone():
     assert namespace["keep"] is mine
 
 
-def test_an_experiment_is_lent_where_a_stub_stops_it(capsys):
+def test_a_stored_experiment_replaces_one_that_a_stub_stops(capsys):
     def experiment(cloud):
         return [len(namespace["keep"](cloud, level)) for level in (0, 1, 2)]
 
@@ -180,7 +180,7 @@ def test_an_experiment_is_lent_where_a_stub_stops_it(capsys):
     assert namespace["experiment"](CLOUD) == [0, 0, 0]
 
 
-def test_a_generator_goes_on_as_if_it_had_been_used():
+def test_a_generator_continues_as_after_the_real_call():
     def shuffled(rng):
         return rng.permutation(6)
 
@@ -192,7 +192,7 @@ def test_a_generator_goes_on_as_if_it_had_been_used():
     assert mine.integers(1000) == other.integers(1000)
 
 
-def test_a_check_asks_the_stub_itself():
+def test_a_check_calls_the_stub_itself():
     from utils import check
     from utils.checks.core import ChecksFailed
 
@@ -206,8 +206,8 @@ def test_a_check_asks_the_stub_itself():
         check(namespace["filter_ground"])
 
 
-def test_what_a_check_asks_is_not_recorded():
-    """Even of a helper that the checked function calls by its name in the notebook."""
+def test_calls_of_a_check_are_not_recorded():
+    """This includes calls of a helper that the checked function uses."""
 
     def check(function):
         assert len(function(CLOUD, 3.0)) == int((CLOUD[:, 2] >= 3.0).sum())
@@ -249,13 +249,13 @@ def test_without_a_notebook_nothing_happens():
     lent.lend_answers("06")
 
 
-def test_an_answer_can_be_asked_about():
+def test_a_stored_answer_can_be_queried():
     line = tuple(np.random.default_rng(8).normal(size=(500, 3)).ravel())
     back = encoding.decode(json.loads(json.dumps(encoding.encode(line))), (), {})
     assert encoding.key_of((back,), {}) == encoding.key_of((line,), {})
 
 
-def test_an_experiment_is_recorded_once_more():
+def test_a_changed_experiment_is_recorded_again():
     namespace = {}
     exec(
         "def one(a):\n    return a + 1\ndef all(n):\n    return sum(map(one, range(n)))", namespace
@@ -271,7 +271,7 @@ def test_an_experiment_is_recorded_once_more():
     assert recorded["exercises"]["one"] == {}
 
 
-def test_an_experiment_is_recorded_anew_though_it_is_lent():
+def test_an_experiment_is_recorded_again_although_it_is_stored():
     namespace = {"experiment": len}
     lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
     stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])

@@ -1,4 +1,4 @@
-"""Objects of a student's class answer from inside as they would outside."""
+"""Objects of a student's class, used across the sandbox as if they were local."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def student(sandbox):
         yield proxy
 
 
-def test_attributes_and_methods_answer(student):
+def test_attributes_and_methods_of_a_remote_object(student):
     tree = student.KdTree()
     assert tree.root is None
     assert tree.search([0, 0], 1.0) == []
@@ -56,7 +56,7 @@ def test_attributes_and_methods_answer(student):
     assert tree.root.left.left is None
 
 
-def test_two_objects_are_two(student):
+def test_remote_objects_are_distinct(student):
     first, second = student.KdTree(), student.KdTree()
     first.insert([0, 0], 1)
     assert (first.count, second.count) == (1, 0)
@@ -86,7 +86,7 @@ def test_a_thousand_calls_are_quick(student):
     assert tree.count == 1000
 
 
-def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
+def test_sequences_cross_as_lists(sandbox):
     source = (
         "from collections import deque\nimport array\n"
         "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
@@ -97,7 +97,7 @@ def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
             assert list(proxy.f(kind)) == [0, 1, 2]
 
 
-def test_a_walk_through_a_tree_is_few_questions(student):
+def test_walking_a_tree_takes_few_requests(student):
     tree = student.KdTree()
     for number in range(30):
         tree.insert([number, 0.0], number)
@@ -109,7 +109,7 @@ def test_a_walk_through_a_tree_is_few_questions(student):
     assert student._calls - asked <= len(seen) // 5
 
 
-def test_many_calls_are_one_question_and_end_at_the_first_that_fails(student):
+def test_many_calls_are_one_request_that_ends_at_the_first_failure(student):
     tree, points = student.KdTree(), np.arange(8.0).reshape(4, 2)
     asked = student._calls
     call_each(tree.insert, [(point, row) for row, point in enumerate(points)])
@@ -130,7 +130,7 @@ def test_methods_of_a_new_object_are_known_and_looked_up_when_called(student):
     assert student._calls == asked + 1
 
 
-def test_a_way_along_attributes_is_one_question(student):
+def test_a_path_of_attributes_is_one_request(student):
     tree = student.KdTree()
     call_each(tree.insert, [([row, 0.0], row) for row in range(300)])
     asked = student._calls
@@ -141,7 +141,7 @@ def test_a_way_along_attributes_is_one_question(student):
     assert student._calls <= asked + 4
 
 
-def test_outside_calls_and_ways_are_pythons_own():
+def test_calls_and_attribute_paths_on_local_objects():
     class Local:
         def __init__(self):
             self.seen = []
@@ -156,7 +156,7 @@ def test_outside_calls_and_ways_are_pythons_own():
     assert reach(local, ["note", "__func__", "__name__"]) == "note"
 
 
-def test_a_walk_in_a_circle_is_the_walkers_own(sandbox):
+def test_walking_a_cycle_is_up_to_the_caller(sandbox):
     source = """class Ring:
     def __init__(self): self.next, self.name = self, 1"""
     with StudentProxy(Program((source,), ("Ring",)), sandbox) as proxy:
@@ -166,7 +166,7 @@ def test_a_walk_in_a_circle_is_the_walkers_own(sandbox):
             assert ring.name == 1
 
 
-def test_what_a_call_changes_is_asked_anew(student):
+def test_attributes_are_read_again_after_a_call(student):
     tree = student.KdTree()
     assert (tree.root, tree.count) == (None, 0)
     tree.insert([0.0, 0.0], 3)
@@ -201,7 +201,7 @@ class Odd:
 @pytest.mark.parametrize(
     "kind", ["plain", "many", "large", "own size", "no text", "no dictionary", "lists"]
 )
-def test_what_stands_beside_an_attribute_does_no_harm(sandbox, kind):
+def test_odd_attributes_next_to_a_requested_one_do_no_harm(sandbox, kind):
     with StudentProxy(Program((ODD,), ("Odd",)), sandbox) as proxy:
         odd = proxy.Odd(kind)
         assert (odd.first, odd.computed, odd.class_wide, odd.first) == (1, 2, 5, 1)
@@ -222,8 +222,8 @@ def answer(number):
 """
 
 
-def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
-    """Not where the asked function called its own helper: that one belongs to it."""
+def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
+    """A helper that only the exercise uses counts as part of it."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
@@ -236,7 +236,7 @@ def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )
-        # Of a hidden question one line is told.
+        # For a hidden test, one line is shown.
         assert error.without_words == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:
@@ -245,7 +245,7 @@ def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
 
 
 @pytest.mark.parametrize("lines", [3, 70])
-def test_of_a_long_exercise_the_place_that_calls_is_not_told(sandbox, lines):
+def test_a_long_exercise_does_not_reveal_the_calling_line(sandbox, lines):
     padded = CALLS_IT.replace("    total = 1\n", "    total = 1\n" * lines)
     program = Program((FINISHED, padded), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
@@ -278,7 +278,7 @@ def answers(cloud):
 """
 
 
-def test_who_is_interrupted_may_be_asked_again(sandbox):
+def test_an_interrupted_function_can_be_called_again(sandbox):
     program = Program((LOOPS,), ("works", "sleeps", "holds_on", "answers"))
     with StudentProxy(program, sandbox, Limits(call_seconds=1)) as student:
         student.interrupts_after = 0.05
