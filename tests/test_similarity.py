@@ -57,7 +57,7 @@ def names_of(comparison):
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
-    """Each right answer has its own author. Stricter thresholds flag no pair either."""
+    """Each right answer has its own author. Even lower thresholds flag no pair."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()

@@ -250,7 +250,7 @@ def test_a_cell_without_a_counterpart_stops_the_build():
         page_of(LESSON, nbformat.writes(notebook).encode(), "", Pictures())
 
 
-def test_a_page_links_to_colab_if_an_address_is_set():
+def test_a_page_links_to_colab_if_the_repository_is_public():
     assert links_of(LESSON, Origin("", "main"), False).count("<a ") == 1
     there = links_of(LESSON, PUBLIC, False)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there

@@ -1,4 +1,4 @@
-"""What is handed in is read once, and whatever else was handed in has another fingerprint."""
+"""Reading a submission, and its fingerprint."""
 
 import dataclasses
 import errno
@@ -23,13 +23,13 @@ def handed_in(**parts):
     return SubmittedFiles(**{"name": "06_filter_ground.ipynb", "data": b"{}"} | parts)
 
 
-def test_a_module_is_not_the_end_of_a_notebook():
+def test_a_module_cannot_continue_a_notebook():
     beside = handed_in(modules={"helper": "x = 1"})
     behind = handed_in(data=b"{}\0helper\0x = 1")
     assert beside.fingerprint() != behind.fingerprint()
 
 
-# Few letters, so that two ways to part the same text are often tried.
+# Few letters, so that different splits of the same text are often drawn.
 TEXTS = st.text("a\0 1", max_size=2)
 HANDED_IN = st.builds(
     SubmittedFiles,
@@ -42,12 +42,12 @@ HANDED_IN = st.builds(
 
 
 @given(HANDED_IN, HANDED_IN)
-def test_other_parts_have_another_fingerprint(one, other):
+def test_different_submissions_have_different_fingerprints(one, other):
     assert (one.fingerprint() == other.fingerprint()) == (one == other)
 
 
 @given(TEXTS, TEXTS, TEXTS, TEXTS)
-def test_no_part_can_be_taken_for_one_of_another_kind(a, b, c, d):
+def test_parts_of_different_kinds_are_distinguished(a, b, c, d):
     ways = (
         handed_in(notes=(a, b, c, d)),
         handed_in(notes=(a, b), modules={c: d}),
@@ -61,7 +61,7 @@ def test_no_part_can_be_taken_for_one_of_another_kind(a, b, c, d):
         assert (one.fingerprint() == other.fingerprint()) == (one == other)
 
 
-def test_a_name_that_is_no_text_has_a_fingerprint():
+def test_a_file_name_that_is_not_text_has_a_fingerprint():
     names = [os.fsdecode(name) for name in (b"J\xfcrgen", b"J\xe4rgen", b"J?rgen")]
     assert len({handed_in(notes=(name,)).fingerprint() for name in names}) == 3
 
@@ -69,7 +69,7 @@ def test_a_name_that_is_no_text_has_a_fingerprint():
 # ---- reading ------------------------------------------------------------------------------------
 
 
-def test_a_notebook_is_read_with_the_modules_beside_it(tmp_path):
+def test_a_notebook_is_read_with_its_neighbouring_modules(tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(b'{"cells": []}')
     (tmp_path / "zebra.py").write_text("z = 'ö'", "utf-8")
@@ -92,7 +92,7 @@ def test_a_notebook_is_read_with_the_modules_beside_it(tmp_path):
         missing.notebook()
 
 
-def test_of_modules_so_many_are_read_and_none_that_is_huge(tmp_path):
+def test_modules_are_limited_in_number_and_size(tmp_path):
     assert LARGEST_MODULE == 2**20
     for number in range(MOST_MODULES + 3):
         (tmp_path / f"module_{number:02}.py").write_bytes(b"")
@@ -110,7 +110,7 @@ def refusal(path):
     return str(refused.value)
 
 
-def test_a_file_has_64_megabytes_at_most(tmp_path):
+def test_a_file_may_have_at_most_64_megabytes(tmp_path):
     path = tmp_path / "06.ipynb"
     with open(path, "wb") as file:
         file.truncate(64 * 2**20)
@@ -119,14 +119,14 @@ def test_a_file_has_64_megabytes_at_most(tmp_path):
     assert refusal(path).startswith("06.ipynb is larger than 64 MB. Clear its outputs")
 
 
-def test_only_a_file_of_its_own_is_opened(tmp_path):
+def test_only_a_regular_file_is_opened(tmp_path):
     path = tmp_path / "06.ipynb"
     path.write_bytes(b'{"cells": []}')
     assert read_notebook(path).cells == ()
     (tmp_path / "link.ipynb").symlink_to(path)
     link = "link.ipynb cannot be opened: it is a link to another file."
     assert refusal(tmp_path / "link.ipynb") == link
-    os.mkfifo(tmp_path / "pipe.ipynb")  # nobody ever writes into it
+    os.mkfifo(tmp_path / "pipe.ipynb")  # reading it would block forever
     said = "is not an ordinary file. Hand in the .ipynb file itself."
     assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {said}"
     (tmp_path / "folder.ipynb").mkdir()
@@ -135,7 +135,7 @@ def test_only_a_file_of_its_own_is_opened(tmp_path):
 
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.ESTALE])
-def test_why_a_file_cannot_be_opened_is_what_the_system_says(tmp_path, monkeypatch, number):
+def test_the_reason_for_an_unreadable_file_comes_from_the_system(tmp_path, monkeypatch, number):
     def fail(*about):
         raise OSError(number, os.strerror(number))
 

@@ -1,4 +1,4 @@
-"""When work that lies in one or two folders was handed in, or that nobody knows."""
+"""Submission times of work in one or two folders, known or unknown."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Those of somebody whose id is spelt in two ways, with a notebook each."""
+    """Return the two folders of a student whose id has two spellings, each with a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")
@@ -25,7 +25,7 @@ def write_time(folder, text):
     (folder / "timestamp.txt").write_text(text)
 
 
-def test_of_two_folders_the_later_time_counts(folders):
+def test_the_later_of_two_times_counts(folders):
     assert submission_time(folders) is None
     write_time(folders[0], "2026-10-01 12:00:00 Europe/Berlin\n")
     assert submission_time(folders) == submission_time(folders[:1]) == OCTOBER
@@ -33,23 +33,23 @@ def test_of_two_folders_the_later_time_counts(folders):
     assert submission_time(folders) == OCTOBER
 
 
-def test_work_that_is_late_without_a_time_is_undecided_whatever_lies_in_the_other_folder(folders):
+def test_late_work_without_a_time_is_undecided(folders):
     write_record(LATE, folders[0])
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
     with pytest.raises(SubmissionTimeUnknown, match="marks it late, and gives no time"):
         submission_time(folders)
-    write_time(folders[0], "2026-09-01 10:00:00 UTC")  # somebody decided
+    write_time(folders[0], "2026-09-01 10:00:00 UTC")  # the instructor decided
     assert submission_time(folders) == OCTOBER
 
 
-def test_a_mark_of_a_file_that_is_gone_is_none(folders):
+def test_a_decision_about_a_deleted_file_is_ignored(folders):
     write_record(LATE, folders[0])
     os.unlink(folders[0] / "06.ipynb")
     assert submission_time(folders) is None
 
 
 @pytest.mark.parametrize("text", ["", " \n"])
-def test_an_empty_file_says_no_time_and_not_that_there_is_none(folders, text):
+def test_an_empty_timestamp_file_is_an_unknown_time(folders, text):
     write_time(folders[0], text)
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
     with pytest.raises(SubmissionTimeUnknown, match="is empty"):
@@ -59,22 +59,22 @@ def test_an_empty_file_says_no_time_and_not_that_there_is_none(folders, text):
 @pytest.mark.parametrize(
     "zone", ["+0200", " +0200", " +02:00", " CET", "  Europe/Berlin", ".000 Europe/Berlin"]
 )
-def test_a_zone_is_read_as_it_is_meant(folders, zone):
+def test_time_zones_are_read(folders, zone):
     write_time(folders[0], f"2026-10-01 12:00:00{zone}")
     assert submission_time(folders) == OCTOBER
-    write_time(folders[0], "2026-10-01 10:00:00")  # nbgrader's own is UTC
+    write_time(folders[0], "2026-10-01 10:00:00")  # nbgrader's own times are in UTC
     assert submission_time(folders) == OCTOBER
 
 
 @pytest.mark.parametrize("zone", ["AEDT", "PM"])
-def test_a_zone_that_nobody_knows_is_not_utc(folders, zone):
+def test_an_unknown_time_zone_is_not_utc(folders, zone):
     write_time(folders[0], f"2026-10-01 11:30:00 {zone}")
     with pytest.raises(SubmissionTimeUnknown, match=f"this machine does not know, '{zone}'"):
         submission_time(folders)
     assert known_time(folders) is None
 
 
-def test_the_gradebook_keeps_a_time_in_utc_without_saying_so(folders):
+def test_the_gradebook_stores_times_in_utc_without_a_zone(folders):
     assert known_time(folders) is None
     write_time(folders[0], "2026-10-01 12:00:00 Europe/Berlin")
     assert known_time(folders) == datetime(2026, 10, 1, 10)

@@ -1,4 +1,4 @@
-"""What `check` makes of many failures, and how it keeps to time, memory and the lesson's rules."""
+"""How `check` summarises failures and enforces limits of time and memory and a lesson's rules."""
 
 import builtins
 import contextlib
@@ -28,7 +28,7 @@ from utils.checks.summary import resolve
 
 @pytest.fixture
 def exercise(monkeypatch):
-    """An exercise `double`, whose checks a test declares, and its lesson's name."""
+    """Return the name of a lesson with an exercise `double`, whose checks each test declares."""
     monkeypatch.setattr(core, "_CHECKS", dict(core._CHECKS))
     monkeypatch.setattr(diagnosis, "_KNOWN", dict(diagnosis._KNOWN))
     return "double"
@@ -42,13 +42,13 @@ def declared(title, exercise="double", weight=1, **more):
 
 
 def shown_by(function, capsys, **options):
-    """What a failing `check` prints."""
+    """Return what a failing `check` prints."""
     with pytest.raises(ChecksFailed):
         check(function, "double", **options)
     return capsys.readouterr().out
 
 
-def test_a_stub_is_one_line_and_raises(exercise, capsys):
+def test_a_stub_prints_one_line_and_raises(exercise, capsys):
     for title in ("one", "two", "three"):
         declared(title)(lambda double: double(1))
 
@@ -60,7 +60,7 @@ def test_a_stub_is_one_line_and_raises(exercise, capsys):
     assert "Hint" not in shown
 
 
-def test_a_stub_that_is_called_is_named_and_not_the_one_who_calls(exercise, capsys):
+def test_a_stub_is_named_and_not_its_caller(exercise, capsys):
     declared("one")(lambda double: double(1))
     namespace = {}
     exec(
@@ -71,7 +71,7 @@ def test_a_stub_that_is_called_is_named_and_not_the_one_who_calls(exercise, caps
     assert "double calls half, which is not written yet" in shown_by(namespace["double"], capsys)
 
 
-def test_one_cause_is_told_once_and_without_the_hints_of_the_rows(exercise, capsys):
+def test_one_cause_is_shown_once_without_hints(exercise, capsys):
     for title in ("one", "two", "three"):
         declared(title)(lambda double: double(1))
 
@@ -85,7 +85,7 @@ def test_one_cause_is_told_once_and_without_the_hints_of_the_rows(exercise, caps
     assert "Hint" not in shown
 
 
-def test_what_has_another_cause_is_told_too_but_not_explained(exercise, capsys):
+def test_a_second_cause_is_shown_without_its_hint(exercise, capsys):
     @declared("one")
     def one(double):
         raise CheckFailed("The first is wrong.")
@@ -101,7 +101,7 @@ def test_what_has_another_cause_is_told_too_but_not_explained(exercise, capsys):
     assert shown.index("The first") < shown.index("The second") < shown.index("three")
 
 
-def test_what_rests_on_something_wrong_is_grey(exercise, capsys):
+def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
     @declared("doubles")
     def doubles(double):
         if double(2) != 4:
@@ -120,12 +120,12 @@ def test_what_rests_on_something_wrong_is_grey(exercise, capsys):
     assert "A half" in shown and "waiting" not in shown
 
 
-def test_a_wrong_form_is_no_reason_to_wait():
+def test_a_wrong_form_does_not_make_other_checks_wait():
     with pytest.raises(WrongForm), needs("anything"):
         as_labels(None, 3)
 
 
-def test_notes_cost_nothing_and_are_shown_when_all_is_right(exercise, capsys):
+def test_notes_cost_no_points_and_are_shown_after_success(exercise, capsys):
     declared("one")(lambda double: None)
 
     @noted("double", title="Whole numbers stay whole", why="Later cells count with them.")
@@ -142,7 +142,7 @@ def test_notes_cost_nothing_and_are_shown_when_all_is_right(exercise, capsys):
 CASES = ((np.array([1.0, 2.0]),), (np.array([3.0, 0.0]),), (np.array([0.0, 0.0]),))
 
 
-def test_a_mistake_is_told_only_where_it_explains_every_answer(exercise):
+def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
     mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
@@ -159,7 +159,7 @@ def test_a_mistake_is_told_only_where_it_explains_every_answer(exercise):
     assert diagnose("another", lambda x: x) is None
 
 
-def test_a_mistake_is_not_told_beside_a_rival_or_on_one_case_alone(exercise):
+def test_a_mistake_needs_two_cases_and_no_rival(exercise):
     squared = Mistake("It is squared.", lambda right, x: x**2)
     rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
     mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
@@ -168,8 +168,8 @@ def test_a_mistake_is_not_told_beside_a_rival_or_on_one_case_alone(exercise):
     assert diagnose("double", lambda x: x * x) is None, "one telling case may be chance"
 
 
-def test_a_mistake_explains_no_exception(exercise, capsys):
-    """The answers to the cases are explained; that there is none to no points is not."""
+def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
+    """It explains the answers to all cases, but not the exception for an empty array."""
     mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
@@ -193,7 +193,7 @@ def test_a_mistake_explains_no_exception(exercise, capsys):
     assert "IndexError" in shown and "squared" not in shown
 
 
-def test_what_a_function_does_to_its_arguments_changes_no_case(exercise):
+def test_a_function_that_changes_its_arguments_changes_no_case(exercise):
     mistakes("double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x)
 
     def double(x):
@@ -204,7 +204,7 @@ def test_what_a_function_does_to_its_arguments_changes_no_case(exercise):
         assert diagnose("double", double).says == "Zero."
 
 
-def test_the_claim_stands_where_its_hint_stands(exercise, capsys):
+def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
     mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
@@ -222,13 +222,13 @@ def test_the_claim_stands_where_its_hint_stands(exercise, capsys):
     assert "Hint of doubles" not in shown
 
 
-def test_every_known_mistake_is_one(lesson):
-    """Each predicts something else than the right answer, and than the others, on its cases."""
+def test_every_known_mistake_predicts_its_own_answers(lesson):
+    """On its cases, each mistake predicts other answers than the solution and other mistakes."""
     for one in lesson.machine_graded:
-        core.checks_of(one.name)  # declares them
+        core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
         if known is None or known.ask is not diagnosis._called:
-            continue  # what is asked in another way is asked by the variants alone
+            continue  # only kept answers test mistakes that have their own calls
         for mistake in known.mistakes:
 
             def function(*case, mistake=mistake, known=known):
@@ -239,7 +239,7 @@ def test_every_known_mistake_is_one(lesson):
 
 
 class Hostile:
-    """What a student may return: nothing can be done with it without an error."""
+    """An answer that raises whatever is done with it."""
 
     def _refuse(self, *anything):
         raise RuntimeError("no")
@@ -255,7 +255,7 @@ STRANGE = (
 
 
 @pytest.mark.parametrize("number", range(len(STRANGE)))
-def test_strange_answers_have_no_known_cause_and_do_no_harm(lesson, number):
+def test_strange_answers_do_no_harm_and_have_no_known_cause(lesson, number):
     for one in lesson.machine_graded:
         core.checks_of(one.name)
 
@@ -285,14 +285,14 @@ def deaf(x):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("function", [endless, deaf])
-def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function):
+def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     monkeypatch.setattr(core, "SECONDS", 1)
     declared("one")(lambda double: None)
     declared("two")(lambda double: double(0) if function is endless else brief_deaf())
     declared("three")(lambda double: None)
 
     def brief_deaf():
-        """Catches everything twice, then lets go."""
+        """Catch every exception twice, then let one pass."""
         for _ in range(2):
             with contextlib.suppress(BaseException):
                 endless(0)
@@ -306,8 +306,8 @@ def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function)
 
 
 @pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
-def test_a_process_that_ignores_interrupts_hears_the_clock(handler):
-    """As one that a script has started in the background."""
+def test_the_time_limit_works_without_interrupts(handler):
+    """A script that starts a process in the background lets it ignore interrupts."""
 
     def busy():
         end = time.monotonic() + 600
@@ -323,19 +323,19 @@ def test_a_process_that_ignores_interrupts_hears_the_clock(handler):
         signal.signal(signal.SIGINT, before)
 
 
-def test_a_check_may_ask_what_takes_so_long(exercise, capsys, monkeypatch):
+def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     declared("one", slow="is everybody asked twice?")(lambda double: double(0))
     shown = shown_by(endless, capsys)
     assert "`. Is everybody asked twice? If" in shown and "never ends" not in shown
 
 
-def test_whoever_presses_stop_is_heard():
+def test_an_interrupt_passes_the_time_limit():
     with pytest.raises(KeyboardInterrupt), limited(30):
         raise KeyboardInterrupt
 
 
-def test_the_clock_rings_nobody_who_is_done():
+def test_the_time_limit_never_interrupts_later_code():
     for _ in range(20):
         try:
             with limited(0.002):
@@ -356,7 +356,7 @@ def busy_for(seconds):
         pass
 
 
-def test_where_no_thread_can_start_python_looks_at_the_clock(monkeypatch):
+def test_without_threads_python_watches_the_clock(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     start = time.monotonic()
     with pytest.raises(TimeUp), limited(0.1):
@@ -367,7 +367,7 @@ def test_where_no_thread_can_start_python_looks_at_the_clock(monkeypatch):
     assert sys.gettrace() is None
 
 
-def test_without_threads_a_check_says_the_same(exercise, capsys, monkeypatch):
+def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     declared("one")(lambda double: double(0))
@@ -376,7 +376,7 @@ def test_without_threads_a_check_says_the_same(exercise, capsys, monkeypatch):
     assert "[passed] one" in capsys.readouterr().out
 
 
-def test_in_another_thread_there_is_no_clock():
+def test_in_another_thread_nothing_is_limited():
     found = []
 
     def work():
@@ -391,7 +391,7 @@ def test_in_another_thread_there_is_no_clock():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux says what is free")
-def test_a_heap_of_memory_is_an_error_and_not_the_end():
+def test_too_much_memory_is_an_error_and_not_a_crash():
     script = """
 import numpy as np
 from utils.checks.limits import limited
@@ -443,17 +443,17 @@ def function_in(source):
 
 
 @pytest.mark.parametrize("name", USES)
-def test_what_the_lesson_forbids_is_found(name):
+def test_forbidden_modules_are_found(name):
     assert refused_modules(function_in(USES[name]), "lesson_05")
     assert not refused_modules(function_in(USES[name]), "lesson_06")
 
 
 @pytest.mark.parametrize("name", FREE)
-def test_what_the_lesson_allows_is_free(name):
+def test_allowed_modules_are_accepted(name):
     assert not refused_modules(function_in(FREE[name]), "lesson_05")
 
 
-def test_a_refusal_is_all_that_is_said(capsys):
+def test_a_refused_module_is_the_only_message(capsys):
     function = function_in(USES["a class"])
     with pytest.raises(ChecksFailed):
         check(function, "euclidean_clustering")
@@ -462,7 +462,7 @@ def test_a_refusal_is_all_that_is_said(capsys):
     assert "[passed]" not in shown
 
 
-def test_odd_functions_are_looked_through_without_harm():
+def test_odd_functions_are_searched_without_harm():
     for odd in (len, print, np.sqrt, math.sqrt, dict, SimpleNamespace(), 7, builtins):
         assert refused_modules(odd, "lesson_05") == []
         assert functions_used(odd) == {}
@@ -483,7 +483,7 @@ def test_a_wrong_helper_of_the_same_lesson_is_named(capsys):
     assert "which this calls, does not pass its own checks" in capsys.readouterr().out
 
 
-def test_a_story_in_a_notebook_folds_and_colours():
+def test_a_summary_in_a_notebook_folds_and_colours():
     failed = core.Check("first", "double", "one", "hint")
     same = core.Check("second", "double", "two", "hint")
     failure = WrongForm("<b>None</b>")
@@ -492,8 +492,8 @@ def test_a_story_in_a_notebook_folds_and_colours():
     assert "&lt;b&gt;None" in html and "<b>None" not in html
 
 
-def test_what_one_change_mends_has_one_cause():
-    """And so it is told once: the rest is folded under it."""
+def test_failures_fixed_by_one_edit_have_one_cause():
+    """The first failure is shown, and the others are folded under it."""
     outcomes = [
         Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
         for name in ("first", "second", "third")

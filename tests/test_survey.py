@@ -1,6 +1,6 @@
-"""Every answer that is one edit away from a right one loses points, or is right.
+"""Every answer that is one edit away from a right one loses points or is equivalent.
 
-`python -m tests.survey` prints the table; with an exercise's name, all edits of its every answer.
+`python -m tests.survey` prints the table; with the name of an exercise, all edits of its answers.
 """
 
 import pytest
@@ -20,8 +20,8 @@ ANSWERS = {
     for exercise in EXERCISES
     for name in (SOLUTION, *(function.name for function in right_functions(exercise)))
 }
-# Edits that lose nothing though they answer otherwise, by exercise: a line, what it becomes, and
-# why that is let be.
+# Edits by exercise that change some answers but lose no points: a line, the edited line, and the
+# reason why this is accepted.
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
 _BETTER = "if np.count_nonzero(close) > np.count_nonzero(inliers):"
@@ -118,8 +118,8 @@ KNOWN = {
 }
 
 
-# A right answer takes so long for their questions that the edits of all would take hours: of
-# the solution all are asked, of the others one in five.
+# The checks of these take so long that the edits of all answers would take hours. So all edits of
+# the solution run, and one in five of the others.
 SLOW = (
     "ransac_plane",
     "euclidean_clustering",
@@ -131,7 +131,7 @@ SLOW = (
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("case", ANSWERS)
-def test_an_edit_of_a_right_answer_loses_points_or_is_right(case):
+def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
     exercise, name = ANSWERS[case]
     answer = next(notebook for notebook in answers_in_notebooks(exercise) if notebook.name == name)
     found = survey(exercise, [answer], 5 if exercise in SLOW and name != SOLUTION else 1)
@@ -143,7 +143,7 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_right(case):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_few_lose_more_than_three_fifths_for_one_edit(sandbox):
-    """Judged behind the walls, slips included: a fixed draw of the edits of each solution."""
+    """A fixed sample of the edits of each solution is judged in the sandbox, with repair."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
     severe = [(one.before, one.after) for share, one in lost if share > MOST]

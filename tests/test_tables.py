@@ -1,4 +1,4 @@
-"""Tables of lessons are tables in a notebook, and aligned text elsewhere."""
+"""Tables of lessons: HTML in a notebook, aligned text elsewhere."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from utils import show_table
 HEADINGS = ("", "points", "a < b & c")
 
 
-def test_in_plain_python_columns_are_aligned(capsys):
+def test_columns_are_aligned_in_plain_python(capsys):
     show_table(HEADINGS, [("a wall", 7, "1,000"), ("us", "12,345", 0.5)])
     assert capsys.readouterr().out.splitlines() == [
         "        points  a < b & c",
@@ -16,7 +16,7 @@ def test_in_plain_python_columns_are_aligned(capsys):
     ]
 
 
-def test_a_notebook_gets_rows_and_cells(monkeypatch):
+def test_a_notebook_gets_an_html_table(monkeypatch):
     shown = []
     monkeypatch.setattr("utils.display.shell", object)
     monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
@@ -30,6 +30,6 @@ def test_a_notebook_gets_rows_and_cells(monkeypatch):
 
 
 @pytest.mark.parametrize("row", [("a wall",), ("a wall", 7, 8, 9)])
-def test_a_row_that_is_too_short_or_too_long_is_no_row(row):
+def test_a_row_of_another_length_is_refused(row):
     with pytest.raises(ValueError, match="zip"):
         show_table(HEADINGS, [row])

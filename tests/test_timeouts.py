@@ -1,4 +1,4 @@
-"""Where a function was that did not come back: the loop is named, and what to ask of it."""
+"""Messages on functions that do not return: they name the loop and ask a question about it."""
 
 import numpy as np
 import pytest
@@ -49,7 +49,7 @@ def loop_without_a_line(cloud):
 
 
 def after(function, monkeypatch, slow=""):
-    """What is said of a function that hangs."""
+    """Return the message on a function that hangs."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
     asked = Check("asked", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)
@@ -73,7 +73,7 @@ def line_of(text):
         (list_that_grows, "for row in queue:", "Does it add to what it goes through"),
     ],
 )
-def test_the_loop_is_named_and_asked_about(function, text, question, monkeypatch):
+def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch):
     name = function.__name__
     assert after(function, monkeypatch) == (
         f"{name} did not come back after 0.2 s, and was in the loop of line {line_of(text)} of the "
@@ -83,25 +83,25 @@ def test_the_loop_is_named_and_asked_about(function, text, question, monkeypatch
     )
 
 
-def test_of_two_loops_both_are_named(monkeypatch):
+def test_nested_loops_are_both_named(monkeypatch):
     said = after(loop_in_a_loop, monkeypatch)
     outer = f"line {line_of('while left > 0:')} of the cell of loop_in_a_loop, `while left > 0:`"
     assert f"{outer}. " in said and ("Which of the two" in said) == ("`while place" in said)
 
 
-def test_what_it_calls_is_looked_into(monkeypatch):
+def test_a_loop_in_a_called_function_is_named(monkeypatch):
     said = after(calls_another, monkeypatch)
     assert said.startswith("calls_another did not come back")
     assert "of the cell of no_way_out, `while True:`. Does it ever" in said
 
 
-def test_where_no_loop_is_seen_it_is_asked_whether_there_is_one(monkeypatch):
+def test_without_a_visible_loop_the_message_asks_for_one(monkeypatch):
     assert "after 0.2 s: is there a loop that never ends?" in after(
         loop_without_a_line, monkeypatch
     )
 
 
-def test_a_check_that_knows_better_asks_its_own_question(monkeypatch):
+def test_a_check_may_have_its_own_question(monkeypatch):
     said = after(no_way_out, monkeypatch, slow="does the walk end?")
     assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in said
     assert "s: does the walk end? If" in after(
@@ -109,7 +109,7 @@ def test_a_check_that_knows_better_asks_its_own_question(monkeypatch):
     )
 
 
-def test_the_lesson_tells_it_so_and_nobody_waits_longer_than_a_quarter_of_a_minute(monkeypatch):
+def test_the_time_limit_is_in_the_text_and_at_most_15_seconds(monkeypatch):
     assert core.SECONDS <= 15
     monkeypatch.setattr(core, "SECONDS", 0.3)
     for name in ("euclidean_clustering", "euclidean_clustering_accelerated"):

@@ -1,4 +1,4 @@
-"""The grader on another course: two exercises on plain lists, and none on point clouds."""
+"""The grader on another course, with two exercises on plain lists."""
 
 import csv
 import json
@@ -68,7 +68,7 @@ def test_random_values(student, seed):
 
 @pytest.fixture(scope="module")
 def course(tmp_path_factory):
-    """The engine and its tools, and a course of one lesson."""
+    """Return a folder with the grader, its tools, and a course of one lesson."""
     root = tmp_path_factory.mktemp("course") / "numbers"
     for folder in ("grader", "utils", "data"):
         ignored = shutil.ignore_patterns("__pycache__", "lesson_*", "cells.json")
@@ -111,7 +111,7 @@ def run(root, *arguments, status=0):
 
 
 @pytest.mark.slow
-def test_a_course_about_something_else_is_built_released_judged_and_graded(course, sandbox):
+def test_a_course_on_another_subject_is_built_released_judged_and_graded(course, sandbox):
     assert f"wrote notebooks/{STAGE}/{LESSON}.ipynb" in run(course, "build")
     assert "is what its source says" in run(course, "build", "--check")
 

@@ -1,4 +1,4 @@
-"""What a cell that raised leaves on the screen."""
+"""Figures of a cell that raised."""
 
 import matplotlib.pyplot as plt
 import pytest
@@ -13,7 +13,7 @@ def no_figures():
     plt.close("all")
 
 
-def test_of_pictures_that_came_to_no_end_only_those_with_something_in_them_stay():
+def test_unfinished_figures_stay_only_if_they_are_not_empty():
     plt.figure()
     plt.subplots(2, 1)
     half_drawn, (_, axes) = plt.subplots(2, 1)
@@ -24,6 +24,6 @@ def test_of_pictures_that_came_to_no_end_only_those_with_something_in_them_stay(
     assert plt.get_fignums() == [half_drawn.number, written.number]
 
 
-def test_where_nothing_draws_nothing_is_closed(monkeypatch):
+def test_without_matplotlib_no_figure_is_closed(monkeypatch):
     monkeypatch.delitem(tracebacks.sys.modules, "matplotlib.pyplot")
     tracebacks._close_empty_figures()

@@ -1,4 +1,4 @@
-"""The tracker calls what somebody else wrote, and keeps the books."""
+"""The tracker, which calls a student's functions and stores the tracks."""
 
 from types import SimpleNamespace
 
@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Which previous box is nearest; good enough where things stand apart."""
+    """Return the nearest previous box of each box, which suffices for distant objects."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]
@@ -36,7 +36,7 @@ def waiting(missed, partners, patience):
     return counted, [count <= patience for count in counted]
 
 
-def test_a_name_stays_and_is_never_used_again():
+def test_a_track_id_is_constant_and_never_reused():
     tracker = Tracker(nearest)
     assert tracker.update(boxes_at((0, 0), (9, 0))).tolist() == [1, 2]
     assert tracker.update(boxes_at((9, 1), (30, 0), (0, 1))).tolist() == [2, 3, 1]
@@ -45,7 +45,7 @@ def test_a_name_stays_and_is_never_used_again():
     assert tracker.tracks.age.tolist() == [1]
 
 
-def test_without_prediction_a_box_is_looked_for_where_it_was():
+def test_without_a_prediction_the_last_position_counts():
     ways = {
         "stands": Tracker(nearest),
         "comes": Tracker(nearest, predict=moved, newcomer=(-9, 0, 0)),
@@ -55,7 +55,7 @@ def test_without_prediction_a_box_is_looked_for_where_it_was():
         assert names == ([[1], [2], [3]] if way == "stands" else [[1], [1], [1]])
 
 
-def test_what_was_corrected_is_what_is_believed():
+def test_a_track_has_its_corrected_state():
     tracker = Tracker(nearest, predict=moved, correct=halfway, gain=0.25, newcomer=(-2, 0, 0))
     tracker.update(boxes_at((10, 0)), 0.5)
     tracker.update(boxes_at((9.4, 0), (40, 0)), 0.5)  # expected at 9
@@ -68,7 +68,7 @@ def test_what_was_corrected_is_what_is_believed():
 @pytest.mark.parametrize(
     ("patience", "names"), [(0, [3, 2]), (1, [3, 2]), (2, [1, 2]), (5, [1, 2])]
 )
-def test_what_has_no_box_is_waited_for_where_it_should_be(patience, names):
+def test_a_track_without_a_box_coasts_for_a_while(patience, names):
     tracker = Tracker(
         nearest, predict=moved, coast=waiting, patience=patience, newcomer=(-10, 0, 0)
     )
@@ -83,7 +83,7 @@ def test_what_has_no_box_is_waited_for_where_it_should_be(patience, names):
     assert tracker.tracks.missed.tolist() == [0, 0]
 
 
-def test_newcomers_do_what_most_do():
+def test_a_new_track_moves_like_most_others():
     tracker = Tracker(nearest, correct=lambda expected, velocities, found, *_: (
         found, np.array([[-5.0, 0, 0], [-5, 0, 0], [7, 1, 0]])))  # fmt: skip
     for _ in range(2):
@@ -92,7 +92,7 @@ def test_newcomers_do_what_most_do():
     assert tracker.tracks.velocities.tolist() == [[-5, 0, 0]]
 
 
-def test_what_it_is_given_stays_as_it_is():
+def test_the_tracker_does_not_change_its_input():
     tracker, found = Tracker(nearest, correct=halfway), boxes_at((0, 0))
     before = found.copy()
     tracker.update(found)
@@ -100,13 +100,13 @@ def test_what_it_is_given_stays_as_it_is():
     assert np.array_equal(found, before)
 
 
-def test_a_partner_that_nobody_is_makes_a_new_name():
+def test_an_invalid_partner_starts_a_new_track():
     tracker = Tracker(lambda previous, current, limit: [7] * len(current), coast=waiting)
     tracker.update(boxes_at((0, 0)))
     assert tracker.update(boxes_at((0, 0))).tolist() == [2]
 
 
-def test_what_is_not_written_is_left_out():
+def test_functions_that_are_still_stubs_are_left_out():
     def coast(missed, partners, patience):
         raise NotImplementedError
 

@@ -1,4 +1,4 @@
-"""A verdict is kept on disk as it is, published in part, and nothing changes it."""
+"""Storing, publishing and validating a verdict."""
 
 import dataclasses
 import json
@@ -20,7 +20,7 @@ from grader.judging.verdict import (
 
 
 def full_verdict():
-    """A verdict with something in every place."""
+    """Return a verdict in which every field has a value."""
     last = (False, Kind.SAME_REASON, "größer", "Hint: Look.")
     tests = (
         CheckResult("a", "Holds", True, 1.25, 1.25, "", True),
@@ -33,7 +33,7 @@ def full_verdict():
     return Verdict("06", "ada", JUDGED, 6.0, 10.0, exercises, ("A cell.",), 3.25, **about)
 
 
-def test_a_verdict_comes_back_from_the_disk_as_it_was(tmp_path):
+def test_a_verdict_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "new" / "folder" / "verdict.json"
     for verdict in (full_verdict(), dataclasses.replace(full_verdict(), exercises=(), faults=())):
         write_verdict(verdict, str(path))
@@ -41,7 +41,7 @@ def test_a_verdict_comes_back_from_the_disk_as_it_was(tmp_path):
         assert [file.name for file in path.parent.iterdir()] == ["verdict.json"]
 
 
-def test_what_is_published_is_a_part_of_it():
+def test_a_published_verdict_has_only_some_fields():
     verdict = full_verdict()
     published = json.loads(json.dumps(verdict.as_dict()))
     shown = ("name", "title", "passed", "score", "max_score", "message", "visible")
@@ -69,17 +69,17 @@ def test_what_is_published_is_a_part_of_it():
     assert verdict == full_verdict()
 
 
-def test_what_verdicts_have_in_common_is_there_once():
+def test_equal_parts_of_verdicts_share_memory():
     one, other = full_verdict().compact(), full_verdict().compact()
     assert one == other == full_verdict() and one.exercises[0] is other.exercises[0]
     another = dataclasses.replace(full_verdict().exercises[0], score=0.0)
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
-    assert verdict_module._the_same.cache_info().maxsize > 5000  # checks and ways for them to end
+    assert verdict_module._the_same.cache_info().maxsize > 5000  # checks and their outcomes
 
 
-def test_a_verdict_is_believed_when_nothing_else_was_at_work():
+def test_a_valid_verdict_is_not_starved_and_immutable():
     verdict = full_verdict()
     assert verdict.believed() == dataclasses.replace(verdict, starved=False) != verdict
     plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")
@@ -100,7 +100,7 @@ def test_a_verdict_is_believed_when_nothing_else_was_at_work():
     ],
 )
 @pytest.mark.parametrize("score", [0.0, 1.5])
-def test_of_a_slip_a_student_reads_where_it_is_and_what_it_keeps(before, shown, score):
+def test_the_sentence_on_a_slip_has_its_place_and_its_score(before, shown, score):
     slip = Slip(3, 7, before, "keep = z >= level", score)
     where = f"One change in code cell 3, line 7 (`{shown}`) makes everything here right."
     assert slip.sentence.startswith(where)
@@ -109,7 +109,7 @@ def test_of_a_slip_a_student_reads_where_it_is_and_what_it_keeps(before, shown, 
 
 
 def change_of(*way, to):
-    """A change of one place in what a file holds; a place that is no more if `to` is None."""
+    """Return a function that changes one field of a file's content, or deletes it for None."""
 
     def change(content):
         *before, last = way
@@ -135,7 +135,7 @@ def change_of(*way, to):
         change_of("exercises", 0, "tests", 0, "name", to=[]),  # cannot be compared
     ],
 )
-def test_a_file_that_is_no_verdict_is_none(tmp_path, change):
+def test_an_invalid_file_gives_no_verdict(tmp_path, change):
     path = tmp_path / "verdict.json"
     write_verdict(full_verdict(), path)
     content = json.loads(path.read_text("utf-8"))
@@ -146,7 +146,7 @@ def test_a_file_that_is_no_verdict_is_none(tmp_path, change):
     assert read_verdict(path) is read_verdict(tmp_path / "none.json") is None
 
 
-def test_on_a_terminal_all_lines_of_a_text_stand_beside_its_mark(capsys):
+def test_lines_of_a_text_are_indented_next_to_its_mark(capsys):
     words = " ".join(["[bold]word"] * 30)
     test = CheckResult("a", "A title of " + words, False, 0.0, 1.0, "Because " + words, True)
     exercise = ExerciseResult("f", 0.0, 1.0, (test,), "", "a")

@@ -1,4 +1,4 @@
-"""A verdict's key covers all that decided it, and nothing else."""
+"""The key of a verdict, which covers everything that decided it and nothing else."""
 
 import ast
 import contextlib
@@ -22,7 +22,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging import key
 from grader.judging.key import files_that_decide
 
-# Judges notebooks in a process of its own; prints what was opened and started meanwhile.
+# Judges notebooks in a separate process; prints what was opened and started meanwhile.
 LISTENER = """
 import os, sys
 heard = set()
@@ -56,12 +56,12 @@ print(json.dumps({"heard": sorted(heard), "faults": faults}))
 
 
 def solved(lesson):
-    """The lesson's own answers, which all tests are asked of to the end."""
+    """Return a notebook with the lesson's own answers, on which all checks run."""
     return lesson.solved.read_text("utf-8")
 
 
 def mistaken(lesson):
-    """A mistake in every answer, told by its name where there is one that is."""
+    """Return a notebook with a mistake in every answer, a known one if there is one."""
     answers = {
         exercise.name: max(
             (variant for variant in answers_to(exercise.name) if not variant.right),
@@ -73,7 +73,7 @@ def mistaken(lesson):
 
 
 def entangled(lesson):
-    """Each answer uses all before it and is wrong: it is judged again with right ones."""
+    """Return a notebook in which each answer is wrong and uses all earlier ones."""
     names = [exercise.name for exercise in lesson.machine_graded]
     answers = {
         name: f"def {name}(*arguments, **named):\n    return [{', '.join(names[:number])}]\n"
@@ -83,7 +83,7 @@ def entangled(lesson):
 
 
 def read_while_judging(lesson, notebooks, folder, sandbox):
-    """Files of this project that are opened, run or shown while notebooks are judged."""
+    """Return the project files that are opened, run or shown while notebooks are judged."""
     paths = []
     for notebook in notebooks:
         path = folder / notebook.__name__ / f"{lesson.name}.ipynb"
@@ -104,7 +104,7 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
 
 
 def files_of_project(path):
-    """What is meant by a path that was heard of: a file, or all files of a folder."""
+    """Return a file, or all files of a folder, as project files."""
     if not path.is_relative_to(PROJECT) or path.is_relative_to(sys.prefix):
         return
     within = path.relative_to(PROJECT).parts
@@ -123,7 +123,7 @@ def assert_covered(lesson, notebooks, folder, sandbox):
     read = read_while_judging(lesson, notebooks, folder, sandbox)
     missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
     assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
-    # It does listen, also to where right helpers come from.
+    # The audit hook works, also for the sources of right helpers.
     assert {lesson.source, lesson.released, lesson.tests} <= read
     assert lesson.solved in read or len(lesson.machine_graded) == 1
 
@@ -134,14 +134,14 @@ def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tm
 
 
 @pytest.mark.slow
-def test_every_file_that_a_right_helper_comes_from_is_in_the_key(sandbox, tmp_path):
-    """In the lesson that takes least time; the test above tries them all."""
+def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
+    """This uses the fastest lesson; the test above tries all lessons."""
     assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
 
 
 @pytest.mark.slow
-def test_what_is_imported_in_the_code_is_in_the_key(lesson):
-    """Also where no notebook of ours gets to; asked of Python's own parser."""
+def test_every_imported_module_is_in_the_key(lesson):
+    """This includes code that no test notebook reaches; Python's own parser finds the imports."""
     covered = files_that_decide(lesson)
     modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
     imported = {file for module in modules for file in files_of(module)}
@@ -153,7 +153,7 @@ def test_what_is_imported_in_the_code_is_in_the_key(lesson):
 
 @functools.cache
 def modules_of(file):
-    """Dotted names that a file imports something by, or from; a lesson's source is a notebook."""
+    """Return the dotted names in the imports of a file; a lesson's source is a notebook."""
     if file.name == "lesson.py":
         return frozenset()
     names = set()
@@ -166,7 +166,7 @@ def modules_of(file):
 
 
 def files_of(module):
-    """Files of this project that are run when a module is imported."""
+    """Return the project files that run when a module is imported."""
     parts = module.split(".")
     for end in range(1, len(parts) + 1):
         path = PROJECT.joinpath(*parts[:end])
@@ -175,7 +175,7 @@ def files_of(module):
         )
 
 
-# ---- a project made of nothing ------------------------------------------------------------------
+# ---- a made-up project ------------------------------------------------------------------
 
 FILES = {
     "grader/__init__.py": "",
@@ -234,7 +234,7 @@ DECIDE = {
 
 @dataclass(frozen=True)
 class MadeUp:
-    """A lesson of the project made of nothing."""
+    """A lesson of the made-up project."""
 
     root: Path
     name: str = "06"
@@ -252,7 +252,7 @@ def forget():
 
 @pytest.fixture
 def made_up(tmp_path, monkeypatch):
-    """The lesson of a project that lies in a folder of its own."""
+    """Return the lesson of a made-up project in its own folder."""
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
@@ -266,12 +266,12 @@ def made_up(tmp_path, monkeypatch):
     forget()
 
 
-def test_what_decides_is_what_is_imported_from_where_judging_begins(made_up):
+def test_files_that_decide_are_those_that_the_entries_import(made_up):
     found = key.files_that_decide(made_up)
     assert {file.relative_to(made_up.root).as_posix() for file in found} == DECIDE
 
 
-def test_the_key_changes_with_each_file_that_decides_and_with_no_other(made_up):
+def test_the_key_changes_only_with_files_that_decide(made_up):
     right = key.rules_key(made_up)
     for name, text in FILES.items():
         (made_up.root / name).write_text(f"{text}\n# A remark.\n")
@@ -300,20 +300,20 @@ def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(ma
     assert key.rules_key(made_up) == right
 
 
-def test_versions_are_those_of_what_decides():
+def test_the_key_has_the_versions_of_libraries_that_decide():
     versions = key.versions()
     assert versions["Python"] == f"{sys.version_info.major}.{sys.version_info.minor}"
     assert versions["numpy"] == np.__version__ and versions["pytest"] == pytest.__version__
     assert set(versions) == {"Python", "numpy", "scipy", "scikit-learn", "shapely", "pytest"}
 
 
-def test_where_judging_begins_is_here():
+def test_the_entries_of_judging_exist():
     entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRIES}
     assert entries == {"grader/judging/judge.py", "grader/sandbox/fork_server.py"}
     assert all(path.is_file() for path in key.ENTRIES)
 
 
-def test_a_verdict_depends_on_who_handed_in_what_and_on_the_seed():
+def test_the_key_depends_on_student_submission_and_seed():
     lesson, notebook = find_lesson("06_filter_ground"), SubmittedFiles("06.ipynb", b"{}")
     keys = [
         key.verdict_key(notebook, lesson, 17),
@@ -324,7 +324,8 @@ def test_a_verdict_depends_on_who_handed_in_what_and_on_the_seed():
     ]
     assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
     assert key.verdict_key(notebook, lesson, 17, "") == keys[0]
-    key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))  # no text, and no error
+    # A name that is not valid text.
+    key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))
 
 
 KEYS = """
@@ -338,7 +339,7 @@ ALL = tuple(lesson.number for lesson in all_lessons())
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """The project, and its keys."""
+    """Return a copy of the project, and its keys."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("grader", "utils", "solutions", "notebooks", "data"):
         without = shutil.ignore_patterns("__pycache__")
@@ -347,7 +348,7 @@ def copy(tmp_path_factory):
 
 
 def keys_in(root):
-    """What decides in each lesson, as a fresh process sees it."""
+    """Return the key of each lesson's rules, from a new process."""
     done = subprocess.run(
         [sys.executable, "-c", KEYS], cwd=root, capture_output=True, text=True, check=True
     )
@@ -356,7 +357,7 @@ def keys_in(root):
 
 @contextlib.contextmanager
 def changed(path):
-    """A remark at the end of a file, for a while."""
+    """Append a comment to a file, inside a with statement."""
     content = path.read_bytes()
     path.write_bytes(content + b"\n# A remark.\n")
     yield
@@ -364,7 +365,7 @@ def changed(path):
 
 
 @pytest.mark.slow
-def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
+def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
     root, before = copy
     elsewhere = (
         "utils/plots/__init__.py",
@@ -395,12 +396,12 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
         (
             "solutions/stage2_clustering/05_euclidean_clustering/lesson.py",
             ("05",),
-        ),  # what is forbidden
-        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # right helpers
+        ),  # it has the list of forbidden modules
+        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # it has the right helpers
         ("utils/checks/clusters.py", ("05", "10")),
     ],
 )
-def test_a_change_judges_those_again_whom_it_concerns(copy, name, lessons):
+def test_a_change_invalidates_only_the_verdicts_that_depend_on_it(copy, name, lessons):
     root, before = copy
     with changed(root / name):
         after = keys_in(root)

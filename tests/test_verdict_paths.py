@@ -1,4 +1,4 @@
-"""How a verdict is reached, with checks that end as it is said: no notebook is asked."""
+"""How the judge reaches a verdict, with given outcomes of checks instead of a notebook."""
 
 import dataclasses
 import json
@@ -32,14 +32,14 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
-# An untouched notebook would not be asked at all.
+# The checks of an untouched notebook would not run at all.
 WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
 
 
 def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
-    """What came of asking lesson 06: how each check of an exercise ended."""
+    """Return results of lesson 06 with given outcomes of the checks of each exercise."""
     about = {"filter_ground": filter_ground, "voxel_grid": voxel_grid}
     outcomes = [
         Outcome(Check(f"{name} {number}", name, f"title {number}", "a hint", run=print), failure)
@@ -51,7 +51,7 @@ def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
 
 @pytest.fixture
 def judge_made_of(monkeypatch):
-    """A function that judges lesson 06 where asking ends so and so; what was asked."""
+    """Return a function that judges lesson 06 with given results, and records the runs."""
 
     def judge(*tries, complaints=(), better=None, late=False, text=None):
         waiting, asked = list(tries), []
@@ -72,7 +72,7 @@ def judge_made_of(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "ask", ask)
-        monkeypatch.setattr(judging, "_RIGHT", {})  # nothing was right before
+        monkeypatch.setattr(judging, "_RIGHT", {})  # forget which submissions were right
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "slips_in", lambda *about: {})
@@ -88,7 +88,7 @@ def scores(verdict):
     return {exercise.name: exercise.score for exercise in verdict.exercises}
 
 
-def test_what_is_right_is_asked_once_and_earns_everything(judge_made_of, monkeypatch):
+def test_a_right_notebook_runs_once_and_earns_everything(judge_made_of, monkeypatch):
     clock = iter([100.0, 103.25678])
     monkeypatch.setattr(judging.time, "perf_counter", lambda: next(clock))
     verdict, (asked,) = judge_made_of(ended(problems=("A cell is broken.",)))
@@ -103,7 +103,7 @@ def test_what_is_right_is_asked_once_and_earns_everything(judge_made_of, monkeyp
     assert len(asked.names) == 4
 
 
-def test_what_a_notebook_may_use_is_what_its_lesson_says():
+def test_the_program_has_what_its_lesson_allows():
     for lesson in (FILTER, find_lesson("05_euclidean_clustering")):
         program = judging.program_for(lesson, ("x = 1",), {"helper": "y = 2"})
         header = lesson.header
@@ -126,7 +126,7 @@ def test_what_a_notebook_may_use_is_what_its_lesson_says():
 ODD = OSError("once")
 
 
-def test_what_is_odd_is_asked_once_more_and_nothing_else(judge_made_of):
+def test_only_suspicious_failures_are_retried(judge_made_of):
     verdict, asked = judge_made_of(ended((NO, ODD), (None, ODD)), ended())
     assert [len(one.names) for one in asked] == [4, 2] and not asked[1].explain
     assert asked[1].names == ["filter_ground 1", "voxel_grid 1"]
@@ -139,7 +139,7 @@ def test_what_is_odd_is_asked_once_more_and_nothing_else(judge_made_of):
 @pytest.mark.parametrize(
     "failure", [None, NO, StudentError("f", "KeyError"), StudentStopped("no"), JudgeTimeout()]
 )
-def test_what_a_wrong_answer_may_do_is_not_odd(judge_made_of, failure):
+def test_ordinary_failures_are_not_retried(judge_made_of, failure):
     verdict, asked = judge_made_of(ended((failure, None)), complaints=("never asked",))
     assert len(asked) == 1 and verdict.status == JUDGED
     assert (verdict.score == 30) == (failure is None)
@@ -152,7 +152,7 @@ def test_what_a_wrong_answer_may_do_is_not_odd(judge_made_of, failure):
         (ended((NO, ODD), (None, ODD)), RunResults((), fault="pytest ran 0 of 2 tests")),
     ],
 )
-def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, tries):
+def test_a_repeated_failure_counts_if_the_solution_passes(judge_made_of, tries):
     verdict, _ = judge_made_of(*tries)
     assert (verdict.status, verdict.faults) == (JUDGED, ())
     points = {one.name: one.points for one in FILTER.machine_graded}
@@ -164,7 +164,7 @@ def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, 
     assert [(exercise.score, exercise.tests) for exercise in verdict.exercises] == [(0.0, ())] * 2
 
 
-def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
+def test_an_incomplete_run_gives_no_score(judge_made_of):
     verdict, asked = judge_made_of(RunResults((), fault="pytest ran 3 of 9 tests", starved=True))
     assert (verdict.status, verdict.faults) == ("judge_failed", ("pytest ran 3 of 9 tests",))
     assert verdict.starved and len(asked) == 1
@@ -173,18 +173,18 @@ def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
 @pytest.mark.parametrize("first", [False, True])
 @pytest.mark.parametrize("second", [False, True])
 @pytest.mark.parametrize("late", [False, True])
-def test_who_lacked_a_processor_at_any_time_is_called_starved(judge_made_of, first, second, late):
+def test_a_verdict_is_starved_if_any_run_was(judge_made_of, first, second, late):
     tries = (ended((ODD, NO), starved=first), ended(starved=second))
     verdict, _ = judge_made_of(*tries, late=late)
     assert verdict.starved == (first or second or late)
 
 
-def test_who_lacked_a_processor_and_lost_nothing_is_not_judged_again(judge_made_of):
+def test_a_starved_run_without_losses_is_final(judge_made_of):
     verdict, _ = judge_made_of(ended((ODD, None), starved=True), ended(starved=True), late=True)
     assert (verdict.score, verdict.starved) == (30, False)
 
 
-def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):
+def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
     twice = json.loads(fill_in(FILTER, {}))
     for name in ("filter_ground", "voxel_grid"):
         for number in (1, 2):
@@ -201,7 +201,7 @@ def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):
 
 @pytest.fixture
 def reference(monkeypatch):
-    """A function that says what is found wrong with a solution that fares so, time by time."""
+    """Return a function that gives the complaints about a solution with given results."""
 
     def complaints(*tries):
         waiting = list(tries)
@@ -211,7 +211,7 @@ def reference(monkeypatch):
     return complaints
 
 
-def test_a_fault_of_a_test_is_there_each_time(reference):
+def test_a_faulty_test_fails_the_solution_twice(reference):
     broken = ended((NO, None), problems=("A cell.",))
     said = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
     assert reference(ended()) == ((), 0)
@@ -221,7 +221,7 @@ def test_a_fault_of_a_test_is_there_each_time(reference):
     assert reference(broken, fault) == (("pytest ran 3 of 9 tests",), 0)
 
 
-def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
+def test_a_notebook_of_an_unknown_lesson_is_refused():
     nameless = b'{"cells": [], "metadata": {}}'
     for data, says in ((nameless, "cannot tell which lesson"), (b"", "is empty")):
         with pytest.raises(judging.UnknownLesson, match=says):
@@ -232,7 +232,7 @@ def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
     assert [exercise.tests for exercise in verdict.exercises] == [(), ()]
 
 
-def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):
+def test_a_failed_reader_process_is_a_judge_fault(monkeypatch):
     def fail(*about):
         raise ReadingFailed("There was no memory.")
 
@@ -242,7 +242,7 @@ def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):
     assert verdict.problems == (judging.UNFAIR,)
 
 
-def test_what_was_decided_stays_as_it_is():
+def test_results_of_judging_are_immutable():
     for kind in (
         CarriedForward,
         judging._Reached,
@@ -255,13 +255,13 @@ def test_what_was_decided_stays_as_it_is():
         assert kind.__dataclass_params__.frozen
 
 
-# ---- what is said about an exercise -------------------------------------------------------------
+# ---- messages about an exercise -------------------------------------------------------------
 
 
 FLIPPED = Mistake("It is upside down.", predicts=np.flip)
 
 
-def test_a_verdict_says_of_each_check_what_came_of_it():
+def test_a_verdict_has_the_outcome_of_each_check():
     asked = ended((None, NO), mistakes={"filter_ground": FLIPPED})
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, asked, None)
@@ -277,13 +277,13 @@ def test_a_verdict_says_of_each_check_what_came_of_it():
     assert (right.cause, right.first, right.score) == ("", "", 2 * half)
 
 
-def test_of_a_stub_no_check_is_named():
+def test_a_stub_has_no_failed_check():
     stub = StudentError("filter_ground", "NotImplementedError")
     result = result_of(FILTER.machine_graded[0], ended((stub, stub)), None)
     assert result.first == "" and "is not started" in result.cause
 
 
-def test_what_was_said_beside_a_right_helper_is_not_told():
+def test_messages_of_a_run_with_right_helpers_are_shortened():
     better = CarriedForward(
         tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).about("filter_ground")),
         "A helper is wrong.",

@@ -1,4 +1,4 @@
-"""The protocol between a student's process and the judge, on honest and on hostile bytes."""
+"""The protocol between a student's process and the judge, with honest and with hostile bytes."""
 
 import json
 import math
@@ -40,7 +40,7 @@ VALUES = st.recursive(
 
 
 def parts(message):
-    """Tree and blob of an encoded message."""
+    """Return the tree and the blob of an encoded message."""
     tree_size, blob_size = wire_format.HEADER.unpack(message[:8])
     assert len(message) == 8 + tree_size + blob_size
     return message[8 : 8 + tree_size], message[8 + tree_size :]
@@ -51,7 +51,7 @@ def there_and_back(value):
 
 
 def same(one, other):
-    """Equal, of one type, NaN included."""
+    """Return whether two values are equal and of one type; NaN equals NaN."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
@@ -78,7 +78,7 @@ def is_plain(value):
 
 
 @given(VALUES)
-def test_plain_data_come_back_as_they_were(value):
+def test_plain_data_cross_unchanged(value):
     assert same(there_and_back(value), value)
 
 
@@ -98,7 +98,7 @@ def test_plain_data_come_back_as_they_were(value):
     ],
     ids=str,
 )
-def test_arrays_of_any_layout_come_back_writable(array):
+def test_arrays_of_any_layout_arrive_writable(array):
     back = there_and_back(array)
     assert back.shape == array.shape and back.flags.writeable and back.flags.aligned
     assert np.array_equal(back, np.asarray(array), equal_nan=True)
@@ -117,14 +117,14 @@ def test_arrays_of_any_layout_come_back_writable(array):
         [2**63, 1],
     ],
 )
-def test_lists_of_one_kind_and_of_others_cross_alike(value):
-    """Some are looked through as one: nothing passes by it that would not pass alone."""
+def test_homogeneous_and_mixed_lists_cross_alike(value):
+    """Some lists are checked as a whole, which must not let through more."""
     assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
 
 
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
-    """Time grows with the number of arrays, not with its square (which would be minutes)."""
+    """Time is proportional to the number of arrays; with its square it would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
@@ -145,7 +145,7 @@ def test_a_list_of_many_rows_is_quick():
         (np.datetime64("2020"), "datetime64"),
     ],
 )
-def test_what_is_not_plain_data_arrives_as_its_name(value, name):
+def test_other_objects_arrive_as_the_name_of_their_type(value, name):
     back = there_and_back([value, 1, np.ones(2)])
     assert isinstance(back[0], Opaque) and name in back[0].type_name
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
@@ -161,7 +161,7 @@ def test_deep_and_endless_nesting_ends():
     "value",
     [np.zeros(2**23), ["x" * 2**20] * 17, [np.zeros(2**21)] * 3, np.zeros((2**26, 0, 1)[::2])],
 )
-def test_too_large_is_said_before_it_is_sent(value):
+def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
     if getattr(value, "size", 1) == 0:
         assert isinstance(there_and_back(value), Opaque)
         return
@@ -169,7 +169,7 @@ def test_too_large_is_said_before_it_is_sent(value):
         wire_format.encode(value)
 
 
-def test_what_a_notebook_holds_is_text_however_many_commas_are_in_it(monkeypatch):
+def test_commas_in_texts_do_not_count(monkeypatch):
     monkeypatch.setattr(wire_format, "MAXIMUM_COMMAS", 1000)
     monkeypatch.setattr(wire_format, "MAXIMUM_BRACKETS", 500)
     cells = ["pasted = [" + "1," * 1100 + "]", "[" * 600, '"\\' * 1100]
@@ -179,7 +179,7 @@ def test_what_a_notebook_holds_is_text_however_many_commas_are_in_it(monkeypatch
         wire_format.encode(values)
 
 
-def test_texts_without_an_end_are_looked_at_once():
+def test_unterminated_texts_take_linear_time():
     def seconds(tree):
         begin = time.process_time()
         with pytest.raises(WireError):
@@ -192,7 +192,7 @@ def test_texts_without_an_end_are_looked_at_once():
 
 
 def decodes_or_refuses(tree, blob=b""):
-    """`decode` returns plain data or raises `WireError`, and takes little memory."""
+    """Return whether `decode` returns plain data or raises `WireError`, with little memory."""
     tracemalloc.start()
     try:
         value = wire_format.decode(tree, blob)
@@ -287,13 +287,13 @@ def test_a_message_with_bytes_changed(value, data):
         b'{"list":[' + b"[]," * 99 + b"1]}",
     ],
 )
-def test_lies_are_refused(tree):
+def test_messages_with_false_sizes_are_refused(tree):
     with pytest.raises(WireError):
         wire_format.decode(tree, b"12345678")
 
 
-def test_two_arrays_cannot_stand_on_the_same_bytes():
-    """A hundred thousand arrays of one megabyte of blob would be a hundred gigabytes."""
+def test_two_arrays_cannot_share_bytes():
+    """A hundred thousand arrays that share one megabyte would take a hundred gigabytes."""
     claim = b'{"array":["|u1",[1048576]]}'
     with pytest.raises(WireError):
         wire_format.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
@@ -303,8 +303,8 @@ def test_two_arrays_cannot_stand_on_the_same_bytes():
     "unit",
     [b'{"set":[]}', b'{"array":["|b1",[0]]}', b'{"generator":["1","1",0,0]}', b'"ab"', b"1.5,null"],
 )
-def test_many_small_values_are_refused_before_they_take_memory(unit):
-    """They took fifty times their bytes, and up to ten seconds."""
+def test_many_small_values_are_refused_before_memory_is_allocated(unit):
+    """Decoded, they would take fifty times as much memory as their bytes, and ten seconds."""
     most = wire_format.MAXIMUM_TREE - 20
     tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
     tracemalloc.start()
@@ -316,7 +316,7 @@ def test_many_small_values_are_refused_before_they_take_memory(unit):
         tracemalloc.stop()
 
 
-def test_few_generators_cross():
+def test_the_number_of_generators_is_limited():
     generators = [np.random.default_rng(seed) for seed in range(101)]
     assert len(there_and_back(generators[:100])) == 100
     with pytest.raises(WireError, match="generators"):
@@ -331,16 +331,16 @@ def test_the_largest_cloud_crosses_as_a_list_of_rows():
 
 
 def test_keys_that_collide_are_refused():
-    """Sets of equal hashes take a time that grows with the square of their size."""
+    """Building a set of keys with equal hashes takes quadratic time."""
     modulus = 2**61 - 1
     colliding = b",".join(b"%d" % (n * modulus) for n in range(1, 100_000))
     begin = time.process_time()
     with pytest.raises(WireError):
         wire_format.decode(b'{"set":[' + colliding + b"]}", b"")
-    assert time.process_time() - begin < 20  # else minutes
+    assert time.process_time() - begin < 20  # with sets it takes minutes
 
 
-def test_half_characters_arrive_mended():
+def test_lone_surrogates_are_replaced():
     assert wire_format.decode(b'"a\\ud800b"', b"") == "a?b"
 
 
@@ -354,8 +354,8 @@ def test_half_characters_arrive_mended():
     ],
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
-def test_a_name_that_a_student_chose_does_not_arrive(value):
-    """It could hold the question of a hidden test."""
+def test_the_name_of_a_students_class_does_not_cross(value):
+    """It could contain the question of a hidden test."""
     assert there_and_back([value])[0].type_name in (
         "an object of a class of its own",
         "an array of void",
@@ -363,7 +363,7 @@ def test_a_name_that_a_student_chose_does_not_arrive(value):
 
 
 @pytest.mark.parametrize("value", [(n for n in ()), {}.keys(), zip(), print, 1j, np, type])
-def test_a_name_that_python_gives_does(value):
+def test_the_name_of_a_python_type_crosses(value):
     assert there_and_back([value])[0].type_name == type(value).__name__
 
 
@@ -372,7 +372,7 @@ def test_a_name_that_python_gives_does(value):
 
 @pytest.fixture
 def pipe():
-    """A pipe whose ends do not block."""
+    """Return the non-blocking ends of a pipe."""
     ends = os.pipe()
     for end in ends:
         os.set_blocking(end, False)
@@ -393,7 +393,7 @@ def test_large_messages_pass_a_small_pipe(pipe):
     sender.join()
 
 
-def test_silence_and_a_full_pipe_time_out(pipe):
+def test_a_silent_and_a_full_pipe_time_out(pipe):
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], soon())
     with pytest.raises(WireTimeout):
@@ -406,15 +406,15 @@ def test_half_a_message_times_out(pipe):
         wire.receive(pipe[0], soon())
 
 
-def test_the_clock_decides_even_while_data_keep_coming(pipe):
-    """A reader that always finds something to read must still look at the clock."""
+def test_the_limit_holds_while_data_trickle_in(pipe):
+    """A reader that always finds data must still watch the clock."""
     os.write(pipe[1], wire_format.encode("here in full, and too late"))
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], wire.within(-1))
 
 
-def test_data_that_are_taken_back_do_not_hang_the_reader(pipe, monkeypatch):
-    """`poll` saw data; before they are read, whoever wrote them reads them."""
+def test_withdrawn_data_do_not_block_the_reader(pipe, monkeypatch):
+    """The writer may read its own data back after `poll` has reported them."""
     wait, calls = wire._wait, []
 
     def hasty(descriptor, seconds, event):
@@ -429,13 +429,13 @@ def test_data_that_are_taken_back_do_not_hang_the_reader(pipe, monkeypatch):
 
 
 @pytest.mark.parametrize("header", [(2**32 - 1, 0), (0, 2**32 - 1), (2**25, 2**26)])
-def test_a_message_larger_than_any_answer_is_refused_unread(pipe, header):
+def test_a_message_that_is_too_large_is_refused_unread(pipe, header):
     os.write(pipe[1], wire_format.HEADER.pack(*header))
     with pytest.raises(WireError):
         wire.receive(pipe[0], soon())
 
 
-def test_an_end_that_is_gone_says_so():
+def test_a_closed_pipe_is_reported():
     reading, writing = os.pipe()
     os.close(reading)
     with pytest.raises(WireClosed):

@@ -1,7 +1,7 @@
-"""How quickly one writer enters a class into the gradebook, as it fills: SQLite and PostgreSQL.
+"""Time how fast one writer enters a class into a growing gradebook, in SQLite and PostgreSQL.
 
-Everybody hands in the solved notebooks of the first stage, which were judged once. PostgreSQL is
-left out where Debian's ``postgresql`` is not installed.
+All students submit the solved notebooks of the first stage, which are judged once. PostgreSQL is
+left out if Debian's ``postgresql`` is not installed.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""Put simulated frames beside real ones: the table and the pictures of the data card.
+"""Compare simulated frames with real ones, for the table and the pictures of the data card.
 
     REAL_CLOUDS=folder python -m tests.benchmarks.compare_real [--pictures data/pictures]
 
-The folder holds KITTI recordings, which are not part of this project: `data_1/*.pcd`,
+The folder contains KITTI recordings, which are not part of this project: `data_1/*.pcd`,
 `kitti_000008.bin`, `kitti_000008_boxes.csv` and `simpleHighway.pcd`.
 """
 
