@@ -1,4 +1,4 @@
-"""What the grader asks of this course besides its lessons; see `grader.course.extension`."""
+"""Additions of this course to the grader; see `grader.course.extension`."""
 
 from solutions.league.command import add_league, league_links
 

@@ -1,4 +1,4 @@
-"""What stands in for ipywidgets where there is none: sliders that nobody moves."""
+"""A stand-in for ipywidgets if that is not installed: sliders that never move."""
 
 from __future__ import annotations
 

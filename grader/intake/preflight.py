@@ -185,7 +185,7 @@ def _with_answers(
 def _reading(draft: _Draft) -> Iterator[str]:
     """Report problems of the file: its name, its encoding, text after its end, a missing end."""
     yield from draft.handed_in.notes
-    yield from draft.notebook.mended
+    yield from draft.notebook.repairs
 
 
 def _retyped(draft: _Draft) -> Iterator[str]:

@@ -136,8 +136,10 @@ def repair_of(
         Outcomes of the checks that the exercise failed.
     """
     for cell, first, last, text in _passing(setting, program, exercise, failed):
-        mended = program.edited(cell, first, last, text)
-        asked = ask(setting, mended, lambda check: check.exercise == exercise, to_the_end=False)
+        program_with_edit = program.edited(cell, first, last, text)
+        asked = ask(
+            setting, program_with_edit, lambda check: check.exercise == exercise, to_the_end=False
+        )
         if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
             before = program.cells[cell - 1].split("\n")[first - 1 : last]
             return Repair(cell, first, "\n".join(before), text)

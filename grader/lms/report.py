@@ -130,7 +130,7 @@ def write_report(
         mistakes=common_messages(counted),
         stopped=[(student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))],
         same=_same_files(pairs),
-        mended=[(student, v) for student, v in pairs if v.problems],
+        repaired=[(student, v) for student, v in pairs if v.problems],
         left=left,
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),

@@ -56,13 +56,13 @@ class Notebook:
     cells : tuple of Cell
     lesson_name : str
         Name of the released lesson according to the metadata; empty if it is not there.
-    mended : tuple of str
+    repairs : tuple of str
         One sentence for each fault of the file, with the repair.
     """
 
     cells: tuple[Cell, ...]
     lesson_name: str = ""
-    mended: tuple[str, ...] = ()
+    repairs: tuple[str, ...] = ()
 
     @property
     def code(self) -> tuple[str, ...]:
