@@ -31,7 +31,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, lesson_of, load_reference
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.program_run import Setting, ask
+from grader.judging.program_run import Setting, run_program
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
@@ -492,7 +492,9 @@ def share_lost(mutant, sandbox):
     exercise = next(
         graded for graded in answer.lesson.machine_graded if graded.name == answer.exercise
     )
-    asked = ask(setting, program, lambda check: check.exercise == exercise.name, explain=True)
+    asked = run_program(
+        setting, program, lambda check: check.exercise == exercise.name, explain=True
+    )
     assert not asked.fault
     slip = slips_in(setting, program, asked, {}).get(exercise.name)
     return 1 - result_of(exercise, asked, None, slip).score / exercise.points

@@ -290,7 +290,7 @@ def test_minutes_are_computed(toy):
     assert "about 0 minutes" in toy.cells[0].source
     long = "\n".join(["# ## Long", "#", "# " + "word " * 1200])
     cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
-    assert durations.in_all(cells) == 10
+    assert durations.total_minutes(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
     assert durations.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
     unread = (
@@ -315,7 +315,7 @@ def test_optional_sections_are_listed_but_not_counted():
     )
     text = f"# %% [markdown]\n# (time)\n#\n{long}\n#\n{more}\n\n# %%\nprint(1)\n"
     cells = jupytext.reads(text, fmt="py:percent")
-    assert durations.in_all(cells) == 15 and durations.sittings(cells) == [
+    assert durations.total_minutes(cells) == 15 and durations.sittings(cells) == [
         pytest.approx(15, abs=0.05)
     ]
     durations.tell(cells)

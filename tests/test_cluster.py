@@ -28,7 +28,7 @@ from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
-from grader.course.portable_files import TRAVELS
+from grader.course.portable_files import FOLDERS
 from grader.judging.verdict import read_verdict
 from tests.prerequisites import without_bubblewrap
 from tests.test_course import rows
@@ -436,7 +436,7 @@ def test_the_packed_course_has_only_files_that_judging_reads():
     assert {"data/cloud.txt", f"{lesson}.ipynb"} < names
     packed_for_lesson = {name for name in names if name.startswith(f"{lesson}/")}
     assert packed_for_lesson == {f"{lesson}/lesson.py", f"{lesson}/hidden_tests.py"}
-    assert {name.split("/")[0] for name in names} == set(TRAVELS)
+    assert {name.split("/")[0] for name in names} == set(FOLDERS)
     assert not [name for name in names if "/." in name or "pycache" in name]
     assert len(packed) < 5e6
 

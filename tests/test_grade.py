@@ -14,7 +14,7 @@ from grader import cli, commands
 from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
-from grader.classroom.rehearsals import note_of
+from grader.classroom.rehearsals import record_of
 from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
 from grader.course.kept_answers import answers_to, fill_in
@@ -76,7 +76,7 @@ def quiet(done, total, what):
 
 def rehearsed(course, lesson, seed=SEED):
     """Store a record that a lesson's own solution has been judged, because judging it is slow."""
-    path, key = note_of(course, lesson, seed)
+    path, key = record_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
 
 

@@ -340,8 +340,8 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
         calls.append(about)
         return judging_reach(*about)
 
-    judging_reach = judging._reach
-    monkeypatch.setattr(judging, "_reach", reach)
+    judging_reach = judging._decide
+    monkeypatch.setattr(judging, "_decide", reach)
     monkeypatch.setattr(judging, "_RIGHT", {})
 
     def judge_notebook(answer, seed=1, student="", module=None):
@@ -470,7 +470,7 @@ def test_grading_without_a_sandbox_is_refused(monkeypatch, capsys):
     from grader import cli
     from grader.sandbox import bubblewrap
 
-    monkeypatch.setattr(bubblewrap, "_search", lambda: (None, "bubblewrap is not installed."))
+    monkeypatch.setattr(bubblewrap, "_find_program", lambda: (None, "bubblewrap is not installed."))
     lesson = find_lesson("06_filter_ground")
     assert cli.main(["judge", str(lesson.released), "--seed", str(2**64)]) == 2
     assert "--sandbox process" in capsys.readouterr().err

@@ -13,7 +13,7 @@ import pytest
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import PROJECT, Course
-from grader.judging.key import with_all_they_run
+from grader.judging.key import with_imports
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -209,7 +209,7 @@ def test_the_message_on_an_unreadable_notebook_does_not_quote_it():
 
 
 def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
-    files = with_all_they_run([Path(drives.__file__)])
+    files = with_imports([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
         "solutions/league/streets.py",

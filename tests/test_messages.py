@@ -7,7 +7,7 @@ import pytest
 from grader.course.paths import PROJECT
 from grader.judging.messages import (
     Message,
-    in_common,
+    common_text,
     message_of,
     messages_of,
     shareable,
@@ -378,13 +378,13 @@ def test_numbers_in_literal_messages_are_fixed():
 
 def test_similar_messages_keep_the_numbers_that_agree():
     both = ["3 of 17 rows, for example (1, 2)", "4 of 17 rows, for example (3, 4)"]
-    assert in_common(both) == "… of 17 rows"
-    assert in_common(both[:1]) == "3 of 17 rows"
-    assert in_common(["from 0 to n - 1; row 3", "from 0 to n - 1; row 5"]) == (
+    assert common_text(both) == "… of 17 rows"
+    assert common_text(both[:1]) == "3 of 17 rows"
+    assert common_text(["from 0 to n - 1; row 3", "from 0 to n - 1; row 5"]) == (
         "from 0 to n - 1; row …"
     )
-    assert in_common(["one of … rows"] * 2) == "one of … rows"
-    assert in_common(["shape (3, 4)", "shape (3,)"]) == "shape (…)"
-    assert in_common(["(3, 4), not (5,)", "(3,), not (4, 5)"]) == "(…), not (…)"
-    assert in_common(["1 row of 17 lost", "3 rows of 17 lost"]) == "… rows of 17 lost"
-    assert in_common(["3 of 17 rows", "3 of 17 rows", "… of … rows"]) == "… of … rows"
+    assert common_text(["one of … rows"] * 2) == "one of … rows"
+    assert common_text(["shape (3, 4)", "shape (3,)"]) == "shape (…)"
+    assert common_text(["(3, 4), not (5,)", "(3,), not (4, 5)"]) == "(…), not (…)"
+    assert common_text(["1 row of 17 lost", "3 rows of 17 lost"]) == "… rows of 17 lost"
+    assert common_text(["3 of 17 rows", "3 of 17 rows", "… of … rows"]) == "… of … rows"

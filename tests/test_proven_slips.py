@@ -481,7 +481,7 @@ def judged_as(monkeypatch):
             return waiting.pop(0)
 
         edits = [(2, 2, 3, "mended"), (2, 1, 1, "1st\nhalf"), (2, 4, 4, "4th"), (3, 2, 2, "6th")]
-        monkeypatch.setattr(repair, "ask", ask)
+        monkeypatch.setattr(repair, "run_program", ask)
         monkeypatch.setattr(repair, "_passing", lambda *about: iter(edits))
         return repair.repair_of(SETTING, PROGRAM, "".join(["line_", "through"]), ()), asked
 

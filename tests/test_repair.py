@@ -111,7 +111,7 @@ def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
 def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
     """Calls that hang are interrupted, and the process goes on."""
     started, tried = [], []
-    start, hold_with = type(sandbox).start, repair._Questions.hold_with
+    start, hold_with = type(sandbox).start, repair._FailedChecks.hold_with
 
     def noted_start(*about, **more):
         started.append(about)
@@ -122,7 +122,7 @@ def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
         return hold_with(questions, number)
 
     monkeypatch.setattr(type(sandbox), "start", noted_start)
-    monkeypatch.setattr(repair._Questions, "hold_with", noted_edit)
+    monkeypatch.setattr(repair._FailedChecks, "pass_with", noted_edit)
     limits = Limits(call_seconds=0.4, restarts=1)
     _, exercises = judge_with(sandbox, limits=limits, line_through=ENDLESS)
     assert exercises["line_through"].score == 0 and exercises["line_through"].slip is None

@@ -62,7 +62,7 @@ def follow(monkeypatch, uses, outcomes, again):
         ended = outcomes if code == program else again
         return RunResults(tuple(outcome for outcome in ended if wanted(outcome.check)))
 
-    monkeypatch.setattr(error_carried_forward, "ask", ask)
+    monkeypatch.setattr(error_carried_forward, "run_program", ask)
     asked = RunResults(tuple(outcomes), uses=uses)
     better, _ = error_carried_forward.carry_forward(Setting(LINE, 1, None), program, asked)
     return better, programs
@@ -120,7 +120,7 @@ STOP = StudentStopped("it did not answer")
 def test_which_of_three_tries_counts(first, once_more, with_right, counts):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
-    assert error_carried_forward.settled(*tries).failure is counts
+    assert error_carried_forward.outcome_that_counts(*tries).failure is counts
 
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
@@ -136,8 +136,10 @@ def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
                 stop = stops if may_stop else 0.0
                 answer = chance if failure is None else 1 - chance
                 likely *= stop if failure is STOP else (1 - stop) * answer
-            settled = error_carried_forward.settled(*(Outcome(check, failure) for failure in tries))
-            expected += likely * (settled.failure is None)
+            outcome_that_counts = error_carried_forward.outcome_that_counts(
+                *(Outcome(check, failure) for failure in tries)
+            )
+            expected += likely * (outcome_that_counts.failure is None)
         assert expected <= chance + 1e-12
 
 
@@ -152,7 +154,7 @@ def test_a_perfect_exercise_is_also_run_again(monkeypatch):
             asked.append(code)
             return RunResults(tuple(outcomes_of("ransac_line", *again)))
 
-        monkeypatch.setattr(error_carried_forward, "ask", ask)
+        monkeypatch.setattr(error_carried_forward, "run_program", ask)
         program = Program(("pass",), LINE.names)
         better, _ = error_carried_forward.carry_forward(
             Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
@@ -166,7 +168,9 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
     program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]
     tries = iter([outcomes_of("ransac_line", False, True), outcomes_of("ransac_line", True, True)])
-    monkeypatch.setattr(error_carried_forward, "ask", lambda *about: RunResults(tuple(next(tries))))
+    monkeypatch.setattr(
+        error_carried_forward, "run_program", lambda *about: RunResults(tuple(next(tries)))
+    )
     better, _ = error_carried_forward.carry_forward(
         Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
     )
@@ -181,7 +185,9 @@ def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
     ended = dataclasses.replace(RunResults(tuple(ALL_HOLD)), fault=fault, starved=starved)
     asked, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
     monkeypatch.setattr(
-        error_carried_forward, "ask", lambda setting, code, wanted: asked if code == own else ended
+        error_carried_forward,
+        "run_program",
+        lambda setting, code, wanted: asked if code == own else ended,
     )
     better, late = error_carried_forward.carry_forward(Setting(LINE, 1, None), own, asked)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
@@ -206,7 +212,7 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
         )
         return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
 
-    monkeypatch.setattr(error_carried_forward, "ask", ask)
+    monkeypatch.setattr(error_carried_forward, "run_program", ask)
     uses = {name: tuple(names) for name in names[1:]}
     better, late = error_carried_forward.carry_forward(
         Setting(plane, 1, None), own, RunResults(tuple(lost), uses=uses)

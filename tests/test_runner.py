@@ -369,7 +369,7 @@ def asked_once(monkeypatch):
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: somebody)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", look)
-        return program_run.ask(program_run.Setting(FILTER, SEED, None), None, **how)
+        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **how)
 
     return ask, seen
 
@@ -391,15 +391,15 @@ def test_each_wrong_exercise_is_explained_once(asked_once):
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
     assert (asked.problems, asked.uses, asked.starved) == (("a cell",), {"f": ("g",)}, True)
     assert asked.fault == "" and seen.closed == [None]
-    assert [one.check.name for one in asked.about("f")] == ["a", "b", "c"]
-    assert [one.check.name for one in asked.about("g")] == ["d"]
+    assert [one.check.name for one in asked.outcomes_of("f")] == ["a", "b", "c"]
+    assert [one.check.name for one in asked.outcomes_of("g")] == ["d"]
 
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
     """The name in a notebook and the name in a test may be different objects."""
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
     asked = program_run.RunResults(tuple(outcomes))
-    assert asked.about("".join(("voxel", "_grid"))) == outcomes
+    assert asked.outcomes_of("".join(("voxel", "_grid"))) == outcomes
     assert not asked.starved and asked.fault == ""
 
 

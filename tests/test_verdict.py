@@ -76,12 +76,12 @@ def test_equal_parts_of_verdicts_share_memory():
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
-    assert verdict_module._the_same.cache_info().maxsize > 5000  # checks and their outcomes
+    assert verdict_module._interned.cache_info().maxsize > 5000  # checks and their outcomes
 
 
 def test_a_valid_verdict_is_not_starved_and_immutable():
     verdict = full_verdict()
-    assert verdict.believed() == dataclasses.replace(verdict, starved=False) != verdict
+    assert verdict.when_idle() == dataclasses.replace(verdict, starved=False) != verdict
     plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")
     assert (plain.faults, plain.starved, plain.fingerprint) == ((), False, "")
     exercise = ExerciseResult("f", 0.0, 1.0, ())

@@ -71,7 +71,7 @@ def judge_made_of(monkeypatch):
             outcomes = tuple(one for one in again.outcomes if wanted(one.check))
             return dataclasses.replace(again, outcomes=outcomes)
 
-        monkeypatch.setattr(judging, "ask", ask)
+        monkeypatch.setattr(judging, "run_program", ask)
         monkeypatch.setattr(judging, "_RIGHT", {})  # forget which submissions were right
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
@@ -190,7 +190,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
         for number in (1, 2):
             source = f"def {name}(cloud):\n    return {number}"
             twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
-    others = tuple(ended().about("voxel_grid"))
+    others = tuple(ended().outcomes_of("voxel_grid"))
     better = {"voxel_grid": CarriedForward(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
     verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
@@ -205,7 +205,7 @@ def reference(monkeypatch):
 
     def complaints(*tries):
         waiting = list(tries)
-        monkeypatch.setattr(judging, "ask", lambda *about: waiting.pop(0))
+        monkeypatch.setattr(judging, "run_program", lambda *about: waiting.pop(0))
         return judging.complaints_about_reference.__wrapped__(FILTER, 7, None), len(waiting)
 
     return complaints
@@ -245,7 +245,7 @@ def test_a_failed_reader_process_is_a_judge_fault(monkeypatch):
 def test_results_of_judging_are_immutable():
     for kind in (
         CarriedForward,
-        judging._Reached,
+        judging._Decision,
         RunResults,
         Setting,
         Verdict,
@@ -285,7 +285,7 @@ def test_a_stub_has_no_failed_check():
 
 def test_messages_of_a_run_with_right_helpers_are_shortened():
     better = CarriedForward(
-        tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).about("filter_ground")),
+        tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).outcomes_of("filter_ground")),
         "A helper is wrong.",
         PROGRAM,
     )

@@ -122,8 +122,8 @@ class Cluster(Executor):
         self._waiting: dict[Future, distributed.Future] = {}
         self._lost: ExecutorLost | None = None
         self._lock, self._over = threading.Lock(), threading.Event()
-        self._judge = _ByValue(worker_plugin.judge_there)
-        client.subscribe_topic(self._name, self._heard)
+        self._judge = _ByValue(worker_plugin.judge_on_worker)
+        client.subscribe_topic(self._name, self._record_event)
         plugin = worker_plugin.JudgePlugin(self._name, packed_course(), versions(), sandbox)
         for work in (functools.partial(self._send, plugin), self._watch):
             threading.Thread(target=work, daemon=True).start()
@@ -153,7 +153,7 @@ class Cluster(Executor):
                     resources={self._name: 1},
                 )
             self._waiting[answer] = there
-        there.add_done_callback(functools.partial(self._arrived, answer))
+        there.add_done_callback(functools.partial(self._deliver, answer))
         return answer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -167,15 +167,15 @@ class Cluster(Executor):
         for answer in list(self._waiting):
             answer.cancel()
         if not self._lost:
-            _whatever(self._client.unregister_worker_plugin, self._name)
-        _whatever(self._client.close, timeout=5)
+            _call_quietly(self._client.unregister_worker_plugin, self._name)
+        _call_quietly(self._client.close, timeout=5)
 
     def _send(self, plugin: worker_plugin.JudgePlugin) -> None:
         """Send the plugin to every worker, including those that join later."""
         # Each worker reports the result itself: one that hangs must not delay the others.
-        _whatever(self._client.register_plugin, plugin, name=self._name)
+        _call_quietly(self._client.register_plugin, plugin, name=self._name)
 
-    def _heard(self, event: tuple[float, dict]) -> None:
+    def _record_event(self, event: tuple[float, dict]) -> None:
         """Record what a worker reports about itself."""
         said = event[1]
         if not said["complaint"]:
@@ -187,7 +187,7 @@ class Cluster(Executor):
             f"elsewhere. {said['complaint']}"
         )
 
-    def _arrived(self, answer: Future, there: distributed.Future) -> None:
+    def _deliver(self, answer: Future, there: distributed.Future) -> None:
         """Pass on the result of a job."""
         try:
             if there.status == "finished":
@@ -257,7 +257,7 @@ class Cluster(Executor):
         )
 
 
-def _whatever(function: Callable, *arguments: object, **options: object) -> None:
+def _call_quietly(function: Callable, *arguments: object, **options: object) -> None:
     """Call a function and ignore a failure, which is detected elsewhere or does not matter."""
     try:
         function(*arguments, **options)

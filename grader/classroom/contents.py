@@ -43,7 +43,7 @@ def copy_number(name: str) -> int:
     return int(numbers[-1]) if numbers else 0
 
 
-def look_into(data: bytes, name: str) -> Content:
+def content_of(data: bytes, name: str) -> Content:
     """Return the content of a notebook, read in this process; see `lesson_inside`.
 
     Raises
@@ -59,7 +59,7 @@ def look_into(data: bytes, name: str) -> Content:
 
 
 def remember_what_was_released() -> None:
-    """Fill the caches of `look_into`, so that forked processes inherit them."""
+    """Fill the caches of `content_of`, so that forked processes inherit them."""
     for lesson in all_lessons():
         _released(lesson)
         _grade_ids(lesson)

@@ -69,7 +69,7 @@ def judge_one(
         Whether nothing else is being judged, so that a time limit is reliable.
     """
     verdict = judge_files(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
-    return verdict.believed() if alone else verdict
+    return verdict.when_idle() if alone else verdict
 
 
 def judge_and_store(

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import in_common, without_numbers
+from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import ExerciseResult, Kind, Verdict
 
 # With fewer students, chance alone gives a discrimination of 0.4.
@@ -132,7 +132,7 @@ def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[st
                 mistake = (exercise.name, without_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
                 said.setdefault(mistake, []).append(first)
-    found = [(one[0], in_common(said[one]), len(names)) for one, names in students.items()]
+    found = [(one[0], common_text(said[one]), len(names)) for one, names in students.items()]
     return sorted(found, key=lambda mistake: -mistake[2])[:most]
 
 

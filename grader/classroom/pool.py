@@ -53,7 +53,7 @@ class Pool(Executor):
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
         """Schedule a call; the function and its arguments are pickled at once."""
-        return self._threads.submit(self._have_done, pickle.dumps((function, arguments)))
+        return self._threads.submit(self._run_job, pickle.dumps((function, arguments)))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes; see `concurrent.futures.Executor.shutdown`."""
@@ -69,7 +69,7 @@ class Pool(Executor):
                 process.end()
             self._idle.clear()
 
-    def _have_done(self, job: bytes) -> object:
+    def _run_job(self, job: bytes) -> object:
         process = self._take()
         clock = threading.Timer(LONGEST, process.kill)
         clock.start()

@@ -50,7 +50,7 @@ class Rehearsals:
         tell: Callable[[Lesson], object] = lambda lesson: None,
     ) -> None:
         self._seed, self._sandbox, self._tell = seed, sandbox, tell
-        notes = {lesson: note_of(course, lesson, seed) for lesson in lessons}
+        notes = {lesson: record_of(course, lesson, seed) for lesson in lessons}
         self._missing = {lesson: note for lesson, note in notes.items() if not _is_written(*note)}
         self._complaints: dict[str, tuple[str, ...]] = {}
         self.waiting = sorted(self._missing, key=lambda lesson: lesson.name)
@@ -136,7 +136,7 @@ def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
     return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
-def note_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
+def record_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
     """Return the file that records a passed rehearsal, and the key that it records."""
     path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
     return path, verdict_key(read_submitted_files(lesson.solved), lesson, seed)

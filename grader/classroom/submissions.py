@@ -54,7 +54,7 @@ class Submission:
 
     def read(self, course: Course) -> SubmittedFiles:
         """Read the file, unless a link leads into another folder."""
-        if not self._lies_in_its_place(course):
+        if not self._is_in_its_folder(course):
             return SubmittedFiles(
                 self.path.name,
                 b"",
@@ -64,7 +64,7 @@ class Submission:
             read_submitted_files(self.path), notes=tuple(self._notes(course))
         )
 
-    def _lies_in_its_place(self, course: Course) -> bool:
+    def _is_in_its_folder(self, course: Course) -> bool:
         if not self.path.is_relative_to(course.submitted):
             return False
         place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)

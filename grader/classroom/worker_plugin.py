@@ -28,7 +28,7 @@ SLOWEST_START = 300
 """Seconds that Python may take to import what judging needs, from a busy disk."""
 
 
-def judge_there(name: str, job: bytes) -> bytes:
+def judge_on_worker(name: str, job: bytes) -> bytes:
     """Run a job on the worker of this process; `name` is that of the plugin."""
     return get_worker().plugins[name].judge(job)
 
@@ -38,7 +38,7 @@ LONGEST_JOB = 70 * 60
 SECONDS_TO_END = 10
 
 
-class Unfit(Exception):
+class UnfitWorker(Exception):
     """A worker cannot judge reliably; `str()` says why, and what to do about it."""
 
 
@@ -72,7 +72,7 @@ class JudgePlugin(WorkerPlugin):
         try:
             await asyncio.to_thread(self._prepare, worker.local_directory)
             complaint = ""
-        except Unfit as unfit:
+        except UnfitWorker as unfit:
             complaint = str(unfit)
         except Exception as error:
             complaint = f"It cannot take the course's code: {error!r}."
@@ -139,7 +139,7 @@ class JudgePlugin(WorkerPlugin):
             )
         if complaint:
             self.client.close()
-            raise Unfit(complaint)
+            raise UnfitWorker(complaint)
 
 
 class JudgeClient:
@@ -195,12 +195,12 @@ class JudgeClient:
 
     def _greeting(self, folder: Path) -> dict:
         if not self._pipe.poll(SLOWEST_START):
-            raise Unfit(f"Its Python has not started within {SLOWEST_START} s.")
+            raise UnfitWorker(f"Its Python has not started within {SLOWEST_START} s.")
         try:
             return self._pipe.recv()
         except EOFError:
             said = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
-            raise Unfit(
+            raise UnfitWorker(
                 f"It cannot run the course's code: {said[-1] if said else 'no reason given'}. "
                 "Install the course's requirements-cluster.txt there."
             ) from None

@@ -73,7 +73,7 @@ def tell(notebook: NotebookNode) -> None:
     notebook : nbformat.NotebookNode
         Changed in place.
     """
-    in_short, by_section = f"about {in_all(notebook)} minutes", _table(notebook)
+    in_short, by_section = f"about {total_minutes(notebook)} minutes", _table(notebook)
     for cell in notebook.cells:
         if cell.cell_type == "markdown" and PLACE in cell.source:
             cell.source = f"{cell.source.replace(PLACE, in_short)}\n\n{by_section}"
@@ -89,7 +89,7 @@ def _table(notebook: NotebookNode) -> str:
     return f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>"
 
 
-def in_all(notebook: NotebookNode) -> int:
+def total_minutes(notebook: NotebookNode) -> int:
     """Return the minutes of a lesson without optional sections, to five minutes."""
     return 5 * round(_asked_for(sections(notebook)) / 5)
 

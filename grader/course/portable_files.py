@@ -4,14 +4,14 @@ from pathlib import Path
 
 from grader.course.paths import PROJECT
 
-TRAVELS = ("grader", "utils", "solutions", "notebooks", "data")
+FOLDERS = ("grader", "utils", "solutions", "notebooks", "data")
 OF_A_LESSON = ("lesson.py", "hidden_tests.py")
 
 
 def files_to_judge_with() -> dict[str, bytes]:
     """Content by name, in order."""
     found = {}
-    for folder in TRAVELS:
+    for folder in FOLDERS:
         for path in sorted((PROJECT / folder).rglob("*")):
             name = path.relative_to(PROJECT)
             if path.is_file() and _is_read(name):

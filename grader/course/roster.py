@@ -97,7 +97,7 @@ class Roster:
         if exact:
             return (exact,)
         same = self._by_folded_id.get(folded(text), ())
-        return tuple(same) or tuple(person for person in self.people if _means(text, person))
+        return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
     @functools.cached_property
     def _by_id(self) -> dict[str, Person]:
@@ -206,7 +206,7 @@ def _check(person: Person, where: str) -> None:
             )
 
 
-def _means(text: str, person: Person) -> bool:
+def _is_name_of(text: str, person: Person) -> bool:
     """Return whether a text is one of a person's other names."""
     handles = {folded(handle) for handle in (person.email, person.github, person.lms_id)}
     first, last = person.first_name, person.last_name
@@ -214,7 +214,7 @@ def _means(text: str, person: Person) -> bool:
     return folded(text) in handles - {""} or letters(text) in names - {""}
 
 
-def has_another_number(person: Person, lms_id: str) -> bool:
+def has_other_lms_id(person: Person, lms_id: str) -> bool:
     """Return whether a learning platform's number certainly belongs to another person.
 
     The roster may contain another kind of number; those of platforms have only digits.

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.points import points_of
-from grader.judging.program_run import RunResults, Setting, ask
+from grader.judging.program_run import RunResults, Setting, run_program
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks.outcomes import Outcome
@@ -51,7 +51,7 @@ class CarriedForward:
 
 
 def carry_forward(
-    setting: Setting, program: Program, asked: RunResults
+    setting: Setting, program: Program, results: RunResults
 ) -> tuple[dict[str, CarriedForward], bool]:
     """Judge again the exercises that call a wrong helper.
 
@@ -60,7 +60,7 @@ def carry_forward(
     setting : grader.judging.program_run.Setting
     program : grader.sandbox.program.Program
         The notebook.
-    asked : grader.judging.program_run.RunResults
+    results : grader.judging.program_run.RunResults
         The results of the first run. They include which function calls which, read in the
         sandbox, because untrusted code is not parsed here.
 
@@ -72,12 +72,12 @@ def carry_forward(
         Whether code reached a time limit because it hardly got a processor.
     """
     exercises = setting.lesson.machine_graded
-    lost = {outcome.check.exercise for outcome in asked.outcomes if outcome.failure}
+    lost = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     better, starved = {}, False
     for number, exercise in enumerate(exercises):
         # Later functions may be derived from this one, so a right one could give them the answer.
         earlier = [before.name for before in exercises[:number]]
-        called = lost.intersection(asked.uses.get(exercise.name, ()))
+        called = lost.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
         if not helpers:
             continue
@@ -85,16 +85,18 @@ def carry_forward(
         if exercise.name in lost:
             codes.append(_with_right(setting.lesson, program, exercise, helpers))
         tries = [
-            ask(setting, code, lambda check, e=exercise: check.exercise == e.name) for code in codes
+            run_program(setting, code, lambda check, e=exercise: check.exercise == e.name)
+            for code in codes
         ]
         if any(attempt.fault for attempt in tries):  # the first run reported it, and counts
             continue
         starved |= any(attempt.starved for attempt in tries)
-        first = asked.about(exercise.name)
+        first = results.outcomes_of(exercise.name)
         by_check = [{one.check: one for one in again.outcomes} for again in tries]
         # If every check passed, there is nothing to correct: they pass again, or it was luck.
         outcomes = tuple(
-            settled(one, by_check[0][one.check], by_check[-1][one.check]) for one in first
+            outcome_that_counts(one, by_check[0][one.check], by_check[-1][one.check])
+            for one in first
         )
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
@@ -106,7 +108,7 @@ def carry_forward(
     return better, starved
 
 
-def settled(first: Outcome, once_more: Outcome, with_right: Outcome) -> Outcome:
+def outcome_that_counts(first: Outcome, once_more: Outcome, with_right: Outcome) -> Outcome:
     """Decide how a check counts that ran twice with the student's helpers and once with right ones.
 
     A process that had to be stopped did not answer. It neither spoils an answer that was right

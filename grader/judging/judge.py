@@ -17,11 +17,11 @@ from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.judging.error_carried_forward import carry_forward
 from grader.judging.key import verdict_key
 from grader.judging.points import total
-from grader.judging.program_run import RunResults, Setting, ask, untouched_results
+from grader.judging.program_run import RunResults, Setting, run_program, untouched_results
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import JudgeTimeout
-from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, shared
+from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
@@ -91,12 +91,12 @@ def judge_files(
     try:
         to_judge = prepare_to_judge(handed_in, lesson)
     except UnreadableNotebook as error:
-        reached = _Reached(unjudged_results(lesson), (str(error),))
+        reached = _Decision(unjudged_results(lesson), (str(error),))
     except ReadingFailed as error:
-        reached = _Reached(unjudged_results(lesson), (UNFAIR,), (str(error),))
+        reached = _Decision(unjudged_results(lesson), (UNFAIR,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
-        reached = _reach_once(setting, to_judge, handed_in.modules)
+        reached = _decide_cached(setting, to_judge, handed_in.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -128,7 +128,7 @@ def _lesson_in(handed_in: SubmittedFiles) -> Lesson:
 
 
 @dataclass(frozen=True)
-class _Reached:
+class _Decision:
     """The part of a verdict that judging decides."""
 
     exercises: tuple[ExerciseResult, ...]
@@ -138,11 +138,11 @@ class _Reached:
 
 
 # Results of notebooks with full marks, by everything that such a result depends on.
-_RIGHT: dict[tuple, _Reached] = {}
+_RIGHT: dict[tuple, _Decision] = {}
 
 
-def _reach_once(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Reached:
-    """Call `_reach`, or return the cached result of identical code with full marks.
+def _decide_cached(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Decision:
+    """Call `_decide`, or return the cached result of identical code with full marks.
 
     Only full marks are cached: a failure may be the machine's fault, and must not spread to an
     identical notebook.
@@ -152,25 +152,25 @@ def _reach_once(setting: Setting, to_judge: JudgeInput, modules: dict[str, str])
     key = (*about, hashlib.sha256(text).digest())
     if key in _RIGHT:
         return _RIGHT[key]
-    reached = _reach(setting, to_judge, modules)
+    reached = _decide(setting, to_judge, modules)
     if not reached.faults and all(
         exercise.score == exercise.max_score for exercise in reached.exercises
     ):
         # A class may have ten thousand students, and the results of right notebooks are identical.
-        _RIGHT[key] = replace(reached, exercises=tuple(map(shared, reached.exercises)))
+        _RIGHT[key] = replace(reached, exercises=tuple(map(with_shared_parts, reached.exercises)))
     return reached
 
 
-def _reach(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Reached:
+def _decide(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
     program = program_for(lesson, to_judge.code, modules)
     if to_judge.is_as_released and not modules:
         asked = untouched_results(lesson)
     else:
-        asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
+        asked = _with_retries(setting, program, run_program(setting, program, explain=True))
     if faults := _faults(setting, asked):
-        return _Reached(unjudged_results(lesson), (UNFAIR,), faults, asked.starved)
+        return _Decision(unjudged_results(lesson), (UNFAIR,), faults, asked.starved)
     followed, starved = carry_forward(setting, program, asked)
     slips = slips_in(setting, program, asked, followed)
     exercises = tuple(
@@ -185,18 +185,18 @@ def _reach(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _
         *(to_judge.versions[name] for name in lost if name in to_judge.versions),
     )
     # With full marks there is nothing to gain by another try.
-    return _Reached(exercises, problems, (), bool(lost) and (asked.starved or starved))
+    return _Decision(exercises, problems, (), bool(lost) and (asked.starved or starved))
 
 
-def _odd_ones_again(setting: Setting, program: Program, asked: RunResults) -> RunResults:
+def _with_retries(setting: Setting, program: Program, asked: RunResults) -> RunResults:
     """Run suspicious checks again and return all outcomes, with the new ones in their place.
 
     A failure that does not recur costs no points.
     """
-    odd = {outcome.check for outcome in _odd(asked)}
-    if not odd:
+    suspicious = {outcome.check for outcome in _suspicious(asked)}
+    if not suspicious:
         return asked
-    again = ask(setting, program, odd.__contains__)
+    again = run_program(setting, program, suspicious.__contains__)
     if again.fault:  # then the first try counts
         return asked
     better = {outcome.check: outcome for outcome in again.outcomes}
@@ -204,7 +204,7 @@ def _odd_ones_again(setting: Setting, program: Program, asked: RunResults) -> Ru
     return replace(asked, outcomes=outcomes, starved=asked.starved or again.starved)
 
 
-def _odd(asked: RunResults) -> list[Outcome]:
+def _suspicious(asked: RunResults) -> list[Outcome]:
     """Return the outcomes with an exception that a wrong answer does not cause."""
     return [outcome for outcome in asked.outcomes if not isinstance(outcome.failure, _FINE)]
 
@@ -213,9 +213,9 @@ def _faults(setting: Setting, asked: RunResults) -> tuple[str, ...]:
     """Return what went wrong in the judge itself, so that the student cannot be judged."""
     if asked.fault:
         return (asked.fault,)
-    odd = _odd(asked)
-    if odd and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
-        return tuple("".join(traceback.format_exception(outcome.failure)) for outcome in odd)
+    suspicious = _suspicious(asked)
+    if suspicious and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
+        return tuple("".join(traceback.format_exception(outcome.failure)) for outcome in suspicious)
     return ()
 
 
@@ -250,7 +250,7 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
 
 def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
-    asked = ask(Setting(lesson, seed, sandbox), program)
+    asked = run_program(Setting(lesson, seed, sandbox), program)
     if asked.fault:
         return (asked.fault,)
     failed = [outcome for outcome in asked.outcomes if outcome.failure]

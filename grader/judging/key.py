@@ -70,10 +70,10 @@ def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     entries = {*ENTRIES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
     # The source says what is forbidden; the solution contains the right helpers.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return frozenset(with_all_they_run(entries) | notebooks | {*ARRAYS})
+    return frozenset(with_imports(entries) | notebooks | {*ARRAYS})
 
 
-def with_all_they_run(files: Iterable[Path]) -> set[Path]:
+def with_imports(files: Iterable[Path]) -> set[Path]:
     """Return some files, all project files that they import, and the files in the sandbox."""
     found, waiting = set(), set(files)
     while waiting:

@@ -149,16 +149,16 @@ def without_numbers(message: str, few: int = 0) -> str:
     return _with_some_numbers(message, is_told)
 
 
-def in_common(messages: Sequence[str]) -> str:
+def common_text(messages: Sequence[str]) -> str:
     """Return the common text of messages that differ only in numbers; equal numbers stay."""
-    bare, numbers = zip(*map(_apart, messages), strict=True)
+    bare, numbers = zip(*map(_split_numbers, messages), strict=True)
     if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
         return without_numbers(messages[0])
     agree = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
     return _with_some_numbers(messages[0], lambda number: next(agree))
 
 
-def _apart(message: str) -> tuple[str, list[str]]:
+def _split_numbers(message: str) -> tuple[str, list[str]]:
     """Return a message without its numbers, and the numbers."""
     numbers = []
 

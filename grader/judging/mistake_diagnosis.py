@@ -32,7 +32,7 @@ def _solution(lesson: Lesson, exercise: str) -> Callable:
     return space[exercise]
 
 
-class _Beside:
+class _ComparingProxy:
     """A student proxy that compares the answers to one exercise with those of a function.
 
     Parameters
@@ -93,7 +93,7 @@ def _lost_by(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
     """Return the checks that a function fails in place of the student's."""
-    beside = _Beside(student, exercise, function)
+    beside = _ComparingProxy(student, exercise, function)
     outcomes = run_checks(
         setting.lesson, beside, setting.seed, lambda check: check.exercise == exercise
     )

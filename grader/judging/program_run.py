@@ -65,15 +65,15 @@ class RunResults:
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
 
-    def about(self, exercise: str) -> list[Outcome]:
+    def outcomes_of(self, exercise: str) -> list[Outcome]:
         """Return the outcomes of one exercise's checks."""
         return [outcome for outcome in self.outcomes if outcome.check.exercise == exercise]
 
 
-def ask(
+def run_program(
     setting: Setting,
     program: Program,
-    asked: Callable[[Check], bool] = every_check,
+    selected: Callable[[Check], bool] = every_check,
     explain: bool = False,
     to_the_end: bool = True,
 ) -> RunResults:
@@ -83,7 +83,7 @@ def ask(
     ----------
     setting : Setting
     program : grader.sandbox.program.Program
-    asked : callable
+    selected : callable
         Takes a check and returns whether to run it.
     explain : bool
         Whether to look for mistakes that explain wrong answers.
@@ -97,13 +97,13 @@ def ask(
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
-            outcomes = run_checks(setting.lesson, student, setting.seed, asked, to_the_end)
+            outcomes = run_checks(setting.lesson, student, setting.seed, selected, to_the_end)
         except JudgeFault as error:
             fault = str(error)
         if explain:
             mistakes = _mistakes(outcomes, student)
-        about = (tuple(student.problems), student.uses, student.starved)
-        return RunResults(tuple(outcomes), *about, mistakes, fault)
+        observed = (tuple(student.problems), student.uses, student.starved)
+        return RunResults(tuple(outcomes), *observed, mistakes, fault)
 
 
 def untouched_results(lesson: Lesson) -> RunResults:

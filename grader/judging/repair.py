@@ -22,7 +22,7 @@ from grader.course.rules import ONE_SLIP_KEEPS
 from grader.intake.preflight import given_cells
 from grader.judging.error_carried_forward import CarriedForward
 from grader.judging.mistake_diagnosis import explains
-from grader.judging.program_run import RunResults, Setting, ask
+from grader.judging.program_run import RunResults, Setting, run_program
 from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -86,7 +86,7 @@ def slips_in(
         if mistake and mistake.is_the_task:
             continue
         better = followed.get(exercise.name)
-        outcomes = better.outcomes if better else asked.about(exercise.name)
+        outcomes = better.outcomes if better else asked.outcomes_of(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)
         if failed and not any(map(_is_no_slip, failed)):
             its = better.program if better else program
@@ -137,7 +137,7 @@ def repair_of(
     """
     for cell, first, last, text in _passing(setting, program, exercise, failed):
         program_with_edit = program.edited(cell, first, last, text)
-        asked = ask(
+        asked = run_program(
             setting, program_with_edit, lambda check: check.exercise == exercise, to_the_end=False
         )
         if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
@@ -177,7 +177,7 @@ def _as_given(lesson: Lesson, program: Program) -> frozenset[int]:
     return frozenset(number for number, cell in cells if cell.strip() in given)
 
 
-class _Questions:
+class _FailedChecks:
     """The checks that an answer failed: visible ones first, then hidden ones.
 
     Parameters
@@ -217,7 +217,7 @@ class _Questions:
             self._first_seconds = SECONDS_OF_A_FIRST_CALL
         return failure is not None
 
-    def hold_with(self, number: int) -> bool:
+    def pass_with(self, number: int) -> bool:
         """Return whether an edit passes all checks, within a time of its own.
 
         Hidden tests use large input, on which a right answer may take longer than an edit is
@@ -276,7 +276,7 @@ def _passing(
             return
         begin, slept, found, look_at = time.process_time(), 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
-        questions = _Questions(setting, student, budget, failed)
+        questions = _FailedChecks(setting, student, budget, failed)
         if not questions.first_fails():  # an answer that guesses must not get another try
             return
         given = _as_given(setting.lesson, program)
@@ -288,7 +288,7 @@ def _passing(
                 if max(worked, slept) > SECONDS or time.monotonic() > until:
                     return
             left = budget.seconds
-            passes = questions.hold_with(number)
+            passes = questions.pass_with(number)
             slept += left - budget.seconds
             if passes:
                 yield edit

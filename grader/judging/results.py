@@ -42,7 +42,7 @@ def result_of(
         The proven slip, if there is one.
     """
     said, mistake = [], asked.mistakes.get(exercise.name)
-    outcomes = asked.about(exercise.name)
+    outcomes = asked.outcomes_of(exercise.name)
     if followed:
         said, mistake, outcomes = [followed.sentence], None, followed.outcomes
     tellable = [shareable(outcome, open_to_all=followed is None) for outcome in outcomes]

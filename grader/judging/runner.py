@@ -62,39 +62,39 @@ class JudgeFault(Exception):
     """The tests themselves could not be run, which is a fault of the course."""
 
 
-class _Asking:
+class _Runner:
     """Runs one check after another and records the outcomes; also a pytest plugin."""
 
     def __init__(
         self,
         student: StudentProxy,
         seed: int,
-        asked: Callable[[Check], bool],
+        selected: Callable[[Check], bool],
         to_the_end: bool = True,
     ) -> None:
-        self.proxy, self.course_seed, self.asked = student, seed, asked
-        self.goes_on, self.to_the_end = True, to_the_end
+        self.proxy, self.course_seed, self.selected = student, seed, selected
+        self.continues, self.to_the_end = True, to_the_end
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
         self.broken = self.interrupted = None
-        self.said: list[str] = []
+        self.complaints: list[str] = []
 
-    def show(self, check: Check) -> None:
+    def run_visible(self, check: Check) -> None:
         """Run a visible check."""
         error = None
         try:
-            with self.about(check):
+            with self.under_test(check):
                 check.run(getattr(self.proxy, asked_through(check.exercise)))
         except Exception as caught:
             error = caught
-        self.note(check, error)
+        self.record(check, error)
 
     @contextlib.contextmanager
-    def about(self, check: Check) -> Iterator[None]:
+    def under_test(self, check: Check) -> Iterator[None]:
         """Set the exercise that is under test, and limit the time of the judge's own work."""
         self.proxy.exercise = exercise = check.exercise
-        if not self.goes_on:
+        if not self.continues:
             raise StudentStopped("Not tried: another check has failed.")
         if self.too_large[exercise] >= MOST_TOO_LARGE:
             raise StudentStopped(
@@ -104,10 +104,10 @@ class _Asking:
         with _own_time(SECONDS_OF_A_TEST):
             yield
 
-    def note(self, check: Check, error: Exception | None) -> None:
+    def record(self, check: Check, error: Exception | None) -> None:
         """Record how a check ended."""
         self.too_large[check.exercise] += isinstance(error, FarTooMuch)
-        self.goes_on &= self.to_the_end or error is None
+        self.continues &= self.to_the_end or error is None
         if isinstance(error, SandboxUnavailable):
             self.broken = error
         if isinstance(error, JudgeTimeout):
@@ -115,9 +115,9 @@ class _Asking:
         self.outcomes[check] = Outcome(check, error)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Deselect the tests that were not asked for; record the others as not run yet."""
+        """Deselect the tests that were not selected; record the others as not run yet."""
         self.tests = len(items)
-        items[:] = [item for item in items if self.asked(check_of(item))]
+        items[:] = [item for item in items if self.selected(check_of(item))]
         self.outcomes |= {check_of(item): None for item in items}
 
     @pytest.fixture
@@ -135,7 +135,7 @@ class _Asking:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> object:
         """Run a hidden test."""
-        with self.about(check_of(item)):
+        with self.under_test(check_of(item)):
             return (yield)
 
     @pytest.hookimpl(tryfirst=True)
@@ -145,40 +145,40 @@ class _Asking:
         """Record how a test ended, without a traceback, which takes half of pytest's time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
-            self.note(check_of(item), error)
+            self.record(check_of(item), error)
         outcome = "failed" if error else "passed"
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Record why a file of tests could not be read."""
         if report.failed:
-            self.said.append(str(report.longrepr))
+            self.complaints.append(str(report.longrepr))
 
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
         """Record whether a person interrupted the run, or pytest itself did."""
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
 
 
-class _NotAsking(_Asking):
+class _UntouchedRunner(_Runner):
     """Records each check as not started, without calling a function of the student."""
 
-    def about(self, check: Check) -> NoReturn:
+    def under_test(self, check: Check) -> NoReturn:
         """Raise what an untouched stub raises."""
         raise StudentError(check.exercise, "NotImplementedError")
 
 
-class _Collecting(_Asking):
+class _Collector(_Runner):
     """Collects the hidden tests, so that they can be run later and several times."""
 
-    def __init__(self, student: StudentProxy, seed: int, asked: Callable[[Check], bool]) -> None:
-        super().__init__(student, seed, asked)
-        self.questions: list[Callable[[], object]] = []
+    def __init__(self, student: StudentProxy, seed: int, selected: Callable[[Check], bool]) -> None:
+        super().__init__(student, seed, selected)
+        self.calls: list[Callable[[], object]] = []
 
     def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
         """Keep a test, and report to pytest that it has run."""
         names = inspect.signature(pyfuncitem.obj).parameters
         arguments = {name: pyfuncitem.funcargs[name] for name in names}
-        self.questions.append(functools.partial(pyfuncitem.obj, **arguments))
+        self.calls.append(functools.partial(pyfuncitem.obj, **arguments))
         return True
 
 
@@ -200,9 +200,9 @@ def hidden_calls(
     wanted = {check.name for check in checks if not check.is_shown}
     if not wanted:
         return ()
-    collecting = _Collecting(student, seed, lambda check: check.name in wanted)
-    _ask_hidden(lesson, collecting)
-    return tuple(collecting.questions)
+    collector = _Collector(student, seed, lambda check: check.name in wanted)
+    _run_hidden_tests(lesson, collector)
+    return tuple(collector.calls)
 
 
 def every_check(check: Check) -> bool:
@@ -214,7 +214,7 @@ def run_checks(
     lesson: Lesson,
     student: StudentProxy,
     seed: int,
-    asked: Callable[[Check], bool] = every_check,
+    selected: Callable[[Check], bool] = every_check,
     to_the_end: bool = True,
 ) -> list[Outcome]:
     """Run the checks of a lesson.
@@ -228,7 +228,7 @@ def run_checks(
     student : grader.sandbox.student.StudentProxy
     seed : int
         The course's secret.
-    asked : callable
+    selected : callable
         Takes a check and returns whether to run it.
     to_the_end : bool
         Whether to go on after a failure; if not, all later checks fail without being run.
@@ -246,42 +246,42 @@ def run_checks(
     KeyboardInterrupt
         Raised again here, because pytest catches it.
     """
-    return _run(lesson, _Asking(student, seed, asked, to_the_end))
+    return _run(lesson, _Runner(student, seed, selected, to_the_end))
 
 
 @functools.cache
 def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
     """Return what `run_checks` finds for an untouched notebook, without running anything."""
-    return tuple(_run(lesson, _NotAsking(None, 0, every_check)))
+    return tuple(_run(lesson, _UntouchedRunner(None, 0, every_check)))
 
 
-def _run(lesson: Lesson, asking: _Asking) -> list[Outcome]:
+def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # and no other lesson's
     with one_run():
         for exercise in lesson.machine_graded:
-            for check in filter(asking.asked, checks_of(exercise.name)):
-                asking.show(check)
-        code = _ask_hidden(lesson, asking)
-    if asking.broken:
-        raise asking.broken
-    if asking.interrupted:
+            for check in filter(runner.selected, checks_of(exercise.name)):
+                runner.run_visible(check)
+        code = _run_hidden_tests(lesson, runner)
+    if runner.broken:
+        raise runner.broken
+    if runner.interrupted:
         raise KeyboardInterrupt
-    missing = [check.name for check, outcome in asking.outcomes.items() if outcome is None]
-    if not asking.tests or missing:
+    missing = [check.name for check, outcome in runner.outcomes.items() if outcome is None]
+    if not runner.tests or missing:
         raise JudgeFault(
-            f"pytest ran {asking.tests - len(missing)} of {asking.tests} tests in "
+            f"pytest ran {runner.tests - len(missing)} of {runner.tests} tests in "
             f"{lesson.name}/{lesson.tests.name} (exit code {code}). Run it by hand to see why."
-            + "".join(f"\n{said}" for said in asking.said)
+            + "".join(f"\n{complaints}" for complaints in runner.complaints)
         )
-    return [*asking.outcomes.values()]
+    return [*runner.outcomes.values()]
 
 
-def _ask_hidden(lesson: Lesson, asking: _Asking) -> int:
+def _run_hidden_tests(lesson: Lesson, runner: _Runner) -> int:
     """Run the hidden tests with pytest and return its exit code."""
     # Without this option pytest reads every folder above.
     alone = f"--confcutdir={lesson.tests.parent}"
     with _plain_environment():
-        return int(pytest.main([str(lesson.tests), alone, *_OPTIONS], plugins=[asking]))
+        return int(pytest.main([str(lesson.tests), alone, *_OPTIONS], plugins=[runner]))
 
 
 @contextlib.contextmanager

@@ -171,7 +171,7 @@ class Verdict:
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
-    def believed(self) -> Verdict:
+    def when_idle(self) -> Verdict:
         """Return the same verdict without the mark `starved`, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 
@@ -180,17 +180,17 @@ class Verdict:
 
         Most checks end the same way for most students, and a class may have ten thousand.
         """
-        return dataclasses.replace(self, exercises=tuple(map(shared, self.exercises)))
+        return dataclasses.replace(self, exercises=tuple(map(with_shared_parts, self.exercises)))
 
 
-def shared(exercise: ExerciseResult) -> ExerciseResult:
+def with_shared_parts(exercise: ExerciseResult) -> ExerciseResult:
     """Return an equal result whose parts are shared with equal results of other students."""
-    tests = tuple(map(_the_same, exercise.tests))
-    return _the_same(dataclasses.replace(exercise, tests=tests))
+    tests = tuple(map(_interned, exercise.tests))
+    return _interned(dataclasses.replace(exercise, tests=tests))
 
 
 @functools.lru_cache(maxsize=2**14)
-def _the_same(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
+def _interned(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
     """Return the first object that was equal to this one."""
     return result
 

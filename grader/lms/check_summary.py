@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import in_common, without_numbers
+from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, Kind
 
 # Kinds of messages that are grouped, with the words for one check and for several.
@@ -117,5 +117,5 @@ def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> CheckGro
     says = f"{len(group)} more {kind[many]}." if isinstance(kind, tuple) else ""
     counts = Counter(test.title for test in group)
     titles = (f"{one} ({count} times)" if count > 1 else one for one, count in counts.items())
-    says = says or f"{len(group)} more fail: {in_common([test.message for test in group])}"
+    says = says or f"{len(group)} more fail: {common_text([test.message for test in group])}"
     return CheckGroup(says, len(group), tuple(titles))

@@ -86,7 +86,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
         title_of(lesson),
         f"{lesson.stage}/{lesson.name}.html",
         picture,
-        durations.in_all(nbformat.read(lesson.solved, as_version=4)),
+        durations.total_minutes(nbformat.read(lesson.solved, as_version=4)),
         tuple(exercise.name for exercise in lesson.machine_graded) or lesson.steps,
     )
 

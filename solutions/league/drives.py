@@ -24,7 +24,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.key import key_of_files, with_all_they_run
+from grader.judging.key import key_of_files, with_imports
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -263,4 +263,4 @@ def _rules(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
     # The lesson's header lists what a detector may use; the notebooks contain its given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return key_of_files("league", with_all_they_run(entries) | notebooks)
+    return key_of_files("league", with_imports(entries) | notebooks)

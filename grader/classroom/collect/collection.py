@@ -58,7 +58,10 @@ def collect(
     worksheet = read_worksheet(timestamps, zone) if timestamps else SubmissionTable()
     answers = read_answers(course, roster, stages, who, lessons)
     owners = Owners(roster, worksheet, answers.who)
-    opened = [(path, kind, _of_one(path, handed, owners)) for path, kind, handed in open_all(paths)]
+    opened = [
+        (path, kind, _as_one_student(path, handed, owners))
+        for path, kind, handed in open_all(paths)
+    ]
     outcome = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(path, kind, len(handed)) for path, kind, handed in opened],
@@ -71,7 +74,7 @@ def collect(
     for ids, mine in _by_owner(places, owners, answers, outcome):
         for id in ids:
             students.setdefault(id, []).extend(mine)
-    there = _there(course)
+    there = _existing(course)
     for done, (id, mine) in enumerate(sorted(students.items())):
         progress(done, len(students), None)
         rows = _rows(owners, mine, id) if timestamps else None
@@ -92,7 +95,7 @@ def _excused(
     ]
 
 
-def _of_one(path: Path, handed: list[SubmittedFile], owners: Owners) -> list[SubmittedFile]:
+def _as_one_student(path: Path, handed: list[SubmittedFile], owners: Owners) -> list[SubmittedFile]:
     """Return the archive as one student's work, if an answer says so and no other is named."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
@@ -115,13 +118,13 @@ def _by_owner(
             outcome.left.update(one.path[-1] for _, one in mine)
             continue
         try:
-            found[archive, owner] = owners.whose(owner)
+            found[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
             outcome.ask(owner.label, f"{_files(len(mine))} of theirs. {question}")
     for (archive, owner), ids in found.items():
         if same(owner.label) in answers.before:
-            whose = f"taken for that of {', '.join(ids)}" if ids else "left out"
-            outcome.remarks.append(Question(owner.label, f"{whose}, as you answered before"))
+            ids_of = f"taken for that of {', '.join(ids)}" if ids else "left out"
+            outcome.remarks.append(Question(owner.label, f"{ids_of}, as you answered before"))
         rivals = [
             other
             for (place, other), theirs in found.items()
@@ -134,7 +137,7 @@ def _by_owner(
             yield ids, groups[archive, owner]
 
 
-def _there(course: Course) -> dict[str, dict[Lesson, Submission]]:
+def _existing(course: Course) -> dict[str, dict[Lesson, Submission]]:
     """Return the submissions in ``submitted/``, by student."""
     found: dict[str, dict[Lesson, Submission]] = {}
     for submission in find_submissions(course):

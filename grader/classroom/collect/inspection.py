@@ -102,7 +102,7 @@ def _look(
         return _look_in_zip(data, path, depth + 1)
     if kind == NOTEBOOK:
         try:
-            return [Piece(path, kind, data, saved, contents.look_into(data, name))]
+            return [Piece(path, kind, data, saved, contents.content_of(data, name))]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
             # A text file with the name of a lesson may contain anything.

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from grader.classroom.collect.answers import NOBODY, same
 from grader.classroom.collect.protocol import CollectTrouble, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
-from grader.course.roster import Person, Roster, has_another_number, letters
+from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
 LONGEST = 80
 # Windows does not allow folders with these names, with or without an extension.
@@ -50,7 +50,7 @@ class Owners:
             for id in ids:
                 self._check(label, id)
 
-    def whose(self, owner: Owner) -> tuple[str, ...]:
+    def ids_of(self, owner: Owner) -> tuple[str, ...]:
         """Return the ids of all owners: one student, a team, or none for other people.
 
         Raises
@@ -68,7 +68,7 @@ class Owners:
         if people:
             several = ", ".join(person.id for person in people)
             raise UnknownOwner(
-                f"They may be {several}: add {_who(owner, people[0].id)}, or the other"
+                f"They may be {several}: add {_option(owner, people[0].id)}, or the other"
             )
         team = self._team(owner)
         if team:
@@ -77,7 +77,7 @@ class Owners:
         if guessed:
             several = ", ".join(person.id for person in guessed)
             raise UnknownOwner(
-                f"They may be {several}: add {_who(owner, guessed[0].id)}, or another"
+                f"They may be {several}: add {_option(owner, guessed[0].id)}, or another"
             )
         raise UnknownOwner(self._question(owner))
 
@@ -96,7 +96,7 @@ class Owners:
 
     def _is_known(self, owner: Owner) -> bool:
         try:
-            return bool(self.whose(owner))
+            return bool(self.ids_of(owner))
         except UnknownOwner:
             return False
 
@@ -119,7 +119,7 @@ class Owners:
             names = ", ".join(other.label for other in others)
             return (
                 f"Taken to be {ids[0]}, as is {names}, so that nothing of either is placed. If "
-                f"both are: add {_who(owner, ids[0])}, and the same for the other"
+                f"both are: add {_option(owner, ids[0])}, and the same for the other"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
@@ -129,7 +129,8 @@ class Owners:
             return ""
         return (
             f"Has the number of {person.id}, and another name. If it is a team, whose work came "
-            f"only once, add {_who(owner, f'{person.id},ID')}; if not, {_who(owner, person.id)}"
+            f"only once, add {_option(owner, f'{person.id},ID')}; if not, "
+            f"{_option(owner, person.id)}"
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
@@ -177,7 +178,7 @@ class Owners:
             found = found or tuple(
                 person
                 for person in self._roster.like(name)
-                if not has_another_number(person, owner.lms_id)
+                if not has_other_lms_id(person, owner.lms_id)
             )
         return found
 
@@ -207,7 +208,8 @@ class Owners:
     def _question(self, owner: Owner) -> str:
         if owner.label.startswith("anon_"):
             return (
-                f"has no name: show names in Canvas and download again, or add {_who(owner, 'ID')}"
+                "has no name: show names in Canvas and download again, or add "
+                f"{_option(owner, 'ID')}"
             )
         where = ""
         if owner.lms_id and (
@@ -216,7 +218,7 @@ class Owners:
             number = " or ".join(f"{one.lms_id} of {one.id}" for one in others)
             return (
                 f"Their number is not the {number} that the roster has for this name: correct it, "
-                f"or add {_who(owner, others[0].id)}, or another ID"
+                f"or add {_option(owner, others[0].id)}, or another ID"
             )
         if owner.lms_id:
             where = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
@@ -225,15 +227,17 @@ class Owners:
         elif owner.participant and not self._worksheet.rows:
             where = "give Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"Nobody on the roster is called so: {where}add {_who(owner, 'ID')} (of a team, ID,ID; "
-            f"of nobody on the course, {NOBODY})"
+            f"Nobody on the roster is called so: {where}add {_option(owner, 'ID')} (of a team, "
+            f"ID,ID; of nobody on the course, {NOBODY})"
         )
 
     def _folder(self, owner: Owner) -> str:
         name = safe_folder(owner.folder)
         before = self._folders.setdefault(same(name), owner.folder)
         if before != owner.folder:
-            raise UnknownOwner(f"Their folder would be that of {before}: add {_who(owner, 'ID')}")
+            raise UnknownOwner(
+                f"Their folder would be that of {before}: add {_option(owner, 'ID')}"
+            )
         return name
 
 
@@ -245,5 +249,5 @@ def safe_folder(name: str) -> str:
     return f"{text}_" if _DEVICES.fullmatch(text) else text
 
 
-def _who(owner: Owner, ids: str) -> str:
+def _option(owner: Owner, ids: str) -> str:
     return f"--who {shlex.quote(f'{owner.label}={ids}')}"

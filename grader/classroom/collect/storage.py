@@ -32,7 +32,7 @@ _AGAIN = "it was handed in again, and no time is known"
 _UNREAD = "timestamp.txt did not say a time that could be read"
 
 
-class Unsure(Exception):
+class UnclearVersion(Exception):
     """A person has to decide which of two files counts; `str()` says what to do."""
 
 
@@ -80,10 +80,10 @@ class StageFolder:
 
         Raises
         ------
-        Unsure
+        UnclearVersion
         """
         if self._placed.setdefault(name, source.digest) != source.digest:
-            raise Unsure(
+            raise UnclearVersion(
                 f"differs from the {name} beside another notebook of theirs. Move each of the two "
                 f"notebooks into a folder of its own in {self._shown(self.path)}, with its {name}"
             )
@@ -99,10 +99,10 @@ class StageFolder:
             return SAME
         if before is None or before.digest != lying_digest or lying.parent != self.path:
             how = "was changed since it was collected" if before else "was put there by hand"
-            raise Unsure(f"{self._shown(lying)} {how} and differs. Delete one of the two")
+            raise UnclearVersion(f"{self._shown(lying)} {how} and differs. Delete one of the two")
         newer = source.newer_than(before)
         if newer is None:
-            raise Unsure(
+            raise UnclearVersion(
                 f"differs from {self._shown(lying)}, and nothing tells which is newer. To take "
                 "this one, delete that"
             )
@@ -116,7 +116,7 @@ class StageFolder:
         source = self._record.files.get(name)
         return bool(source and source.digest == digest and (self.path / name).is_file())
 
-    def beaten(self, name: str) -> Collection[str]:
+    def outdated(self, name: str) -> Collection[str]:
         """Return the SHA-256 of files that do not count, according to an answer."""
         source = self._record.files.get(name)
         return source.beaten if source else ()
@@ -181,16 +181,16 @@ class StageFolder:
         path = self.path / TIME
         record = dataclasses.replace(self._record, undecided=_STOPPED)
         if path.is_file():
-            said = _said_in(path)
-            if said is None or said.isoformat() != record.written:
-                record = self._given_by_a_person(record, said)
+            stated_time = _time_in(path)
+            if stated_time is None or stated_time.isoformat() != record.written:
+                record = self._with_time_set_by_hand(record, stated_time)
             self._keep_older(path)
         if record != self._record:
             self._keep(record)
         path.unlink(missing_ok=True)
 
-    def _given_by_a_person(self, record: Record, said: datetime | None) -> Record:
-        when, undecided = (said.isoformat(), "") if said else ("", _UNREAD)
+    def _with_time_set_by_hand(self, record: Record, stated_time: datetime | None) -> Record:
+        when, undecided = (stated_time.isoformat(), "") if stated_time else ("", _UNREAD)
         files = {
             name: dataclasses.replace(one, when=when, undecided=undecided)
             for name, one in record.files.items()
@@ -238,7 +238,7 @@ def _line(when: datetime) -> str:
     return when.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC\n")
 
 
-def _said_in(path: Path) -> datetime | None:
+def _time_in(path: Path) -> datetime | None:
     """Return the time in a ``timestamp.txt``, or None if it cannot be read."""
     try:
         time = read_time(read_file(path).decode("utf-8", "replace").strip(), "en", UTC)

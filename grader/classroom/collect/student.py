@@ -25,7 +25,7 @@ from grader.classroom.collect.inspection import (
 from grader.classroom.collect.outcome import ASKED, CollectionReport, Question
 from grader.classroom.collect.protocol import SubmittedFile
 from grader.classroom.collect.selection import File, newest
-from grader.classroom.collect.storage import KEPT, StageFolder, Unsure
+from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.worksheet import SubmissionRow
 from grader.classroom.contents import lesson_by_name
 from grader.classroom.submissions import Submission
@@ -142,8 +142,8 @@ class StudentCollector:
         """Place the newest of some files for a lesson, with its modules; return the result."""
         name = f"{lesson.name}.ipynb"
         answered = [file for file in several if file.name in self._answers.lessons]
-        beaten = folder.beaten(name)
-        best = newest(answered or [one for one in several if one.digest not in beaten] or several)
+        outdated = folder.outdated(name)
+        best = newest(answered or [one for one in several if one.digest not in outdated] or several)
         if len(best) > 1:
             names = ", ".join(file.name for file in best[1:])
             self._outcome.ask(
@@ -154,11 +154,11 @@ class StudentCollector:
             return ASKED
         file = best[0]
         if answered:
-            beaten = {one.digest for one in several} - {file.digest}
-        source = dataclasses.replace(file.source, beaten=tuple(sorted(beaten)))
+            outdated = {one.digest for one in several} - {file.digest}
+        source = dataclasses.replace(file.source, beaten=tuple(sorted(outdated)))
         try:
             state = folder.place(name, file.piece.data, source, self._there.get(lesson))
-        except Unsure as question:
+        except UnclearVersion as question:
             self._outcome.ask(file.name, str(question))
             return ASKED
         if state != KEPT:
@@ -175,7 +175,7 @@ class StudentCollector:
             file = newest(several)[0]
             try:
                 folder.place(name, file.piece.data, file.source)
-            except Unsure as question:
+            except UnclearVersion as question:
                 self._outcome.ask(file.name, str(question))
 
     def _tell_other_stage(self, lesson: Lesson, several: list[File]) -> None:

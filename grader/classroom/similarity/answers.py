@@ -44,7 +44,7 @@ class ComparedAnswer:
 
 
 @dataclass(frozen=True)
-class Work:
+class NotebookParts:
     """The parts of a notebook that are compared.
 
     Attributes
@@ -66,7 +66,7 @@ class Work:
     problems: tuple[str, ...]
 
 
-def read_work(handed_in: SubmittedFiles, lesson: Lesson) -> Work:
+def read_work(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookParts:
     """Read a submission in a process of its own, without running its code.
 
     Raises
@@ -93,7 +93,7 @@ def read_work(handed_in: SubmittedFiles, lesson: Lesson) -> Work:
 
     read = run_in_child(handed_in.name, work)
     answers = {name: _from_json(answer) for name, answer in read["answers"].items()}
-    return Work(**{**read, "answers": answers, "problems": tuple(read["problems"])})
+    return NotebookParts(**{**read, "answers": answers, "problems": tuple(read["problems"])})
 
 
 def _from_json(answer: dict) -> ComparedAnswer:

@@ -98,7 +98,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
         f"{len(alike)} of {steps} steps of {student}"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
     ]
-    yield f"Alike are {counts[0]}, and {counts[1]}. {_how(one, other)}"
+    yield f"Alike are {counts[0]}, and {counts[1]}. {_equality(one, other)}"
     in_class, kept = pair.others
     beside = f" and {kept} right answers that are kept with the course" if kept else ""
     yield (
@@ -109,7 +109,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     )
 
 
-def _how(one: ComparedAnswer, other: ComparedAnswer) -> str:
+def _equality(one: ComparedAnswer, other: ComparedAnswer) -> str:
     """Return how equal two similar answers are: in text, in code, or only in normal form."""
     if one.text == other.text:
         return "They are the same letter for letter, comments included."

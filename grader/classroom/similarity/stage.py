@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from grader.classroom.pages import printable
 from grader.classroom.similarity.answers import (
     ComparedAnswer,
-    Work,
+    NotebookParts,
     kept_answers,
     read_work,
     taught_answers,
@@ -107,7 +107,7 @@ def compare_stage(
         Called with the number of notebooks that are read, and the number of all.
     """
     submissions = find_submissions(course, [stage])
-    read: list[tuple[Submission, str, Work]] = []
+    read: list[tuple[Submission, str, NotebookParts]] = []
     problems = []
     for number, submission in enumerate(submissions):
         advance(number, len(submissions), None)
@@ -150,7 +150,7 @@ def _comparisons(
                 yield compare(name, written[name], kept, taught)
 
 
-def _same_files(read: Iterable[tuple[Submission, str, Work]]) -> Iterable[SameFile]:
+def _same_files(read: Iterable[tuple[Submission, str, NotebookParts]]) -> Iterable[SameFile]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
     for submission, data, work in read:

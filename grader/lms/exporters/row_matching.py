@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from grader.course.roster import Person, Roster, folded, has_another_number
+from grader.course.roster import Person, Roster, folded, has_other_lms_id
 
 Claim = tuple[str, str]  # (attribute of a person, text of the row)
 
@@ -127,14 +127,14 @@ def _passes(
     yield lambda place: {
         person.id
         for person in roster.like(rows[place].name)
-        if not has_another_number(person, rows[place].lms_id)
+        if not has_other_lms_id(person, rows[place].lms_id)
     }
 
 
 def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
     """Yield the students with the name in a row but a different number."""
     for person in Roster(tuple(people)).like(row.name):
-        if has_another_number(person, row.lms_id):
+        if has_other_lms_id(person, row.lms_id):
             yield person
 
 
