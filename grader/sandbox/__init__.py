@@ -1,8 +1,8 @@
 """Run student code in a sandbox and call its functions.
 
-`boundary` lists what student code can see. `SANDBOXES` lists the ways to run it. To add another
-one, write a class with the methods of `protocol.Sandbox`, whose workers have the methods of
-`protocol.Worker`, and add it to `SANDBOXES`.
+`boundary` lists the files that student code can see. `SANDBOXES` lists the ways to run that code.
+To add another way, write a class with the methods of `protocol.Sandbox`, and add an instance to
+`SANDBOXES`. Its `start` returns an object with the methods of `protocol.Worker`.
 """
 
 from grader.sandbox.bubblewrap import Bubblewrap
@@ -32,13 +32,13 @@ def choose_sandbox(wish: str = AUTO) -> Sandbox:
     Parameters
     ----------
     wish : str
-        A name in `SANDBOXES`, or "auto" for the one without a warning. There is no fallback to
-        another one.
+        A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If that sandbox
+        does not work here, no other sandbox replaces it.
 
     Raises
     ------
     SandboxUnavailable
-        If it cannot be built here; the message names the remedy.
+        If the sandbox cannot be built here; the message says how to fix that.
     """
     if wish == AUTO:
         wish = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)

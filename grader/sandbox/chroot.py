@@ -1,9 +1,10 @@
-"""A sandbox for root without namespaces, as in most containers: a chroot and an unused user.
+"""A sandbox for containers in which root cannot create namespaces: a chroot and an unused user.
 
-The worker's root directory contains only what it may see. It runs as a user of its own, without
-privileges, and cannot create sockets. So it cannot reach the judge's files, its processes or a
-network. It still shares the kernel, and with it counters that all processes see. That is enough
-for a container that judges one student and ends, as on Gradescope, but not for a class.
+The worker's root directory contains only the files that the worker may see. The worker runs as a
+separate user, without privileges, and cannot create sockets. So it cannot reach the judge's files,
+the judge's processes or a network. But all workers share one kernel, and could exchange messages
+through its counters. This sandbox is safe enough for a container that judges one student and ends,
+as on Gradescope, but not for a class.
 """
 
 from __future__ import annotations
@@ -97,14 +98,17 @@ def _take(kind: Kind) -> Path:
 
 
 def path_in_own_folders() -> str:
-    """Return a visible path that is inside a worker's own folders; empty if there is none."""
+    """Return a visible path that is inside a worker's own folders; "" if there is none.
+
+    Such a path would disappear, because `jail.give` empties these folders.
+    """
     shown = (PYTHON, PREFIX, *SHOWN)
     return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
 
 
 @functools.cache
 def _complaint() -> str:
-    """Return why this sandbox cannot be built here; empty if it can."""
+    """Return why this sandbox cannot be built here; "" if it can."""
     if not sys.platform.startswith("linux") or os.uname().machine not in MACHINES:
         return f"These walls need Linux on {' or '.join(MACHINES)}."
     if not users.is_root():

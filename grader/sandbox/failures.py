@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from utils.remote_objects import RemoteError, RemoteStopped
 
-# Informative names that student code did not choose. The list is short, because the choice among
-# them could reveal something about a hidden question.
+# The exceptions that a message about a hidden test may name. The list is short, because student
+# code could choose one of them to reveal something about the test.
 KNOWN_EXCEPTIONS = (
     *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FileNotFoundError"),
     *("FloatingPointError", "ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError"),
     *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
     *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
-# In an exercise with more lines, the line of an exception is not shown for hidden questions.
+# In a longer exercise, the line of an exception is not shown for hidden tests: student code could
+# send a message by choosing the line.
 MOST_LINES = 64
 
 
 class StudentError(RemoteError):
-    """A student's function raised an exception; `str()` is what the worker reported.
+    """A student's function raised an exception; `str()` is the worker's unfiltered report.
 
     Attributes
     ----------
@@ -25,27 +26,28 @@ class StudentError(RemoteError):
         Name of the function that was called.
     type_name, message : str
         Type and message of the exception. Student code can choose both, so neither is shown as it
-        is; `grader.sandbox.quotation` selects what may be shown.
+        is; `grader.sandbox.quotation` selects the parts that may be shown.
     place : str or None
-        Cell and line in the notebook, in the judge's own words.
+        Cell and line in the notebook, such as ``code cell 3, line 12``; None if there is no such
+        line, or if the notebook is too long to show it.
     line : str
         Source of that line.
     calling : str or None
-        Cell and line where the exercise called the function that raised, if that is another one.
+        Cell and line where the exercise called another function, if the exception was raised there.
     calling_line : str
         Source of that line.
     inside : str
-        The exercise in which it happened; empty if it was in none.
+        The function of the lesson in which the exception was raised; empty if it was another one.
     forbidden : tuple of str
         Modules that the lesson does not allow.
     told_type : str
-        The type, as it may be shown for a hidden question: one of `KNOWN_EXCEPTIONS`, or
-        "another exception".
+        The type, as it may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
+        exception".
     told_place : str or None
-        The place, as it may be shown for a hidden question: `calling`, or else `place`, if the
-        exercise has few lines.
+        The place, as it may be shown for a hidden test: `calling` or else `place`, if `place` is in
+        an exercise with at most `MOST_LINES` lines; otherwise None.
     without_words : str
-        The sentence with `told_type` and `told_place` only.
+        A sentence that contains only the function's name, `told_type` and `told_place`.
     """
 
     def __init__(
@@ -90,12 +92,12 @@ class StudentStopped(RemoteStopped):
 
 
 def why_it_ended(code: int | None) -> str:
-    """Return a sentence on a process that ended by itself.
+    """Return a sentence that says why a process ended by itself.
 
     Parameters
     ----------
     code : int or None
-        Its exit code, if known.
+        Exit code of the process, if known.
     """
     if code in (137, -9):
         return (
@@ -106,5 +108,6 @@ def why_it_ended(code: int | None) -> str:
         return "The notebook's process used up its processor time; is there a loop without end?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
-    # The exit code is not shown: student code can choose it to reveal a hidden question.
+    # The exit code is not shown: student code could choose it to reveal something about a hidden
+    # test.
     return "The notebook's process ended in the middle of a call, as os._exit and the like do."
