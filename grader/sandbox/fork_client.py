@@ -1,4 +1,4 @@
-"""Get workers from a fork server, which is faster than starting Python for each."""
+"""Get workers from a fork server, which is faster than starting Python for each worker."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from grader.sandbox.protocol import SandboxUnavailable
 PROGRAM = Path(__file__).with_name("fork_server.py")
 SECONDS_TO_FORK = 60
 SLOW_TO_IMPORT = ("scipy.spatial", "scipy.sparse.csgraph")
-# One thread for each library, because many notebooks are judged in parallel.
+# Each library gets one thread, because many notebooks are judged in parallel.
 ENVIRONMENT = {
     "PATH": "/usr/bin:/bin",
     "LANG": "C.UTF-8",
@@ -40,7 +40,7 @@ class ForkClient:
     Attributes
     ----------
     preloaded : tuple of str
-        Modules that the server imports before it forks, from the first request that needs them.
+        Modules that the server imports when the first request needs them, before it forks.
     forbidden : tuple of str
         Modules that the server never imports.
     environment : dict of str to str
@@ -124,13 +124,13 @@ class Forked:
     _code: int | None = None
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether it ends within some seconds."""
+        """Return whether the worker ends within some seconds."""
         poll = select.poll()
         poll.register(self.report, select.POLLIN)
         return self._code is not None or bool(poll.poll(1000 * seconds))
 
     def end(self, seconds: float) -> int | None:
-        """Return its exit code after everything in its sandbox was killed; None if unknown."""
+        """Wait some seconds for the worker's exit code and return it; None if it does not come."""
         line = read_line(self.report, seconds)
         os.close(self.report)
         with contextlib.suppress(ValueError):
@@ -155,11 +155,11 @@ def read_line(descriptor: int, seconds: float) -> str:
 
 
 def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
-    """Return the slow modules of a lesson's packages, which are worth importing in advance."""
+    """Return the modules of a lesson's packages that are slow to import."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 
 @functools.cache
 def client_for(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> ForkClient:
-    """Return the client for some preloaded and some forbidden modules."""
+    """Return the one client for these preloaded and forbidden modules."""
     return ForkClient(modules, forbidden, ENVIRONMENT)

@@ -1,7 +1,7 @@
 """A process that has imported NumPy and forks workers, which then join a sandbox.
 
-Starting Python and importing NumPy takes ten times as long as building the sandbox, so it is done
-once. This process never sees a submission or a grade. It has the worker's code and, for each
+Starting Python and importing NumPy takes ten times as long as building the sandbox, so this process
+does both once. It never sees a submission or a grade. It has the worker's code and, for each
 request, the sandbox to join and the ends of three pipes. The forked worker joins the namespaces
 that bubblewrap created, gives up every privilege, and runs `worker.py`.
 
@@ -40,7 +40,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
     """Serve requests until the client closes the socket."""
     _import([], forbidden)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-    # One misbehaving worker must not end the server of all the others.
+    # Each worker is in a process of its own, so a worker that misbehaves does not end the server.
     while True:
         data, pipes = _receive(requests)
         if not data:
@@ -69,7 +69,8 @@ def _import(names: list[str], forbidden: list[str]) -> None:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     del sys.meta_path[0]
-    # Otherwise each worker's garbage collector would touch, and so copy, all these pages.
+    # Without freezing, each worker's garbage collector would write to the memory of these modules,
+    # and so copy it.
     gc.collect()
     gc.freeze()
 
@@ -87,7 +88,7 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     """Join the sandbox, fork the worker there, and report its exit code.
 
     Joining a PID namespace affects only children, so this process forks once more. When the worker
-    ends, everything that it started is killed.
+    ends, this process kills the sandbox, and with it everything that the worker started.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
@@ -125,7 +126,7 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
 
 
 def _alone_with(*ends: int) -> list[int]:
-    """Close all other open files; return new descriptors of these, from 3 on."""
+    """Close all files except `ends` and the standard ones; renumber `ends` from 3 on."""
     moved = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in ends]
     os.closerange(3, 64)
     os.closerange(max(moved) + 1, 2**16)
@@ -143,8 +144,8 @@ def enter(pid: int, own_users: bool) -> None:
     pid : int
         The first process in the sandbox.
     own_users : bool
-        Whether there is also a user namespace. Bubblewrap creates two nested ones, so that no
-        further one can be created; the outer one owns the other namespaces.
+        Whether there is also a user namespace. Bubblewrap nests two of them, so that student code
+        cannot create another one. The outer one owns the other namespaces.
 
     Raises
     ------

@@ -1,6 +1,7 @@
-"""Build a folder that contains only what a worker may see, for `chroot`, without mounts.
+"""Build a root directory for `chroot` that contains only the files that a worker may see.
 
-Files are hard links, which take no space, or copies if the folder is on another disk.
+This does not need mounts. Files are hard links, which take no space, or copies if the folder is on
+another disk.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ from grader.sandbox.boundary import (
 DEVICES = {"null": 3, "zero": 5, "full": 7, "random": 8, "urandom": 9}
 HOME = "/tmp"
 OPEN = (HOME, "/dev/shm")
-# Parts of Python's library: installed packages, Python's own tests, graphical programs.
+# Parts of Python's library that are not shown as a whole: installed packages, Python's own tests,
+# graphical programs.
 LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
 
 _waiting: list[subprocess.Popen] = []
@@ -45,8 +47,8 @@ def build(
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
     within : pathlib.Path, optional
-        A folder that only root can enter, in which the new one stays. By default the new folder
-        is deleted when this process ends.
+        Parent folder, which only root may be able to enter; the new folder stays there. By default
+        the new folder is deleted when this process ends.
 
     Raises
     ------
@@ -68,10 +70,10 @@ def build(
 
 
 def give(jail: Path, user: int) -> None:
-    """Put empty folders into a jail that only one user can write to."""
+    """Empty the folders of a jail in which a worker can write, and give them to a user."""
     for name in OPEN:
         folder = jail / name.lstrip("/")
-        # Student code may have nested folders deeper than Python can recurse.
+        # Student code may nest folders more deeply than Python's recursion limit allows.
         subprocess.run(["rm", "-rf", "--", folder], check=True)
         folder.mkdir(mode=0o700)
         os.chown(folder, user, user)
@@ -130,7 +132,10 @@ def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
 
 
 def _place(path: Path, jail: Path) -> Path:
-    """Return where a path is in a jail, after resolving the symbolic links of its folder."""
+    """Return where a path is in a jail, and create the folder that contains it.
+
+    Symbolic links in the path of that folder are resolved.
+    """
     place = jail / path.parent.resolve().relative_to("/") / path.name
     place.parent.mkdir(parents=True, exist_ok=True)
     return place

@@ -1,8 +1,8 @@
 """Run a worker in a chroot and end all of its processes afterwards.
 
-This process stays outside, as root, between the judge and the worker. Every process that the worker
-starts remains its descendant. All of them are killed when the worker ends or when standard input
-is closed.
+This process runs as root, outside the chroot, between the judge and the worker. Every process that
+the worker starts remains a descendant of this process, which kills them all when the worker ends or
+when standard input is closed.
 
 Run by `grader.sandbox.chroot`: ``python -I -S -B jailer.py FOLDER HOME USER COMMAND ...``.
 """
@@ -25,7 +25,7 @@ _SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 def main(folder: str, home: str, user: int, command: list[str]) -> int:
     """Run a command in a chroot; return its exit code in the form that a shell uses."""
-    # Orphaned processes become children of this process, so that it can end them.
+    # Orphaned processes become children of this process, so that it can reap them.
     ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
     ended, told = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.set_wakeup_fd(told, warn_on_full_buffer=False)
@@ -38,14 +38,14 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
             print(error, file=sys.stderr, flush=True)
         finally:
             os._exit(1)
-    # Only the worker may hold its ends of the pipes; otherwise they would not close with it.
+    # Only the worker may hold its ends of the pipes, so that they close when the worker ends.
     os.closerange(3, min(ended, told))
     os.closerange(max(ended, told) + 1, MOST_FILES)
     code = None
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), ended], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # it may still be root, unlike the processes of `user`
+            os.kill(worker, signal.SIGKILL)  # it may still be root, which `end_all_of` would miss
         if ended in ready:
             os.read(ended, 4096)
         code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
@@ -55,8 +55,8 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
 
 
 def _become(folder: str, home: str, command: list[str]) -> None:
-    # Out of memory, the kernel should kill the worker, not the judge. A worker with /proc sets
-    # this itself.
+    # When memory runs out, the kernel should kill the worker, not the judge. In a chroot without
+    # /proc, the worker cannot set this itself.
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -65,13 +65,16 @@ def _become(folder: str, home: str, command: list[str]) -> None:
     os.close(nothing)
     os.chroot(folder)
     os.chdir(home)
-    # Root could still escape from a chroot.
+    # With root's capabilities, student code could escape from the chroot.
     privileges.give_up(keep_user_changes=True)
     os.execv(command[0], command)
 
 
 def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
-    """Return the exit code of the worker; None while it runs."""
+    """Return the exit code of the worker, or None while it runs.
+
+    With `wait`, first kill every process of the user, then wait for the worker to end.
+    """
     if wait:
         end_all_of(user)
     while True:
@@ -87,7 +90,7 @@ def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
 
 
 def end_all_of(user: int) -> None:
-    """Kill every process of a user in one step, so that none can fork in the meantime."""
+    """Kill every process of a user with one call, so that none can fork in the meantime."""
     pid = os.fork()
     if pid == 0:
         try:

@@ -41,9 +41,9 @@ class WorkerProcess:
         The sandbox with everything in it; without a sandbox, the worker.
     read_end, write_end : int
     forked : grader.sandbox.fork_client.Forked, optional
-        The worker, if it was forked and joined the sandbox later.
+        The worker, if a fork server made it and it joined the sandbox later.
     give_back : callable
-        Called when everything has ended, so that another worker can use the folder.
+        Called when everything has ended, so that another worker can use the same folder.
     """
 
     process: subprocess.Popen
@@ -60,9 +60,9 @@ class WorkerProcess:
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int | None:
-        """Kill the worker and all that it started; return its exit code, or None if unknown."""
+        """Kill the worker and everything that it started; return its exit code if known."""
         self._stopped.set()
-        # No other code waits for this process, so its ID is not reused before this line.
+        # No other code waits for this process, so the kernel has not reused its ID yet.
         with self._signals:
             code = _kill(self.process)
         if self.forked:
@@ -76,7 +76,7 @@ class WorkerProcess:
         return code
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether it ends by itself within some seconds; `stop` gets its exit code."""
+        """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
         if self.forked:
             return self.forked.has_ended(seconds)
         deadline = time.monotonic() + seconds
@@ -87,19 +87,19 @@ class WorkerProcess:
         return True
 
     def cpu_seconds(self) -> float:
-        """Return the processor time of the worker and of all that it started."""
+        """Return the processor time of the worker and of everything that it started."""
         return sum(map(cpu_of_tree, self.pids))
 
     def threads(self) -> dict[int, Thread] | None:
-        """Return all its threads with our own scheduling priority, by ID; None if unknown."""
+        """Return its threads with at least our scheduling priority, by ID; None if unknown."""
         every = [threads_of_tree(pid) for pid in self.pids]
         return None if None in every else dict(itertools.chain(*map(dict.items, every)))
 
     def watch_memory(self, limit: int) -> None:
         """Kill the worker when all its processes together use more than `limit` bytes.
 
-        When the machine runs out of memory, the limit is lower, because student code may protect
-        itself from the kernel's out-of-memory killer.
+        When the machine is running out of memory, the limit is lower: student code may have
+        protected itself from the kernel's out-of-memory killer.
         """
 
         def watch() -> None:
@@ -132,16 +132,17 @@ def launch(
     home : str
         The folder that the worker may write to.
     rules : dict
-        What the worker applies to itself before it reads student code: ``user``, the ID of the
-        user to become, or None; ``limits``, as in `Limits.resources`; ``forbidden``, modules.
+        Rules that the worker applies to itself before it reads student code: ``user``, the ID of
+        the user to become, or None; ``limits``, as in `Limits.resources`; ``forbidden``, modules
+        to hide; ``sockets``, whether it may create sockets, by default True.
     limits : Limits
     client : grader.sandbox.fork_client.ForkClient, optional
-        Forks workers that join this sandbox; by default Python is started inside.
+        Client that forks a worker to join this sandbox; by default Python starts inside it.
     preload : bool
         Whether the fork server must first import the modules that are slow to import.
     give_back : callable, optional
-        Called when everything has ended. The sandbox must then be a process that ends everything
-        in it when its input closes; without `give_back`, killing the sandbox's process is enough.
+        Called when everything has ended. With `give_back`, the sandbox must be a process that ends
+        everything in it when its input closes. Without it, the sandbox's process is killed.
 
     Raises
     ------
@@ -179,7 +180,7 @@ def launch(
 
 
 def send_rules(worker: Worker, rules: dict) -> None:
-    """Send a new worker its rules, and wait until it has applied them.
+    """Send a new worker its rules, and wait until it reports that it has applied them.
 
     Parameters
     ----------
@@ -223,7 +224,7 @@ def _kill_group(process: Popen) -> None:
 def _end_with_message(process: Popen) -> str:
     """End a process and return the end of its error output."""
     _kill(process)
-    # A process that it started may live on and hold the pipe open.
+    # A process that the sandbox started may live on and hold the pipe open.
     os.set_blocking(process.stderr.fileno(), False)
     return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
@@ -251,17 +252,18 @@ def _start_and_join(
 ) -> tuple[Popen, Forked]:
     """Build a sandbox around a process that only waits, and let a worker join it."""
     info, number = os.pipe()
-    # When process 1 of a process table ends, so do all others.
+    # When process 1 of a PID namespace ends, the kernel kills all others there.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        # Both ends: if bubblewrap could not write, it would end and leave its child behind.
+        # Bubblewrap gets both ends of the pipe, so that writing never fails: it would end and leave
+        # its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
         process = _run([*walls, *options], request["home"], pipes, *both)
     finally:
         os.close(number)
     try:
-        # The process inside writes this line, so the sandbox is complete.
+        # The process inside writes this line, which shows that the sandbox is complete.
         ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
         with os.fdopen(info) as told:
             first = json.load(told)["child-pid"] if ready else None

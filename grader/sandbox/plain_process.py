@@ -12,7 +12,7 @@ from grader.sandbox.protocol import Limits, Worker
 
 @dataclass(frozen=True)
 class Unwalled:
-    """The choice for a student's own machine and for the demo, never for untrusted code."""
+    """No sandbox, for a student's own machine and for the demo; never for untrusted code."""
 
     name: str = "process"
     warning: str = (
@@ -21,14 +21,14 @@ class Unwalled:
     )
 
     def available(self) -> None:
-        """Every machine has processes."""
+        """Do nothing, because this works on every machine."""
 
     def label(self) -> str:
-        """Return its name; see `grader.sandbox.protocol.Sandbox`."""
+        """Return "no sandbox"; see `grader.sandbox.protocol.Sandbox`."""
         return "no sandbox"
 
     def walls(self) -> str:
-        """Return that there are no protections."""
+        """Return "none", because there are no protections."""
         return "none"
 
     def start(

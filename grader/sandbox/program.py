@@ -1,4 +1,4 @@
-"""The program that a worker runs: a notebook's code with what its lesson adds and allows."""
+"""The program that a worker runs: a notebook's code, given code, and the lesson's rules."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
-# More lines than any solved lesson. In a longer notebook, the number of a line could carry a
-# message, so it is not shown.
+# Solved lessons have fewer lines. In a longer notebook, student code could send a message by
+# choosing the line that fails, so lines are not shown.
 MOST_LINES_OF_ALL = 4096
 
 
 def cell_and_line(place: str) -> tuple[int, int] | None:
-    """Return the two numbers in a place such as ``code cell 3, line 12``; None if not a place."""
+    """Return the numbers in a place such as ``code cell 3, line 12``; None if it is not a place."""
     found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
     return (int(found[1]), int(found[2])) if found else None
 
@@ -29,7 +29,7 @@ class Given:
     names : tuple of str
     source : str
     open : tuple of str
-        Those of the names that a notebook may redefine; its own versions are then used.
+        Names that a notebook may redefine; if it does, its own versions are used.
     """
 
     names: tuple[str, ...] = ()
@@ -39,7 +39,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Program:
-    """Everything that a worker gets to know.
+    """A notebook's code, and the rules of its lesson.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """The interface of a sandbox: it starts workers, which do not contain student code yet.
 
 The worker is `inside/worker.py`. It may run as a process, in a container or on another machine;
-the judge only uses the interface `Worker`.
+the judge uses only the interface `Worker`.
 """
 
 from __future__ import annotations
@@ -34,27 +34,28 @@ class SandboxUnavailable(Exception):
 
 @dataclass(frozen=True)
 class Limits:
-    """What a student's process may use.
+    """Limits on the time, memory and files of a student's process.
 
     Attributes
     ----------
     start_seconds : float
-        For the cells that the exercises need. These and the next three are seconds in which the
-        process works or sleeps, without waiting for a processor; `grader.sandbox.time_budget`
-        measures them.
+        For the cells that the exercises need. This limit and the next three count seconds in which
+        the process works or sleeps, but not the time that it waits for a processor;
+        `grader.sandbox.time_budget` measures them.
     whole_seconds : float
         For all cells, which run if a name is still missing.
     call_seconds : float
-        For one call. When calls that raised or were stopped have taken this long in an exercise,
-        each later call gets an eighth of it.
+        For one call. Once the failed calls of an exercise have taken this long in total, each later
+        call gets an eighth of it. A call fails if it raises or has to be stopped.
     total_seconds : float
         For everything.
     wall_seconds : float
         Elapsed time for everything.
     restarts : int
-        How often the process may die or hang before the remaining tests are given up.
+        How often a new process may replace one that died or hung, for each exercise and for the
+        notebook's own cells. After that, the judge skips the remaining tests.
     memory, total_memory : int
-        Bytes for one process, and for the worker with all that it starts.
+        Bytes for one process, and for the worker with everything that it starts.
     processes : int
     file_size, temporary_space : int
         Bytes of one file, and of each temporary folder.
@@ -89,7 +90,7 @@ class Thread(NamedTuple):
     Attributes
     ----------
     delayed : float
-        Seconds that it has waited for a processor since it began.
+        Seconds for which the thread has waited for a processor since it began.
     ready : bool
         Whether it is running or waiting for a processor.
     """
@@ -111,27 +112,29 @@ class Worker(Protocol):
     write_end: int
 
     def cpu_seconds(self) -> float:
-        """Return the processor time of the worker and of all that it started; never decreases.
+        """Return the seconds of processor time of the worker and of everything that it started.
 
-        If that is unknown, elapsed time serves as an upper bound.
+        The result never decreases. If the time is unknown, elapsed time serves as an upper bound.
         """
 
     def threads(self) -> dict[int, Thread] | None:
-        """Return the threads that run for the worker now, by ID; None if that is unknown.
+        """Return the threads of the worker now, by ID; None if unknown.
 
         Threads that lowered their own scheduling priority are left out, because they chose to wait.
         """
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether it ends by itself within some seconds; `stop` is called in any case."""
+        """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
 
     def stop(self) -> int | None:
-        """End the worker and all that it started, close the descriptors, return the exit code.
+        """End the worker and everything that it started, and return its exit code.
+
+        The descriptors are closed too.
 
         Returns
         -------
         int or None
-            A signal is a negative number, as in `subprocess`, or 128 plus the signal, as in a
+            After a signal, its negative number, as in `subprocess`, or 128 plus the number, as in a
             shell. None if the exit code is unknown.
         """
 
@@ -144,26 +147,26 @@ class Sandbox(Protocol):
     name : str
         Its name for ``--sandbox``.
     warning : str
-        What it does not protect, for the instructor; empty if it is safe for a class.
+        The risks of this sandbox, for the instructor; empty if it is safe for a class.
     """
 
     name: str
     warning: str
 
     def available(self) -> None:
-        """Check that this machine has what it needs.
+        """Check that this machine can build the sandbox.
 
         Raises
         ------
         SandboxUnavailable
-            If not; the message names the remedy.
+            If it cannot; the message says how to fix that.
         """
 
     def label(self) -> str:
         """Return the name and version of the program that builds the sandbox, for reports."""
 
     def walls(self) -> str:
-        """List what protects this machine from student code."""
+        """List the protections of this machine from student code, in words."""
 
     def start(
         self,
@@ -182,7 +185,7 @@ class Sandbox(Protocol):
         packages : iterable of str
             Installed packages that the sandbox shows, by their names on PyPI.
         named : iterable of str
-            Those packages that the student's code names, which may be imported in advance.
+            The packages that the student's code names; their modules may be imported in advance.
 
         Raises
         ------

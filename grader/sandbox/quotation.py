@@ -1,9 +1,9 @@
-"""Describe exceptions outside hidden tests, using only what is in the submission anyway.
+"""Describe exceptions outside hidden tests, without words that student code chose while running.
 
-The code may know nothing of its own hidden questions here, but of another notebook's: notebooks
-that are judged on one machine can signal to each other, if only by how long they take. So a message
-never contains words that the code chose while running. It contains a type that Python defines, one
-line of the submission, and a name in that line.
+Outside its hidden tests, a notebook does not know their data, but it may know those of another
+notebook. Notebooks that are judged on one machine can signal to each other, for example by how long
+they take. So a message contains only an exception type that is well known or named in the failing
+line, that line of the submission, and a name in the line.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import re
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from utils.notebooks.forbidden import forbidden_part, refusal
 
-# Characters of a line that are shown and searched; people write no longer lines.
+# Number of characters of a line that are shown and searched; people seldom write longer lines.
 LONGEST_LINE = 120
 NAMED_EXCEPTIONS = frozenset(
     (

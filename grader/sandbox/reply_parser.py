@@ -1,6 +1,6 @@
 """Parse untrusted replies of a worker; each function accepts any value.
 
-A value of the wrong type counts as empty, and long values are cut.
+A value of the wrong type counts as empty, and long texts and lists are cut.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ def readable(value: object) -> str:
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:
-    """Yield those rows of an untrusted table that begin with a number and a name."""
+    """Yield those rows of an untrusted list of columns that begin with a number and a name.
+
+    Yield nothing if there are not `width` columns.
+    """
     if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
         return
     for row in zip(*columns, strict=False):
@@ -32,7 +35,7 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
 
 
 def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
-    """Return those rows of an untrusted table that are a cell, first and last line, and a text."""
+    """Return those rows of an untrusted table that have a cell, two lines and a text."""
     if not isinstance(values, list):
         return ()
     kinds = [int, int, int, str]
@@ -49,5 +52,5 @@ def positions(values: object) -> list[int]:
 
 
 def names_a_number(reply: dict) -> bool:
-    """Return whether a reply that refers to an object does so by a whole number."""
+    """Return whether a reply is free of objects, or refers to its object by a whole number."""
     return "object" not in reply or type(reply["object"]) is int

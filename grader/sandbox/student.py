@@ -1,8 +1,9 @@
 """The judge's side of the pipe: call a student's functions as if they were local.
 
-``student.longest_run(values)`` sends the values into the sandbox and returns the reply. Replies are
-untrusted and contain only plain data or an exception. A function cannot change the caller's
-objects; `RemoteFunction.observe` returns its changed arguments.
+``student.longest_run(values)`` sends the values into the sandbox and returns the result in the
+reply. Replies are untrusted. They contain plain data, numbers of objects that stay in the sandbox,
+or an exception. A function cannot change the caller's objects; `RemoteFunction.observe` returns the
+arguments as the function left them.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from grader.sandbox.reply_parser import changes, names_a_number, positions, read
 from grader.sandbox.time_budget import Budget, Meter, Patience
 from utils.remote_objects import ENDLESS, Observed, Remote
 
-# Steps other than exercises that may be stopped: the cells that exercises need, and all cells.
+# Names of steps that are not exercises: running the cells that exercises need, and all cells.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
-# Share of its limit that a step gets after failed or stopped steps have used up a whole limit. So
-# an endless loop costs little more than one limit.
+# Share of its limit that a step gets once its failed or stopped calls have used up a whole limit.
+# So an endless loop costs little more than one limit.
 ONCE_MORE = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
-# Later cells usually fail because of these.
+# Failed cells that are described. Later cells usually fail because of the first ones.
 MOST_FAILED_CELLS = 3
 
 
@@ -49,17 +50,17 @@ class RemoteFunction(Remote):
         self._student, self.__name__, self._reference = student, name, reference
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
-        """Return its result."""
+        """Return the result of a call."""
         return self._student._ask(self.__name__, [arguments], keywords, self._reference)
 
     def observe(self, *arguments: object) -> Observed:
-        """Call it; return the result and the arguments after the call."""
+        """Return the result of a call and the arguments after it."""
         return self._student._ask(
             self.__name__, [arguments], reference=self._reference, observe=True
         )
 
     def timed(self, *arguments: object) -> tuple[object, float]:
-        """Return its result, and the seconds that it takes as measured by a `Meter`."""
+        """Return the result of a call, and the seconds that it takes as measured by a `Meter`."""
         student = self._student
         student._ensure_running()
         meter = student._meter = Meter(student._worker)
@@ -71,7 +72,7 @@ class RemoteFunction(Remote):
         return answer, meter.seconds
 
     def each(self, calls: Sequence[Sequence]) -> list:
-        """Call it with each of these arguments in one message; all share the limit of one call."""
+        """Return the results of several calls, sent in one message; all share one call's limit."""
         return (
             self._student._ask(self.__name__, calls, reference=self._reference, each=True)
             if calls
@@ -110,7 +111,7 @@ class StudentProxy:
     program : grader.sandbox.program.Program
         The notebook's code, and what its lesson allows.
     sandbox : grader.sandbox.Sandbox
-        Starts a worker, and a new one if that had to be stopped.
+        Starts the worker, and a new one if the worker has been stopped.
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
         The remaining time of the notebook; by default all of it.
@@ -124,15 +125,16 @@ class StudentProxy:
     uses : dict of str to tuple of str
         The functions that each function calls, according to the notebook's source.
     exercise : str
-        The exercise that calls are counted for, so that one that hangs costs the others nothing.
+        The exercise to which the next calls belong. Failed calls are counted by exercise, so an
+        exercise that hangs does not use up the restarts of other exercises.
     edits : tuple of tuple
-        One-edit changes of the exercise `edited`, the likeliest first, known after the start:
-        number of the cell, first and last line, and the text that replaces these lines.
+        One-edit changes of the exercise `edited`, the likeliest first; empty before the start. Each
+        has the cell's number, the first and last line, and the text that replaces these lines.
     interrupts_after : float or None
-        Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`; None
-        if only the limits end a call, together with its process.
+        Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
+        None, only the limits end a call, and they also end its process.
     starved : bool
-        Whether a call was given up before it had used its time, because the machine was busy.
+        Whether the judge gave a call up before it had used its time, because the machine was busy.
     """
 
     def __init__(
@@ -146,13 +148,13 @@ class StudentProxy:
         self._edited, self.edits = edited, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
-        # Attributes that came along with a requested one, from the same object and those that it
-        # refers to. They are valid until the next call; methods stay valid.
+        # A reply may bring further attributes of the same object and of those that it refers to.
+        # They are valid until the next call; methods stay valid.
         self._known: dict[tuple[int, str], object] = {}
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[StudentStopped]] = {}
         self._budget = budget or Budget(self._limits)
-        # Steps that hung in an earlier process are not restarted again and again.
+        # A step that hung for an earlier proxy with the same budget does not get restarts.
         self._hung_before = frozenset(self._budget.hung)
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
@@ -174,7 +176,7 @@ class StudentProxy:
         return RemoteFunction(self, name)
 
     def start(self) -> None:
-        """Start a worker, and run the cells that its functions need."""
+        """Start a worker, and run the cells that the functions need."""
         self._ensure_running()
 
     def edit(self, number: int) -> None:
@@ -184,11 +186,11 @@ class StudentProxy:
 
     @property
     def cpu_seconds(self) -> float:
-        """Processor time of all its workers so far."""
+        """Seconds of processor time of all workers of this proxy so far."""
         return self._past_seconds + (self._worker.cpu_seconds() if self._worker else 0.0)
 
     def close(self) -> None:
-        """Stop the sandbox."""
+        """Stop the worker, if there is one."""
         if self._worker:
             self._worker.stop()
             self._worker = None
@@ -205,7 +207,7 @@ class StudentProxy:
     ) -> object:
         """Call a function or a method of a remote object, or get an attribute.
 
-        Several calls return a list of plain results, or raise the first exception.
+        With `each`, return a list of plain results, or raise the first exception.
         """
         self._check_exists(name, reference)
         if call:
@@ -232,7 +234,7 @@ class StudentProxy:
         return self._observed_in(reply, result, name, len(calls[0])) if observe else result
 
     def _check_exists(self, name: str, reference: _Reference | None) -> None:
-        """Ensure that a worker is running; raise if the function or object does not exist in it."""
+        """Ensure that a worker is running and that the function or object exists in it."""
         if reference is not None and reference.worker is not self._worker:
             raise StudentStopped(
                 "The notebook's process was stopped, and what it had built is gone."
@@ -248,7 +250,7 @@ class StudentProxy:
     def _reply_to(self, request: dict) -> dict:
         """Send a request; return the reply after checking that it belongs to this request.
 
-        Raises the exception that the reply reports, if any.
+        Raise the exception that the reply reports, if any.
         """
         self._calls += 1
         name = request["name"]
@@ -296,7 +298,7 @@ class StudentProxy:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
 
     def _remember(self, nearby: object) -> None:
-        """Store the attributes that came along; a caller usually walks the whole tree."""
+        """Store the further attributes in a reply; a caller usually walks the whole tree."""
         plain, others = nearby if isinstance(nearby, list) and len(nearby) == 2 else ((), ())
         for number, name, value in rows(plain, 3):
             self._known[number, name] = value
@@ -331,7 +333,10 @@ class StudentProxy:
         )
 
     def _calling(self, place: str, through: list[str]) -> str | None:
-        """Return where the exercise calls the other function that contains a place."""
+        """Return where the exercise calls another function that contains a place.
+
+        Return None if the place is in the exercise itself, or if the exercise is long.
+        """
         own = self._own_lines.get(self.exercise, ())
         if _is_one_of_few(place, own):
             return None
@@ -380,7 +385,8 @@ class StudentProxy:
         self._budget.begins = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._has_reported:
-            # Only the first of these are trustworthy: they were found before student code ran.
+            # The problems in `found` can be trusted, because the worker sent them before student
+            # code ran. Those in `failed` cannot.
             self.problems += texts(found.get("problems")) + self._sentences_on_cells(
                 failed.get("problems")
             )
@@ -413,7 +419,7 @@ class StudentProxy:
             )
 
     def _try_whole_notebook(self) -> None:
-        """Run every cell, for names that are not visible in the source."""
+        """Run every cell, to find names whose definitions are not visible in the source."""
         try:
             found = self._start({"whole": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
@@ -423,7 +429,7 @@ class StudentProxy:
     def _start(
         self, message: dict | None = None, what: str = _NEEDED, seconds: float | None = None
     ) -> dict:
-        """Take one step of starting a notebook; return the reply."""
+        """Take one step in starting a notebook; return the reply."""
         too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
         seconds = self._limits.start_seconds if seconds is None else seconds
         answer = self._exchange(what, too_slow, seconds, message)
@@ -434,7 +440,7 @@ class StudentProxy:
     def _exchange(
         self, what: str, too_slow: str, seconds: float, message: dict | None = None
     ) -> object:
-        """Send a message, if any, and return the reply; stop the worker if there is none."""
+        """Send a message, if any, and return the reply; stop the worker if no reply comes."""
         seconds *= ONCE_MORE if self._budget.lost.get(what, 0.0) >= seconds else 1.0
         seconds = min(seconds, max(self._budget.seconds, 0.1))
         patience = Patience(self._worker, seconds, self._budget.until, self._meter)
@@ -482,9 +488,16 @@ class StudentProxy:
 
 
 def _is_one_of_few(place: str, ranges: Sequence[Sequence[int]]) -> bool:
-    """Return whether a place is a submitted line of an exercise with at most `MOST_LINES` lines.
+    """Return whether a place is in some ranges of lines with at most `MOST_LINES` lines in total.
 
     The student's process reports the place, so in a long exercise the line could carry a message.
+
+    Parameters
+    ----------
+    place : str
+        A place such as ``code cell 3, line 12``.
+    ranges : sequence of sequence of int
+        Cell, first and last line of each part of an exercise.
     """
     cell, line = cell_and_line(place) or (0, 0)
     is_there = any(cell == where and first <= line <= last for where, first, last in ranges)

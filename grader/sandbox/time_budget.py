@@ -1,4 +1,4 @@
-"""Limits on the time of a notebook: the time that its process uses, and elapsed time."""
+"""Limits on the time that a notebook's process uses, and on elapsed time."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
 from grader.sandbox.usage import seconds_of_our_own
 
-# Elapsed time that a step may take, in multiples of its limit, if the kernel does not show whether
-# a process sleeps or waits for a processor.
+# Elapsed time that a step may take, in multiples of its limit. It applies if the kernel does not
+# show whether a process sleeps or waits for a processor.
 PATIENCE = 3
-SOON = 0.05  # seconds within which most replies come
+SOON = 0.05  # seconds; most replies come within this time
 # The next measurement comes after one to two times this share of the elapsed time. The moment is
 # random, so that student code cannot predict it.
 NEXT_LOOK = 1 / 16
@@ -27,12 +27,12 @@ class Budget:
     seconds : float
         Remaining time, as measured by a `Meter`.
     until : float
-        Time of the monotonic clock at which the notebook is given up.
+        Time on the monotonic clock when the judge gives the notebook up.
     lost : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
         `StudentProxy`.
     hung : dict of str to str
-        By exercise or step, the sentence that first reported that it took too long.
+        Sentence that first reported that a step took too long, by exercise or step.
     begins : bool
         Whether the notebook's own cells finished when they last ran.
     """
@@ -52,9 +52,9 @@ class Budget:
 class Meter:
     """Measures the time that a worker uses from now on.
 
-    This is its processor time plus the time for which it sleeps, which means that none of its
-    threads was ready to run at a measurement. It is at most the elapsed time without the time in
-    which the worker waits for a processor or for the judge.
+    This is its processor time plus the time for which it sleeps. A worker sleeps if none of its
+    threads is ready to run at a measurement. The sum is at most the elapsed time without the time
+    in which the worker waits for a processor or for the judge.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Meter:
         return self._threads is not None
 
     def look(self, answered: bool = False) -> None:
-        """Measure; frequent measurements give a better estimate of sleeping time.
+        """Measure once more; frequent measurements give a better estimate of sleeping time.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Meter:
         self.seconds = worked
         if self.tells:
             now = self._worker.threads() or {}
-            # Time in which the judge itself was at work does not count.
+            # Time in which the judge itself worked or waited for a processor does not count.
             passed = self.waited - (seconds_of_our_own() - self._ours)
             share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
             if answered and self._noticed:
@@ -102,8 +102,8 @@ class Meter:
     def _delayed(self, now: dict[int, Thread]) -> float:
         """Return the seconds for which the worker waited for a processor.
 
-        This is the longest wait of any thread that still runs. The sum would be too large, because
-        a thread may wait while another one of the same worker runs.
+        This is the longest wait of any live thread. The sum of the waits would be too large,
+        because one thread may wait while another thread of the same worker runs.
         """
         begun = {number: thread.delayed for number, thread in self._threads.items()}
         delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
@@ -119,26 +119,27 @@ class Patience:
     seconds : float
         The limit, as measured by a `Meter`.
     until : float
-        Time of the monotonic clock at which the worker is given up in any case.
+        Time on the monotonic clock when the judge gives the worker up in any case.
     meter : Meter, optional
-        A meter that was started before; by default a new one.
+        Meter that is already running; by default a new one.
 
     Attributes
     ----------
     starved : bool
-        Whether the worker was given up before it had used its time, because the machine was busy.
+        Whether the judge gave the worker up before it had used its time, because the machine was
+        busy.
     """
 
     def __init__(
         self, worker: Worker, seconds: float, until: float, meter: Meter | None = None
     ) -> None:
         self._worker, self._seconds, self._until = worker, seconds, until
-        # A measurement takes longer than most exchanges, so the first one comes late.
+        # A measurement takes longer than most exchanges, so the first measurement is delayed.
         self._look_at, self._meter = time.monotonic() + SOON, meter
         self.starved = False
 
     def __call__(self) -> float:
-        """Return for how many seconds to wait at most before the next call; see `wire.within`.
+        """Return the seconds to wait at most before this is called again; see `wire.within`.
 
         Raises
         ------

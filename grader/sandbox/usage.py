@@ -1,7 +1,7 @@
 """Measure the memory, processor time and files of a process and its descendants, from /proc.
 
-A function returns 0 if the process or /proc does not exist, unless its docstring says otherwise. A
-process may end at any moment, so every read may fail.
+A function returns 0 if the process or /proc does not exist, unless its docstring says otherwise.
+Every read may fail, because a process may end at any moment.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def tree(pid: int) -> Iterator[int]:
 def memory_of_tree(pid: int) -> int:
     """Return the bytes that a process and its descendants have mapped, plus those of their files.
 
-    Mapped memory counts, not resident memory, because shared pages may be in the page tables of
-    neither process.
+    Mapped memory counts, not resident memory, because a shared page may be in the page tables of no
+    process.
     """
     members = list(tree(pid))
     return sum(map(_mapped, members)) + max(map(_files, members), default=0)
@@ -77,7 +77,7 @@ def seconds_of_our_own() -> float:
 
 @functools.cache
 def _tells_delays() -> bool:
-    """Return whether this kernel records how long threads wait; some always report 0."""
+    """Return whether this kernel records how long threads wait; some kernels always report 0."""
     try:
         return _schedule("/proc/self")[0] > 0
     except (OSError, ValueError):
@@ -103,7 +103,7 @@ def memory_left() -> float:
 def _mapped(pid: int) -> int:
     """Return the bytes that a process has mapped, from its live threads.
 
-    All threads share one memory, but a main thread that has ended shows none.
+    All threads share one memory, but /proc shows 0 for a main thread that has ended.
     """
     pages = (int(text.split()[0]) for text in _of_threads(pid, "statm"))
     return max(pages, default=0) * PAGE
@@ -124,7 +124,7 @@ def _threads(pid: int) -> list[str]:
 
 
 def _files(pid: int) -> int:
-    """Return the bytes of kernel memory for files in the two folders that students write to."""
+    """Return the bytes of kernel memory for files in the folders that student code writes to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:

@@ -1,4 +1,4 @@
-"""Unused user IDs: if root grades, each worker becomes a user of its own."""
+"""Unused user IDs; if root grades, each worker runs as a separate user."""
 
 import os
 import secrets
@@ -6,12 +6,15 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """Return whether this is root and can become other users; some containers have no others."""
+    """Return whether this process is root and has other users, which some containers lack."""
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 
 def unused() -> int:
-    """Return a random unused user ID; limits are counted by user and do not bind root."""
+    """Return a random user ID from the upper half of all IDs, where users are rare.
+
+    The kernel counts resource limits by user, and does not apply them to root.
+    """
     count = _user_count()
     return count // 2 + secrets.randbelow(count // 2 - 2)
 
