@@ -2,8 +2,9 @@
 
 Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
 names with their dependencies, and the system's libraries. All other files stay hidden: tests,
-checks, solutions, grades and other submissions. A new file or package is also hidden until it is
-added to the list. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from it.
+checks, solutions, grades and other submissions. So new files and packages are hidden, unless they
+are in a listed folder. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from
+this list.
 """
 
 from __future__ import annotations

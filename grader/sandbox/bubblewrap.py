@@ -69,8 +69,8 @@ class Bubblewrap:
         named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in the sandbox; see `grader.sandbox.protocol.Sandbox`."""
-        # The kernel counts processes by user, and separately in each user namespace. Without either
-        # of these, the instructor's own processes would count.
+        # The kernel counts processes by user, and separately in each user namespace. Without a
+        # separate user or user namespace, the instructor's own processes would count.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
         rules = {
             "user": users.unused() if users.is_root() else None,

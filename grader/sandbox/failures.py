@@ -12,8 +12,8 @@ KNOWN_EXCEPTIONS = (
     *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
     *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
-# In a longer exercise, the line of an exception is not shown for hidden tests: student code could
-# send a message by choosing the line.
+# In a longer exercise, the line of an exception is not shown for hidden tests, because student code
+# could send a message by choosing the line.
 MOST_LINES = 64
 
 
@@ -37,7 +37,7 @@ class StudentError(RemoteError):
     calling_line : str
         Source of that line.
     inside : str
-        The function of the lesson in which the exception was raised; empty if it was another one.
+        The function of the lesson in which the exception was raised; empty for others.
     forbidden : tuple of str
         Modules that the lesson does not allow.
     told_type : str
@@ -108,6 +108,6 @@ def why_it_ended(code: int | None) -> str:
         return "The notebook's process used up its processor time; is there a loop without end?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
-    # The exit code is not shown: student code could choose it to reveal something about a hidden
-    # test.
+    # The exit code is not shown, because student code could choose it to reveal something about a
+    # hidden test.
     return "The notebook's process ended in the middle of a call, as os._exit and the like do."

@@ -47,8 +47,8 @@ def build(
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
     within : pathlib.Path, optional
-        Parent folder, which only root may be able to enter; the new folder stays there. By default
-        the new folder is deleted when this process ends.
+        Parent folder, which must be closed to all users except root; the new folder stays there.
+        By default the new folder is deleted when this process ends.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), ended], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # it may still be root, which `end_all_of` would miss
+            os.kill(worker, signal.SIGKILL)  # it may still be root, so `end_all_of` would miss it
         if ended in ready:
             os.read(ended, 4096)
         code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)

@@ -98,7 +98,7 @@ class WorkerProcess:
     def watch_memory(self, limit: int) -> None:
         """Kill the worker when all its processes together use more than `limit` bytes.
 
-        When the machine is running out of memory, the limit is lower: student code may have
+        When the machine is running out of memory, the limit is lower, because student code may have
         protected itself from the kernel's out-of-memory killer.
         """
 
@@ -141,8 +141,9 @@ def launch(
     preload : bool
         Whether the fork server must first import the modules that are slow to import.
     give_back : callable, optional
-        Called when everything has ended. With `give_back`, the sandbox must be a process that ends
-        everything in it when its input closes. Without it, the sandbox's process is killed.
+        Called when everything has ended. With `give_back`, the sandbox must end everything in it
+        when its input closes, as `jailer.py` does. Without `give_back`, killing the sandbox's
+        process must be enough.
 
     Raises
     ------
@@ -255,8 +256,8 @@ def _start_and_join(
     # When process 1 of a PID namespace ends, the kernel kills all others there.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        # Bubblewrap gets both ends of the pipe, so that writing never fails: it would end and leave
-        # its child behind.
+        # Bubblewrap gets both ends of the pipe, so that its writing never fails. If it failed,
+        # bubblewrap would end and leave its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
         process = _run([*walls, *options], request["home"], pipes, *both)

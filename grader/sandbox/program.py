@@ -39,7 +39,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Program:
-    """A notebook's code, and the rules of its lesson.
+    """Everything that a worker learns: a notebook's code and the rules of its lesson.
 
     Attributes
     ----------

@@ -127,15 +127,13 @@ class Worker(Protocol):
         """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
 
     def stop(self) -> int | None:
-        """End the worker and everything that it started, and return its exit code.
-
-        The descriptors are closed too.
+        """End the worker and everything that it started; close the descriptors.
 
         Returns
         -------
         int or None
-            After a signal, its negative number, as in `subprocess`, or 128 plus the number, as in a
-            shell. None if the exit code is unknown.
+            Exit code of the worker, or None if unknown. After a signal, its negative number, as in
+            `subprocess`, or 128 plus the number, as in a shell.
         """
 
 
@@ -166,7 +164,7 @@ class Sandbox(Protocol):
         """Return the name and version of the program that builds the sandbox, for reports."""
 
     def walls(self) -> str:
-        """List the protections of this machine from student code, in words."""
+        """Describe the protections of this machine against student code, for the instructor."""
 
     def start(
         self,

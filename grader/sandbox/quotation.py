@@ -1,9 +1,9 @@
 """Describe exceptions outside hidden tests, without words that student code chose while running.
 
-Outside its hidden tests, a notebook does not know their data, but it may know those of another
-notebook. Notebooks that are judged on one machine can signal to each other, for example by how long
-they take. So a message contains only an exception type that is well known or named in the failing
-line, that line of the submission, and a name in the line.
+At this point, student code does not know the data of its own hidden tests, but it may know those of
+another notebook. Notebooks that are judged on one machine can signal to each other, for example by
+how long they take. So apart from fixed text, a message contains only an exception type that is well
+known or named in the failing line, that line of the submission, and a name in the line.
 """
 
 from __future__ import annotations

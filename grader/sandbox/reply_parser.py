@@ -35,7 +35,10 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
 
 
 def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
-    """Return those rows of an untrusted table that have a cell, two lines and a text."""
+    """Return those rows of an untrusted table that consist of three whole numbers and a text.
+
+    They are edits: cell, first line, last line, and the text that replaces these lines.
+    """
     if not isinstance(values, list):
         return ()
     kinds = [int, int, int, str]
@@ -52,5 +55,5 @@ def positions(values: object) -> list[int]:
 
 
 def names_a_number(reply: dict) -> bool:
-    """Return whether a reply is free of objects, or refers to its object by a whole number."""
+    """Return False if a reply refers to an object by anything except a whole number."""
     return "object" not in reply or type(reply["object"]) is int

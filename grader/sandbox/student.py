@@ -29,7 +29,7 @@ _NEEDED, _ALL = "the cells that are needed", "all cells"
 ONCE_MORE = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
-# Failed cells that are described. Later cells usually fail because of the first ones.
+# Number of failed cells that are described; later cells usually fail because of these.
 MOST_FAILED_CELLS = 3
 
 
@@ -134,7 +134,8 @@ class StudentProxy:
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
         None, only the limits end a call, and they also end its process.
     starved : bool
-        Whether the judge gave a call up before it had used its time, because the machine was busy.
+        Whether the judge gave up on a call before it had used its time, because the machine was
+        busy.
     """
 
     def __init__(

@@ -27,7 +27,7 @@ class Budget:
     seconds : float
         Remaining time, as measured by a `Meter`.
     until : float
-        Time on the monotonic clock when the judge gives the notebook up.
+        Time on the monotonic clock at which the judge gives up on the notebook.
     lost : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
         `StudentProxy`.
@@ -53,8 +53,8 @@ class Meter:
     """Measures the time that a worker uses from now on.
 
     This is its processor time plus the time for which it sleeps. A worker sleeps if none of its
-    threads is ready to run at a measurement. The sum is at most the elapsed time without the time
-    in which the worker waits for a processor or for the judge.
+    threads is ready to run at a measurement. Sleep does not raise the sum above the elapsed time
+    without the time in which the worker waits for a processor or for the judge.
 
     Attributes
     ----------
@@ -119,15 +119,15 @@ class Patience:
     seconds : float
         The limit, as measured by a `Meter`.
     until : float
-        Time on the monotonic clock when the judge gives the worker up in any case.
+        Time on the monotonic clock at which the judge gives up on the worker in any case.
     meter : Meter, optional
         Meter that is already running; by default a new one.
 
     Attributes
     ----------
     starved : bool
-        Whether the judge gave the worker up before it had used its time, because the machine was
-        busy.
+        Whether the judge gave up on the worker before it had used its time, because the machine
+        was busy.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class Patience:
         self.starved = False
 
     def __call__(self) -> float:
-        """Return the seconds to wait at most before this is called again; see `wire.within`.
+        """Return the longest time in seconds to wait before the next call; see `wire.within`.
 
         Raises
         ------
