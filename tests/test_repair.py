@@ -111,7 +111,7 @@ def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
 def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
     """Calls that hang are interrupted, and the process goes on."""
     started, tried = [], []
-    start, hold_with = type(sandbox).start, repair._FailedChecks.hold_with
+    start, hold_with = type(sandbox).start, repair._FailedChecks.pass_with
 
     def noted_start(*about, **more):
         started.append(about)
