@@ -63,6 +63,26 @@ def frozen(value: object) -> object:
     return array
 
 
+def table(text: str) -> np.ndarray:
+    """Return the rows of numbers in a text, such as ``"1 2 0.5; 3 4 0.5"``; read-only."""
+    return frozen(np.array([row.split() for row in text.split(";")], dtype=float))
+
+
+def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return points and the mask of those marked with a plus, from ``"8 8 -; 6.5 6.5 +"``.
+
+    Parameters
+    ----------
+    text : str
+        Rows of numbers, each with a plus or a minus at its end.
+    last : float
+        Numbers that are appended to every row.
+    """
+    rows = [row.split() for row in text.split(";")]
+    points = np.array([[*row[:-1], *last] for row in rows], dtype=float)
+    return frozen(points), frozen(np.array([row[-1] == "+" for row in rows]))
+
+
 def brief(value: object) -> str:
     """Return a value as text of at most 90 characters; rows of up to 20 numbers stay complete."""
     if isinstance(value, np.generic):

@@ -18,6 +18,7 @@ from utils.checks.assertions import (
     in_shape,
     needs,
     point_text,
+    table,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -28,17 +29,7 @@ from utils.checks.run_cache import once
 
 # Points level with the sensor, with intensity 0. Their distances are whole numbers (3-4-5 triangles
 # and the like).
-_FLAT = frozen(
-    np.array(
-        [
-            [3.0, 4.0, 0.0, 0.0],
-            [-6.0, 8.0, 0.0, 0.0],
-            [5.0, -12.0, 0.0, 0.0],
-            [0.0, 7.0, 0.0, 0.0],
-            [-2.0, 0.0, 0.0, 0.0],
-        ]
-    )
-)
+_FLAT = table("3 4 0 0; -6 8 0 0; 5 -12 0 0; 0 7 0 0; -2 0 0 0")
 _DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
 # The same points with other intensities, and at heights from the road up to the treetops.
 _AT_ALL_INTENSITIES = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
@@ -165,18 +156,8 @@ def _assert_array(answer: object) -> None:
 # Clouds and their distances, keyed by the number of points. Every usual mistake changes the answer
 # for both clouds.
 _CLOUDS = {
-    3: frozen(np.array([[5.0, 12.0, 0.6, 0.7], [3.0, -4.0, 1.2, 0.9], [-8.0, 6.0, -1.7, 0.3]])),
-    5: frozen(
-        np.array(
-            [
-                [-4.0, -3.0, 2.2, 0.5],
-                [8.0, -15.0, -1.5, 0.8],
-                [-12.0, 5.0, 0.9, 0.2],
-                [6.0, 8.0, -0.7, 0.6],
-                [-7.0, 24.0, 3.1, 0.4],
-            ]
-        )
-    ),
+    3: table("5 12 0.6 0.7; 3 -4 1.2 0.9; -8 6 -1.7 0.3"),
+    5: table("-4 -3 2.2 0.5; 8 -15 -1.5 0.8; -12 5 0.9 0.2; 6 8 -0.7 0.6; -7 24 3.1 0.4"),
 }
 _CLOUD_DISTANCES = {
     3: frozen(np.array([13.0, 5.0, 10.0])),
@@ -261,18 +242,8 @@ mistakes(
 
 _NAN, _INF = np.nan, np.inf
 # No coordinate of these points is 0, and no sum of the coordinates of a point is.
-_GOOD = frozen(
-    np.array(
-        [
-            [6.0, 0.5, -1.7, 0.2],
-            [0.4, 5.0, -0.5, 0.9],
-            [7.0, 1.0, 3.0, 0.0],
-            [2.0, -3.5, 1.0, 0.4],
-            [-9.0, 4.0, 0.3, 0.6],
-        ]
-    )
-)
-_ORIGIN = frozen(np.array([[0.0, 0.0, 0.0, 0.0], [-0.0, 0.0, -0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]))
+_GOOD = table("6 0.5 -1.7 0.2; 0.4 5 -0.5 0.9; 7 1 3 0; 2 -3.5 1 0.4; -9 4 0.3 0.6")
+_ORIGIN = table("0 0 0 0; -0 0 -0 0; 0 0 0 0")
 _BRIGHT_ORIGIN = frozen(_ORIGIN + np.outer([0.3, 1.0, 0.01], [0, 0, 0, 1]))
 _NANS = frozen(
     np.array(
@@ -560,18 +531,7 @@ _SCANS = {
             ]
         )
     ),
-    6: frozen(
-        np.array(
-            [
-                [2.0, 2.0, 1.0, 0.2],
-                [0.0, 0.0, 0.0, 0.3],
-                [0.0, 3.0, 0.0, 0.2],
-                [0.0, 0.0, 0.0, 0.0],
-                [4.0, -5.0, 1.0, 0.1],
-                [3.0, 1.0, 2.0, 0.7],
-            ]
-        )
-    ),
+    6: table("2 2 1 0.2; 0 0 0 0.3; 0 3 0 0.2; 0 0 0 0; 4 -5 1 0.1; 3 1 2 0.7"),
 }
 _GOOD_ROWS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 

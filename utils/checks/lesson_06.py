@@ -18,6 +18,7 @@ from utils.checks.assertions import (
     frozen,
     needs,
     points_text,
+    table,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -26,18 +27,9 @@ from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
 # Points of a road about 1.7 m below the sensor, a kerb, a bumper, a car roof and a sign.
-_GROUND_CLOUD = frozen(
-    np.array(
-        [
-            [6.0, 0.5, -1.73, 0.20],
-            [6.2, 0.5, -0.90, 0.90],
-            [8.0, -2.0, -1.58, 0.30],
-            [8.1, -2.0, -1.15, 0.40],
-            [9.0, 3.0, 0.10, 0.60],
-            [9.5, 3.0, -1.70, 0.10],
-            [4.0, 1.0, 1.40, 0.80],
-        ]
-    )
+_GROUND_CLOUD = table(
+    "6 0.5 -1.73 0.2; 6.2 0.5 -0.9 0.9; 8 -2 -1.58 0.3; 8.1 -2 -1.15 0.4; 9 3 0.1 0.6; "
+    "9.5 3 -1.7 0.1; 4 1 1.4 0.8"
 )
 _IS_ABOVE = frozen(np.array([False, True, False, True, True, False, True]))
 
@@ -243,30 +235,13 @@ mistakes(
 # Rounding to the nearest cell, or starting the grid at the lowest corner of the cloud, gives the
 # same cells, because separate checks cover these mistakes. For the same reason, all points of a
 # cell have the same intensity.
-_CELLS = frozen(
-    np.array(
-        [
-            [0.48, 0.22, 0.29, 0.3],
-            [1.02, 1.03, 1.08, 0.7],
-            [0.42, 0.28, 0.22, 0.3],
-            [0.45, 0.67, 0.26, 0.5],
-            [0.45, 0.25, 0.24, 0.3],
-            [1.06, 1.07, 1.04, 0.7],
-            [3.47, 0.28, 0.25, 0.2],
-            [5.06, 0.24, 2.89, 0.9],
-        ]
-    )
+_CELLS = table(
+    "0.48 0.22 0.29 0.3; 1.02 1.03 1.08 0.7; 0.42 0.28 0.22 0.3; 0.45 0.67 0.26 0.5; "
+    "0.45 0.25 0.24 0.3; 1.06 1.07 1.04 0.7; 3.47 0.28 0.25 0.2; 5.06 0.24 2.89 0.9"
 )
-_CENTROIDS = frozen(
-    np.array(
-        [
-            [0.45, 0.25, 0.25, 0.3],
-            [0.45, 0.67, 0.26, 0.5],
-            [1.04, 1.05, 1.06, 0.7],
-            [3.47, 0.28, 0.25, 0.2],
-            [5.06, 0.24, 2.89, 0.9],
-        ]
-    )
+_CENTROIDS = table(
+    "0.45 0.25 0.25 0.3; 0.45 0.67 0.26 0.5; 1.04 1.05 1.06 0.7; 3.47 0.28 0.25 0.2; "
+    "5.06 0.24 2.89 0.9"
 )
 
 
@@ -392,7 +367,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
 )
 def averages_the_intensity(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
-    cloud = np.array([[0.02, 0.04, 0.06, 0.02], [0.08, 0.08, 0.02, 0.16], [0.08, 0.06, 0.04, 0.12]])
+    cloud = table("0.02 0.04 0.06 0.02; 0.08 0.08 0.02 0.16; 0.08 0.06 0.04 0.12")
     yours = as_array(voxel_grid(cloud.copy(), 0.2))
     with needs("the point of a cell is the mean of its points"):
         assert_centroids(yours, cloud, cloud.mean(axis=0, keepdims=True), 0.2)
@@ -734,40 +709,21 @@ mistakes(
     ),
     cases=(
         (
-            np.array(
-                [
-                    [0.30, 0.1, 0.1, 0.1],
-                    [-0.23, 0.1, 0.3, 0.1],
-                    [0.45, 0.2, 0.4, 0.9],
-                    [0.70, 0.1, 0.1, 0.4],
-                    [0.35, 0.1, 0.9, 0.3],
-                    [1.40, 0.3, 0.1, 0.2],
-                ]
+            table(
+                "0.3 0.1 0.1 0.1; -0.23 0.1 0.3 0.1; 0.45 0.2 0.4 0.9; 0.7 0.1 0.1 0.4; "
+                "0.35 0.1 0.9 0.3; 1.4 0.3 0.1 0.2"
             ),
             0.5,
         ),
         (
-            np.array(
-                [
-                    [1.3, -1.2, 0.4, 0.2],
-                    [2.3, -0.7, 0.3, 4.6],
-                    [1.1, -0.9, 3.4, 0.5],
-                    [3.9, 0.6, 0.2, 0.8],
-                    [1.8, -1.6, 0.9, 2.3],
-                    [2.9, -1.1, 0.1, 0.6],
-                ]
+            table(
+                "1.3 -1.2 0.4 0.2; 2.3 -0.7 0.3 4.6; 1.1 -0.9 3.4 0.5; 3.9 0.6 0.2 0.8; "
+                "1.8 -1.6 0.9 2.3; 2.9 -1.1 0.1 0.6"
             ),
             2.0,
         ),
         (
-            np.array(
-                [
-                    [0.11, 0.33, 0.22, 0.1],
-                    [0.07, 0.37, 0.21, 0.2],
-                    [0.14, 0.31, 0.28, 0.9],
-                    [0.33, 0.13, 0.27, 0.2],
-                ]
-            ),
+            table("0.11 0.33 0.22 0.1; 0.07 0.37 0.21 0.2; 0.14 0.31 0.28 0.9; 0.33 0.13 0.27 0.2"),
             0.5,
         ),
     ),

@@ -18,8 +18,10 @@ from utils.checks.assertions import (
     assert_places,
     brief,
     frozen,
+    marked,
     needs,
     points_text,
+    table,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -32,57 +34,25 @@ if TYPE_CHECKING:
 # Low, dim points ahead of the car on the left, in no particular order. They are so near or so far
 # that every measure of distance in the plane agrees, because separate checks cover directions,
 # corners, heights and intensities.
-_SCATTERED = frozen(
-    np.array(
-        [
-            [6.0, 0.5, -1.5, 0.20],
-            [2.0, 15.0, 0.2, 0.80],
-            [3.0, 6.0, -0.9, 0.90],
-            [14.0, 1.0, -1.1, 0.30],
-            [11.0, 11.5, -1.0, 0.40],
-            [1.5, 8.0, 0.3, 0.60],
-            [4.0, 4.0, -0.4, 0.50],
-            [12.0, 4.0, -0.7, 0.10],
-        ]
-    )
+_SCATTERED, _NEAR = marked(
+    "6 0.5 -1.5 0.2 +; 2 15 0.2 0.8 -; 3 6 -0.9 0.9 +; 14 1 -1.1 0.3 -; 11 11.5 -1 0.4 -; "
+    "1.5 8 0.3 0.6 +; 4 4 -0.4 0.5 +; 12 4 -0.7 0.1 -"
 )
-_NEAR = frozen(np.array([True, False, True, False, False, True, True, False]))
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 # Each point is inside the box, or outside it in x, y and z alike: above the maximum in at least one
 # coordinate and below the minimum in another.
-_CROP_CLOUD = frozen(
-    np.array(
-        [
-            [1.0, 2.0, -1.0, 0.5],
-            [-12.0, -8.0, 1.5, 0.2],
-            [28.0, -4.0, 0.5, 0.1],
-            [40.0, -9.0, 1.6, 0.3],
-            [33.0, 7.0, -2.4, 0.4],
-            [-9.0, 5.5, 0.9, 0.9],
-            [-15.0, 7.0, -2.6, 0.6],
-            [12.0, 0.0, -1.9, 0.4],
-        ]
-    )
+_CROP_CLOUD, _INSIDE = marked(
+    "1 2 -1 0.5 +; -12 -8 1.5 0.2 -; 28 -4 0.5 0.1 +; 40 -9 1.6 0.3 -; 33 7 -2.4 0.4 -; "
+    "-9 5.5 0.9 0.9 +; -15 7 -2.6 0.6 -; 12 0 -1.9 0.4 +"
 )
-_INSIDE = frozen(np.array([True, False, True, False, False, True, False, True]))
 _EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 # Returns of the ego car, and others that are outside its box in x, y and z alike, above the maximum
 # in one coordinate and below the minimum in another.
-_EGO_CLOUD = frozen(
-    np.array(
-        [
-            [-1.3, 0.4, -0.6, 0.3],
-            [5.0, -3.0, 0.5, 0.4],
-            [1.0, -1.0, -0.5, 0.5],
-            [-2.0, -2.0, 0.3, 0.2],
-            [12.0, -4.2, -1.4, 0.7],
-            [0.9, 1.0, -0.9, 0.5],
-            [-3.0, 8.0, -1.6, 0.9],
-        ]
-    )
+_EGO_CLOUD, _IS_EGO = marked(
+    "-1.3 0.4 -0.6 0.3 +; 5 -3 0.5 0.4 -; 1 -1 -0.5 0.5 +; -2 -2 0.3 0.2 -; "
+    "12 -4.2 -1.4 0.7 -; 0.9 1 -0.9 0.5 +; -3 8 -1.6 0.9 -"
 )
-_IS_EGO = frozen(np.array([True, False, True, False, False, True, False]))
 # y falls as x rises. The boxes built from _LIMITS mirror this, so that each point is inside in all
 # three coordinates or in none.
 _DIAGONAL = frozen(
@@ -252,11 +222,7 @@ def keeps_what_is_near(filter_by_distance: Callable) -> None:
 )
 def looks_all_around(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
-    cloud = np.array(
-        [[-6.0, 2.0], [-14.0, 1.0], [-3.0, -6.0], [3.0, -13.0], [2.0, -7.0], [-11.0, -12.0]]
-    )
-    cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (6, 1))])
-    near = np.array([True, False, True, False, True, False])
+    cloud, near = marked("-6 2 +; -14 1 -; -3 -6 +; 3 -13 -; 2 -7 +; -11 -12 -", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
@@ -269,9 +235,7 @@ def looks_all_around(filter_by_distance: Callable) -> None:
 )
 def draws_a_circle(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
-    cloud = np.array([[8.0, 8.0], [6.5, 6.5], [9.5, 5.0], [9.0, 3.0]])
-    cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (4, 1))])
-    near = np.array([False, True, False, True])
+    cloud, near = marked("8 8 -; 6.5 6.5 +; 9.5 5 -; 9 3 +", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
@@ -285,15 +249,7 @@ def draws_a_circle(filter_by_distance: Callable) -> None:
 )
 def ignores_height(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
-    cloud = np.array(
-        [
-            [11.0, 1.0, 0.0, 0.1],
-            [6.0, 2.0, 9.0, 0.1],
-            [4.0, 3.0, -12.0, 0.1],
-            [13.0, 2.0, -0.2, 0.1],
-        ]
-    )
-    near = np.array([False, True, True, False])
+    cloud, near = marked("11 1 0 0.1 -; 6 2 9 0.1 +; 4 3 -12 0.1 +; 13 2 -0.2 0.1 -")
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
@@ -306,15 +262,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
-    cloud = np.array(
-        [
-            [6.0, 0.5, 0.2, 255.0],
-            [12.0, 0.5, 0.2, 0.0],
-            [2.0, 7.0, 0.2, 40.0],
-            [11.0, 6.0, 0.2, 3.0],
-        ]
-    )
-    near = np.array([True, False, True, False])
+    cloud, near = marked("6 0.5 0.2 255 +; 12 0.5 0.2 0 -; 2 7 0.2 40 +; 11 6 0.2 3 -")
     try:
         assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
     except CheckFailed as failure:
@@ -387,8 +335,7 @@ common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
     "digit; in a made-up example one does.",
 )
 def keeps_the_tie(filter_by_distance: Callable) -> None:
-    cloud = np.array([[3.0, 4.0, -0.5, 0.1], [6.0, 1.0, -0.5, 0.1], [1.0, 2.0, -0.5, 0.1]])
-    near = np.array([True, False, True])
+    cloud, near = marked("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
     assert_points_left(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
@@ -417,17 +364,7 @@ def keeps_what_is_inside(crop_region: Callable) -> None:
 )
 def cuts_on_four_sides(crop_region: Callable) -> None:
     require_crop(crop_region)
-    cloud = np.array(
-        [
-            [-11.0, 2.0, -1.0],
-            [31.0, 2.0, -1.0],
-            [1.0, 2.0, -1.0],
-            [1.0, -6.0, -1.0],
-            [1.0, 7.0, -1.0],
-        ]
-    )
-    cloud = np.column_stack([cloud, np.full(5, 0.4)])
-    keep = np.array([False, False, True, False, False])
+    cloud, keep = marked("-11 2 -1 -; 31 2 -1 -; 1 2 -1 +; 1 -6 -1 -; 1 7 -1 -", 0.4)
     assert_points_left_by_box(
         crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep
     )
@@ -442,9 +379,7 @@ def cuts_on_four_sides(crop_region: Callable) -> None:
 )
 def cuts_below_and_above(crop_region: Callable) -> None:
     require_crop(crop_region)
-    cloud = np.array([[1.0, 2.0, -2.5], [1.0, 2.0, -1.0], [1.0, 2.0, 1.5]])
-    cloud = np.column_stack([cloud, np.full(3, 0.4)])
-    keep = np.array([False, True, False])
+    cloud, keep = marked("1 2 -2.5 -; 1 2 -1 +; 1 2 1.5 -", 0.4)
     answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
     assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
@@ -458,16 +393,7 @@ def cuts_below_and_above(crop_region: Callable) -> None:
 )
 def counts_the_faces(crop_region: Callable) -> None:
     require_crop(crop_region)
-    on_faces = np.array(
-        [
-            [-10.0, 0.0, 0.0],
-            [30.0, 0.0, 0.0],
-            [0.0, -5.0, 0.0],
-            [0.0, 6.0, 0.0],
-            [0.0, 0.0, -2.0],
-            [0.0, 0.0, 1.0],
-        ]
-    )
+    on_faces = table("-10 0 0; 30 0 0; 0 -5 0; 0 6 0; 0 0 -2; 0 0 1")
     on_faces = np.column_stack([on_faces, np.full(6, 0.4)])
     answer = crop_region(on_faces.copy(), _MINIMUM, _MAXIMUM)
     assert_points_left_by_box(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
@@ -552,11 +478,7 @@ def removes_our_own(remove_ego_returns: Callable) -> None:
 )
 def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
-    cloud = np.array(
-        [[0.5, 0.0, -0.7], [9.0, 0.0, -0.7], [-4.0, 0.0, -0.7], [0.5, 6.0, -0.7], [0.5, -3.0, -0.7]]
-    )
-    cloud = np.column_stack([cloud, np.full(5, 0.4)])
-    keep = np.array([False, True, True, True, True])
+    cloud, keep = marked("0.5 0 -0.7 -; 9 0 -0.7 +; -4 0 -0.7 +; 0.5 6 -0.7 +; 0.5 -3 -0.7 +", 0.4)
     assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
@@ -569,9 +491,7 @@ def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
 )
 def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
-    cloud = np.array([[0.5, 0.0, 2.0], [0.5, 0.0, -0.7], [0.5, 0.0, -1.6]])
-    cloud = np.column_stack([cloud, np.full(3, 0.4)])
-    keep = np.array([True, False, True])
+    cloud, keep = marked("0.5 0 2 +; 0.5 0 -0.7 -; 0.5 0 -1.6 +", 0.4)
     assert_points_left_by_box(
         remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep, "side"
     )
@@ -587,16 +507,8 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
 def removes_the_faces(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
-    on_faces = np.array(
-        [
-            [-1.5, 0.0, -0.75],
-            [2.5, 0.0, -0.75],
-            [0.0, -1.75, -0.75],
-            [0.0, 1.75, -0.75],
-            [0.0, 0.0, -1.0],
-            [0.0, 0.0, -0.5],
-            [7.0, 6.0, 0.5],
-        ]
+    on_faces = table(
+        "-1.5 0 -0.75; 2.5 0 -0.75; 0 -1.75 -0.75; 0 1.75 -0.75; 0 0 -1; 0 0 -0.5; 7 6 0.5"
     )
     on_faces = np.column_stack([on_faces, np.full(7, 0.4)])
     assert_points_left_by_box(
@@ -789,60 +701,26 @@ mistakes(
     ),
     cases=(
         (
-            np.array(
-                [
-                    [12.0, 3.0, 0.1, 0.1],
-                    [1.0, 1.5, 0.5, 0.1],
-                    [2.0, 2.1, 0.3, 0.2],
-                    [2.8, 2.6, 0.2, 0.1],
-                    [-1.1, -2.0, 2.5, 0.1],
-                    [1.5, 1.0, 0.2, 9.0],
-                    [-7.0, 1.0, 0.1, 0.1],
-                    [0.8, 0.9, 0.1, 0.1],
-                    [1.0, -6.0, 0.1, 0.3],
-                ]
+            table(
+                "12 3 0.1 0.1; 1 1.5 0.5 0.1; 2 2.1 0.3 0.2; 2.8 2.6 0.2 0.1; -1.1 -2 2.5 0.1; "
+                "1.5 1 0.2 9; -7 1 0.1 0.1; 0.8 0.9 0.1 0.1; 1 -6 0.1 0.3"
             ),
             3.0,
         ),
         (
-            np.array(
-                [
-                    [4.0, 4.5, 0.2, 0.3],
-                    [3.0, 3.5, 0.3, 0.2],
-                    [-30.0, -2.0, 0.1, 0.2],
-                    [1.0, 3.0, -4.5, 0.1],
-                    [2.0, -1.2, 0.1, 7.0],
-                    [1.0, 1.2, 0.1, 0.4],
-                    [2.0, -13.0, 0.4, 0.2],
-                    [26.0, 2.0, 0.1, 0.1],
-                    [-3.0, 40.0, 0.2, 0.6],
-                ]
+            table(
+                "4 4.5 0.2 0.3; 3 3.5 0.3 0.2; -30 -2 0.1 0.2; 1 3 -4.5 0.1; 2 -1.2 0.1 7; "
+                "1 1.2 0.1 0.4; 2 -13 0.4 0.2; 26 2 0.1 0.1; -3 40 0.2 0.6"
             ),
             5.0,
         ),
-        (np.array([[3.0, 2.0, 0.1, 0.1], [-2.0, 5.0, 11.0, 0.1], [1.0, 2.0, 0.1, 14.0]]), 12.0),
+        (table("3 2 0.1 0.1; -2 5 11 0.1; 1 2 0.1 14"), 12.0),
         (
-            np.array(
-                [
-                    [1.0, 1.5, 6.0, 0.1],
-                    [2.0, -9.0, 0.3, 0.2],
-                    [-1.5, 2.0, -3.9, 0.1],
-                    [0.5, 3.0, 0.2, 0.1],
-                    [-6.0, 1.0, 0.1, 0.2],
-                ]
-            ),
+            table("1 1.5 6 0.1; 2 -9 0.3 0.2; -1.5 2 -3.9 0.1; 0.5 3 0.2 0.1; -6 1 0.1 0.2"),
             4.0,
         ),
         (
-            np.array(
-                [
-                    [2.0, 3.0, -8.0, 0.1],
-                    [-3.0, 20.0, 0.5, 0.3],
-                    [5.0, 4.0, 4.5, 0.2],
-                    [-6.0, -2.0, -5.0, 0.1],
-                    [30.0, 2.0, 1.0, 0.4],
-                ]
-            ),
+            table("2 3 -8 0.1; -3 20 0.5 0.3; 5 4 4.5 0.2; -6 -2 -5 0.1; 30 2 1 0.4"),
             7.0,
         ),
     ),
@@ -871,79 +749,46 @@ def _same_rows(answer: object, predicted: np.ndarray) -> bool:
 
 # The first clouds have points inside a box, on its faces, and outside it on either side in one, two
 # or three coordinates. The last three clouds have no point outside.
-_BOXES = tuple(
-    (frozen(cloud), minimum, maximum)
-    for cloud, minimum, maximum in (
-        (
-            [
-                [2.0, 1.0, 0.5, 0.5],
-                [9.0, 1.0, 0.5, 0.1],
-                [2.0, -7.0, 0.5, 0.2],
-                [2.0, 1.0, 5.0, 0.3],
-                [0.5, 0.5, -0.7, 0.4],
-                [-8.0, -9.0, 0.0, 0.6],
-                [9.0, 8.0, 7.0, 0.7],
-                [-5.0, -6.0, -7.0, 0.8],
-                [-9.0, 0.5, 8.0, 0.2],
-                [3.0, -1.0, 0.5, 0.9],
-            ],
-            (-1.0, -2.0, -0.5),
-            (4.0, 2.0, 1.5),
+_BOXES = (
+    (
+        table(
+            "2 1 0.5 0.5; 9 1 0.5 0.1; 2 -7 0.5 0.2; 2 1 5 0.3; 0.5 0.5 -0.7 0.4; -8 -9 0 0.6; "
+            "9 8 7 0.7; -5 -6 -7 0.8; -9 0.5 8 0.2; 3 -1 0.5 0.9"
         ),
-        (
-            [
-                [0.5, 6.0, -0.5, 0.5],
-                [0.0, 5.0, 3.0, 0.1],
-                [9.0, 5.5, -0.5, 0.2],
-                [40.0, -9.0, 0.2, 0.2],
-                [-14.0, -8.0, -4.0, 0.3],
-                [0.5, 6.5, -6.0, 0.2],
-                [0.5, -1.0, -0.6, 0.4],
-                [35.0, 9.5, 4.0, 0.7],
-            ],
-            (-2.5, 4.0, -1.5),
-            (1.5, 7.0, 0.5),
+        (-1.0, -2.0, -0.5),
+        (4.0, 2.0, 1.5),
+    ),
+    (
+        table(
+            "0.5 6 -0.5 0.5; 0 5 3 0.1; 9 5.5 -0.5 0.2; 40 -9 0.2 0.2; -14 -8 -4 0.3; "
+            "0.5 6.5 -6 0.2; 0.5 -1 -0.6 0.4; 35 9.5 4 0.7"
         ),
-        (
-            [
-                [1.0, 2.0, 3.5, 0.3],
-                [3.0, 2.5, 3.5, 0.1],
-                [2.0, 4.0, 3.5, 0.1],
-                [2.0, 2.5, 3.0, 0.5],
-                [2.0, 3.0, 3.5, 0.2],
-                [0.0, 9.0, 8.0, 0.2],
-                [0.5, 1.0, 2.0, 0.6],
-            ],
-            (1.0, 2.0, 3.0),
-            (3.0, 4.0, 5.0),
+        (-2.5, 4.0, -1.5),
+        (1.5, 7.0, 0.5),
+    ),
+    (
+        table(
+            "1 2 3.5 0.3; 3 2.5 3.5 0.1; 2 4 3.5 0.1; 2 2.5 3 0.5; 2 3 3.5 0.2; 0 9 8 0.2; "
+            "0.5 1 2 0.6"
         ),
-        (
-            [
-                [4.0, 2.0, 1.0, 0.3],
-                [2.0, 2.0, 1.0, 0.1],
-                [2.0, 1.0, 0.0, 0.2],
-            ],
-            (0.0, 0.0, 0.0),
-            (4.0, 4.0, 4.0),
-        ),
-        (
-            [
-                [0.5, -0.5, 1.5, 0.3],
-                [1.5, 0.5, 2.5, 0.1],
-            ],
-            (0.0, -1.0, 1.0),
-            (2.0, 1.0, 3.0),
-        ),
-        (
-            [
-                [-3.5, 2.5, -1.0, 0.7],
-                [-2.5, 3.5, 0.5, 0.2],
-                [-1.5, 4.5, 0.0, 0.1],
-            ],
-            (-4.0, 2.0, -1.5),
-            (-1.0, 5.0, 1.0),
-        ),
-    )
+        (1.0, 2.0, 3.0),
+        (3.0, 4.0, 5.0),
+    ),
+    (
+        table("4 2 1 0.3; 2 2 1 0.1; 2 1 0 0.2"),
+        (0.0, 0.0, 0.0),
+        (4.0, 4.0, 4.0),
+    ),
+    (
+        table("0.5 -0.5 1.5 0.3; 1.5 0.5 2.5 0.1"),
+        (0.0, -1.0, 1.0),
+        (2.0, 1.0, 3.0),
+    ),
+    (
+        table("-3.5 2.5 -1 0.7; -2.5 3.5 0.5 0.2; -1.5 4.5 0 0.1"),
+        (-4.0, 2.0, -1.5),
+        (-1.0, 5.0, 1.0),
+    ),
 )
 
 mistakes(

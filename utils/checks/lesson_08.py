@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from utils.checks import common_box_checks, common_checks
-from utils.checks.assertions import CheckFailed, as_array, brief, frozen, needs
+from utils.checks.assertions import CheckFailed, as_array, brief, frozen, needs, table
 from utils.checks.boxes import (
     assert_box_corners,
     corners_between,
@@ -19,18 +19,8 @@ from utils.checks.run_cache import once
 # A cluster that surrounds the origin and whose first point is not extreme on any axis. Neither the
 # starting values of a search nor the order of the points change its box, because separate checks
 # cover these.
-_POINTS = frozen(
-    np.array(
-        [
-            [0.5, 0.2, -0.1],
-            [-2.0, 0.4, 0.3],
-            [3.0, -0.3, 0.2],
-            [0.1, -1.5, -0.4],
-            [-0.6, 2.5, 0.1],
-            [1.0, 0.7, -1.2],
-            [-0.2, -0.5, 0.8],
-        ]
-    )
+_POINTS = table(
+    "0.5 0.2 -0.1; -2 0.4 0.3; 3 -0.3 0.2; 0.1 -1.5 -0.4; -0.6 2.5 0.1; 1 0.7 -1.2; -0.2 -0.5 0.8"
 )
 _LOW, _HIGH = frozen((np.array([-2.0, -1.5, -1.2]), np.array([3.0, 2.5, 0.8])))
 _BOX = frozen(corners_between(_LOW, _HIGH))
@@ -97,7 +87,7 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
 )
 def starts_anywhere(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
-    shifts = np.array([[9.0, 6.0, 3.0], [-9.0, -6.0, -3.0]])
+    shifts = table("9 6 3; -9 -6 -3")
     cloud = np.vstack([_POINTS + shift for shift in shifts])
     labels = np.repeat([1, 2], 7)
     boxes = np.stack([_BOX + shift for shift in shifts])
@@ -152,7 +142,7 @@ common_box_checks.noise(_THREE_CASE, "leaves_noise_alone", weight=2)
 )
 def takes_few_points(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
-    first, second, third = np.array([[6.0, 2.0, -1.1], [5.0, 2.6, -0.5], [-3.0, -4.6, -1.0]])
+    first, second, third = table("6 2 -1.1; 5 2.6 -0.5; -3 -4.6 -1")
     cloud = np.vstack([first, second, third, first, second, third, third, third])
     labels = np.array([1, 1, 2, 3, 3, 4, 4, 4])
     pair = corners_between(np.minimum(first, second), np.maximum(first, second))
