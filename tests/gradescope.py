@@ -332,7 +332,7 @@ def main(place):
             results, done, left = hand_in(place, image, files, kind)
             output = done.stdout + done.stderr
             name = f"in a container {kind}, {student}:"
-            check(f"{name} is judged behind {walls}", f"Walls: {walls}" in done.stdout, output)
+            check(f"{name} is judged behind {walls}", f"Sandbox: {walls}" in done.stdout, output)
             score = expected(
                 calm if student == "hostile" else files.get(f"{SIX}.ipynb"), place, here
             )

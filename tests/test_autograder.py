@@ -298,7 +298,7 @@ def test_judges_as_at_home(root, sandbox, right, capsys):
     for exercise in at_home.exercises:
         for check in exercise.tests:
             assert scores[f"{exercise.name}: {check.title}"] == check.score
-    assert "Walls: " in capsys.readouterr().out
+    assert "Sandbox: " in capsys.readouterr().out
 
 
 # ---- The zip -------------------------------------------------------------------------------

@@ -105,7 +105,12 @@ def test_without_bubblewrap_the_remedy_fits_the_machine(
         (FREE, ORDINARY, {"kernel__apparmor_restrict_unprivileged_userns": "1"}, "bwrap-userns"),
         (FREE, ORDINARY, {"kernel__unprivileged_userns_clone": "0"}, "userns_clone=1"),
         (FREE, ORDINARY, {"user__max_user_namespaces": "0"}, "max_user_namespaces=15000"),
-        (FREE, ORDINARY, {"user__max_user_namespaces": "9"}, "Ask whoever runs this machine"),
+        (
+            FREE,
+            ORDINARY,
+            {"user__max_user_namespaces": "9"},
+            "Ask the administrator of this machine",
+        ),
     ],
 )
 def test_the_message_has_the_reason_and_a_remedy(

@@ -630,7 +630,7 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
     """The call gets an eighth of a processor and might have finished with more."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
     with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
-        with pytest.raises(StudentStopped, match="4 seconds by the clock on the wall"):
+        with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
             student.f(6)
         assert student.starved
         with pytest.raises(StudentStopped, match="Not tried: the notebook's 4 seconds"):
@@ -690,7 +690,7 @@ class FakeWorker:
 def test_a_call_is_charged_for_time_without_waiting(waited, worked, delayed, seconds, monkeypatch):
     now, worker = [100.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: 0.0)
+    monkeypatch.setattr(time_budget, "own_seconds", lambda: 0.0)
     meter = time_budget.Meter(worker)
     now[0] += waited
     worker.worked, worker.delayed = worker.worked + worked, delayed
@@ -701,7 +701,7 @@ def test_a_call_is_charged_for_time_without_waiting(waited, worked, delayed, sec
 def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
     now, ours = [100.0], [2.0]
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
+    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
     meter = time_budget.Meter(FakeWorker())
     now[0] += 1.0
     ours[0] += 0.6
@@ -713,7 +713,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
     """The kernel has no waiting times of threads and children that have ended."""
     now, ours, worker = [100.0], [2.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
+    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
     meter = time_budget.Meter(worker)
     for ready, worked, passed, at_work, taken in (
         (True, 0.1, 1.0, 0.0, 0.1),  # other processes had the rest

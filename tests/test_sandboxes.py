@@ -59,7 +59,7 @@ class Container:
     def available(self):
         pass
 
-    def walls(self):
+    def protections(self):
         return "none"
 
     def start(self, limits, forbidden=(), packages=(), named=()):

@@ -74,7 +74,7 @@ def test_an_object_is_gone_with_its_process(student):
     tree = student.KdTree()
     with pytest.raises(StudentStopped, match="os._exit"):
         tree.die()
-    with pytest.raises(StudentStopped, match="is gone"):
+    with pytest.raises(StudentStopped, match="its objects are lost"):
         tree.search([0, 0], 1.0)
     assert student.KdTree().root is None
 
@@ -241,7 +241,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:
             student.finished(7)
-        assert caught.value.calling is None and caught.value.told_place == "code cell 1, line 3"
+        assert caught.value.calling is None and caught.value.shown_place == "code cell 1, line 3"
 
 
 @pytest.mark.parametrize("lines", [3, 70])
@@ -253,7 +253,7 @@ def test_a_long_exercise_does_not_reveal_the_calling_line(sandbox, lines):
         with pytest.raises(StudentError) as caught:
             student.answer(7)
     assert (caught.value.calling is None) == (lines > 60)
-    assert (caught.value.told_place is None) == (lines > 60)
+    assert (caught.value.shown_place is None) == (lines > 60)
 
 
 LOOPS = """

@@ -121,7 +121,7 @@ def _sandboxes() -> Iterator[Finding]:
         except SandboxUnavailable as error:
             yield Finding(f"sandbox {sandbox.name}", False, str(error))
         else:
-            text = f"{sandbox.label()}: {sandbox.walls()}"
+            text = f"{sandbox.label()}: {sandbox.protections()}"
             yield Finding(f"sandbox {sandbox.name}", True, text)
 
 

@@ -116,8 +116,8 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError):
         said = sentence_on(error) if visible else error.without_words
         tip = tip_for(error.type_name, error.message, error.line)
-        place = error.place if visible else error.told_place
-        return Raised(said, kind=error.told_type, place=place, tip=tip)
+        place = error.place if visible else error.shown_place
+        return Raised(said, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
         return error
     if isinstance(error, CheckFailed):

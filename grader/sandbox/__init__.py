@@ -7,7 +7,7 @@ To add another way, write a class with the methods of `protocol.Sandbox`, and ad
 
 from grader.sandbox.bubblewrap import Bubblewrap
 from grader.sandbox.chroot import Chroot
-from grader.sandbox.plain_process import Unwalled
+from grader.sandbox.plain_process import PlainProcess
 from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable, Worker
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
 
 AUTO = "auto"
 SANDBOXES: dict[str, Sandbox] = {
-    sandbox.name: sandbox for sandbox in (Bubblewrap(), Chroot(), Unwalled())
+    sandbox.name: sandbox for sandbox in (Bubblewrap(), Chroot(), PlainProcess())
 }
 
 

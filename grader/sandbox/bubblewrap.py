@@ -48,7 +48,7 @@ class Bubblewrap:
         program = _program()
         return f"{program.version()} ({program.origin})"
 
-    def walls(self) -> str:
+    def protections(self) -> str:
         """List the protections on this machine, for the instructor."""
         user = (
             "an unused user for each notebook"
@@ -57,8 +57,8 @@ class Bubblewrap:
         )
         calls = "" if os.uname().machine in MACHINES else " (no filter of system calls on this one)"
         return (
-            f"no network, no process of others, {user}, a list of what is shown, limits on "
-            f"memory, processes, files and time{calls}"
+            f"no network, no access to other processes, {user}, only listed files visible, limits "
+            f"on memory, processes, files and time{calls}"
         )
 
     def start(
@@ -79,11 +79,11 @@ class Bubblewrap:
         }
         packages, forbidden = tuple(packages), tuple(forbidden)
         windows = _options_for_files(packages, forbidden)
-        walls = [*_walls(limits), *windows, "--remount-ro", "/"]
+        command = [*_walls(limits), *windows, "--remount-ro", "/"]
         if _can_join_namespaces():
             client = client_for(preloaded(packages), forbidden)
-            return launch(walls, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
-        return launch([*walls, "--die-with-parent", "--"], "/tmp", rules, limits)
+            return launch(command, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
+        return launch([*command, "--die-with-parent", "--"], "/tmp", rules, limits)
 
 
 @functools.cache
@@ -111,10 +111,10 @@ def _can_join_namespaces() -> bool:
         "limits": Limits().resources(),
         "forbidden": [],
     }
-    walls = [*_walls(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
+    command = [*_walls(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # The trial uses the fork server that most lessons need, so that server starts only once.
-        launch(walls, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
+        launch(command, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
     except SandboxUnavailable:
         return False
     return True

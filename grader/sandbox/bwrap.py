@@ -47,13 +47,13 @@ SETTINGS = (
     (
         "kernel.unprivileged_userns_clone",
         "0",
-        "Only root may make namespaces here. Run: sudo sysctl -w "
+        "Only root may create namespaces here. Run: sudo sysctl -w "
         "kernel.unprivileged_userns_clone=1",
     ),
     (
         "user.max_user_namespaces",
         "0",
-        "No user may make namespaces here. Run: sudo sysctl -w user.max_user_namespaces=15000",
+        "No user may create namespaces here. Run: sudo sysctl -w user.max_user_namespaces=15000",
     ),
 )
 
@@ -164,7 +164,7 @@ def _remedy(words: str) -> str:
     for name, value, remedy in SETTINGS:
         if not users.is_root() and _lines(f"/proc/sys/{name.replace('.', '/')}") == [value]:
             return remedy
-    return "Ask whoever runs this machine to allow namespaces."
+    return "Ask the administrator of this machine to allow namespaces."
 
 
 def _lines(path: str) -> list[str]:

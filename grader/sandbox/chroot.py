@@ -33,9 +33,9 @@ class Chroot:
 
     name: str = "chroot"
     warning: str = (
-        "WARNING: thin walls (--sandbox chroot). Submitted code is shut in a folder, as a user of "
-        "its own; but notebooks can tell each other something, and can fill the disk. Only where "
-        "a container holds one student's work."
+        "WARNING: weak isolation (--sandbox chroot). Submitted code runs in a chroot as a separate "
+        "user, but notebooks can exchange messages and can fill the disk. Use it only in a "
+        "container with one student's work."
     )
 
     def available(self) -> None:
@@ -48,10 +48,10 @@ class Chroot:
         """Return its name; see `grader.sandbox.protocol.Sandbox`."""
         return self.name
 
-    def walls(self) -> str:
+    def protections(self) -> str:
         """List the protections, for the instructor."""
         return (
-            "a folder with what is shown for a root, an unused user for each worker, no sockets, "
+            "a root directory with only listed files, an unused user for each worker, no sockets, "
             "limits on memory, processes and time"
         )
 
@@ -72,11 +72,20 @@ class Chroot:
         }
         try:
             folder = _take(kind)
-            jail.give(folder, user)
+            jail.reset_writable_folders(folder, user)
         except OSError as error:
             raise SandboxUnavailable(f"The folder for a sandbox cannot be made: {error}") from None
-        walls = [sys.executable, "-I", "-S", "-B", str(JAILER), str(folder), jail.HOME, str(user)]
-        return launch(walls, jail.HOME, rules, limits, give_back=lambda: put_back(kind, folder))
+        command = [
+            sys.executable,
+            "-I",
+            "-S",
+            "-B",
+            str(JAILER),
+            str(folder),
+            jail.HOME,
+            str(user),
+        ]
+        return launch(command, jail.HOME, rules, limits, give_back=lambda: put_back(kind, folder))
 
 
 Kind = tuple[tuple[str, ...], tuple[str, ...]]
@@ -100,7 +109,7 @@ def _take(kind: Kind) -> Path:
 def path_in_own_folders() -> str:
     """Return a visible path that is inside a worker's own folders; "" if there is none.
 
-    Such a path would disappear, because `jail.give` empties these folders.
+    Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """
     shown = (PYTHON, PREFIX, *SHOWN)
     return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
@@ -110,19 +119,19 @@ def path_in_own_folders() -> str:
 def _complaint() -> str:
     """Return why this sandbox cannot be built here; "" if it can."""
     if not sys.platform.startswith("linux") or os.uname().machine not in MACHINES:
-        return f"These walls need Linux on {' or '.join(MACHINES)}."
+        return f"This sandbox needs Linux on {' or '.join(MACHINES)}."
     if not users.is_root():
-        return "These walls need root: only root can shut others in."
+        return "This sandbox needs root, because only root can use chroot."
     if hidden := path_in_own_folders():
         return (
-            f"{hidden} lies in {' or '.join(jail.OPEN)}, where whoever is shut in has files of "
-            "their own. Move the course elsewhere, with its .venv."
+            f"{hidden} is in {' or '.join(jail.OPEN)}, where student code has its own files. Move "
+            "the course elsewhere, with its .venv."
         )
     try:
         Chroot().start(Limits()).stop()
     except SandboxUnavailable as error:
         return (
-            "Root may not shut others in here. It takes the capabilities that Docker gives by "
+            "Root cannot build a chroot here. It needs the capabilities that Docker gives by "
             f"default: SYS_CHROOT, SETUID, SETGID, CHOWN, MKNOD. {error}"
         )
     return ""

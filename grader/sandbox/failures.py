@@ -40,14 +40,14 @@ class StudentError(RemoteError):
         The function of the lesson in which the exception was raised; empty for others.
     forbidden : tuple of str
         Modules that the lesson does not allow.
-    told_type : str
+    shown_type : str
         The type, as it may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
         exception".
-    told_place : str or None
+    shown_place : str or None
         The place, as it may be shown for a hidden test: `calling` or else `place`, if `place` is in
         an exercise with at most `MOST_LINES` lines; otherwise None.
     without_words : str
-        A sentence that contains only the function's name, `told_type` and `told_place`.
+        A sentence that contains only the function's name, `shown_type` and `shown_place`.
     """
 
     def __init__(
@@ -68,10 +68,10 @@ class StudentError(RemoteError):
         self.place, self.line, self.inside = place, line, inside
         self.calling, self.calling_line = calling, calling_line
         where = f" ({place})" if place else ""
-        self.told_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
-        self.told_place = (calling or place) if is_one_of_few else None
-        told_where = f" ({self.told_place})" if self.told_place else ""
-        self.without_words = f"{function} raised {self.told_type}{told_where}."
+        self.shown_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
+        self.shown_place = (calling or place) if is_one_of_few else None
+        told_where = f" ({self.shown_place})" if self.shown_place else ""
+        self.without_words = f"{function} raised {self.shown_type}{told_where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 
@@ -105,9 +105,9 @@ def why_it_ended(code: int | None) -> str:
             "killed itself."
         )
     if code in (152, -24):
-        return "The notebook's process used up its processor time; is there a loop without end?"
+        return "The notebook's process used up its processor time; is there an endless loop?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
     # The exit code is not shown, because student code could choose it to reveal something about a
     # hidden test.
-    return "The notebook's process ended in the middle of a call, as os._exit and the like do."
+    return "The notebook's process ended in the middle of a call, for example through os._exit."

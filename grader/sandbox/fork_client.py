@@ -79,7 +79,7 @@ class ForkClient:
         line = read_line(report, SECONDS_TO_FORK)
         if not line.isdigit():
             os.close(report)
-            raise SandboxUnavailable(f"The sandbox could not start a worker: {line or 'no word'}")
+            raise SandboxUnavailable(f"The sandbox could not start a worker: {line or 'no reply'}")
         return Forked(int(line), report)
 
     def _send(self, data: bytes, pipes: list[int]) -> None:
@@ -94,7 +94,9 @@ class ForkClient:
                 self._requests.close()
                 self._requests = None
                 if attempt:
-                    raise SandboxUnavailable("The fork server ends as it starts.") from None
+                    raise SandboxUnavailable(
+                        "The fork server exits as soon as it starts."
+                    ) from None
 
     def _start(self) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

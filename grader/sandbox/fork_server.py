@@ -97,7 +97,7 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
         enter(request["walls"], request["own_users"])
         pid = os.fork()
     except OSError as error:
-        os.write(status, f"cannot go behind the walls: {error}\n".encode())
+        os.write(status, f"cannot join the sandbox: {error}\n".encode())
         return
     if pid == 0:
         try:

@@ -69,7 +69,7 @@ def build(
     return jail
 
 
-def give(jail: Path, user: int) -> None:
+def reset_writable_folders(jail: Path, user: int) -> None:
     """Empty the folders of a jail in which a worker can write, and give them to a user."""
     for name in OPEN:
         folder = jail / name.lstrip("/")

@@ -11,7 +11,7 @@ from grader.sandbox.protocol import Limits, Worker
 
 
 @dataclass(frozen=True)
-class Unwalled:
+class PlainProcess:
     """No sandbox, for a student's own machine and for the demo; never for untrusted code."""
 
     name: str = "process"
@@ -27,7 +27,7 @@ class Unwalled:
         """Return "no sandbox"; see `grader.sandbox.protocol.Sandbox`."""
         return "no sandbox"
 
-    def walls(self) -> str:
+    def protections(self) -> str:
         """Return "none", because there are no protections."""
         return "none"
 

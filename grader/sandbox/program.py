@@ -11,7 +11,7 @@ PACKAGES = ("numpy", "scipy", "matplotlib")
 
 # Solved lessons have fewer lines. In a longer notebook, student code could send a message by
 # choosing the line that fails, so lines are not shown.
-MOST_LINES_OF_ALL = 4096
+MAX_NOTEBOOK_LINES = 4096
 
 
 def cell_and_line(place: str) -> tuple[int, int] | None:
@@ -82,10 +82,10 @@ class Program:
     def line_at(self, place: str) -> str | None:
         """Return the line at a place such as ``code cell 3, line 12``; None if there is none.
 
-        In a notebook with more than `MOST_LINES_OF_ALL` lines the result is None for every place.
+        In a notebook with more than `MAX_NOTEBOOK_LINES` lines the result is None for every place.
         """
         found = cell_and_line(place)
-        if not found or sum(1 + cell.count("\n") for cell in self.cells) > MOST_LINES_OF_ALL:
+        if not found or sum(1 + cell.count("\n") for cell in self.cells) > MAX_NOTEBOOK_LINES:
             return None
         cell, line = found
         lines = self.cells[cell - 1].split("\n") if 0 < cell <= len(self.cells) else []

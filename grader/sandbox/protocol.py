@@ -163,7 +163,7 @@ class Sandbox(Protocol):
     def label(self) -> str:
         """Return the name and version of the program that builds the sandbox, for reports."""
 
-    def walls(self) -> str:
+    def protections(self) -> str:
         """Describe the protections of this machine against student code, for the instructor."""
 
     def start(

@@ -237,9 +237,7 @@ class StudentProxy:
     def _check_exists(self, name: str, reference: _Reference | None) -> None:
         """Ensure that a worker is running and that the function or object exists in it."""
         if reference is not None and reference.worker is not self._worker:
-            raise StudentStopped(
-                "The notebook's process was stopped, and what it had built is gone."
-            )
+            raise StudentStopped("The notebook's process was stopped, and its objects are lost.")
         self._ensure_running()
         if reference is None and name in self._missing:
             raise StudentError(
@@ -293,7 +291,7 @@ class StudentProxy:
         return Observed(result, tuple(after), frozenset(positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
-        self._stop(self.exercise, f"{name} did not answer the question that was asked")
+        self._stop(self.exercise, f"{name} did not send a valid reply")
 
     def _object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
@@ -406,7 +404,7 @@ class StudentProxy:
 
     def _time_is_over(self) -> str:
         seconds = f"{self._limits.wall_seconds:g}"
-        return f"the notebook's {seconds} seconds by the clock on the wall were over."
+        return f"the notebook's {seconds} seconds of elapsed time were used up."
 
     def _check_restarts(self, what: str) -> None:
         stops = self._stops.get(what, [])
@@ -435,7 +433,7 @@ class StudentProxy:
         seconds = self._limits.start_seconds if seconds is None else seconds
         answer = self._exchange(what, too_slow, seconds, message)
         if not isinstance(answer, dict):
-            self._stop(what, "The notebook's own cells broke off the conversation with the judge.")
+            self._stop(what, "The notebook's own cells sent the judge an invalid reply.")
         return answer
 
     def _exchange(
@@ -457,7 +455,7 @@ class StudentProxy:
         except wire_format.WireError:
             self._stop(
                 what,
-                "What came back was not an answer: code in the notebook wrote to the "
+                "The judge received an invalid reply: code in the notebook wrote to the "
                 "judge's own channel.",
             )
         except wire.WireClosed:

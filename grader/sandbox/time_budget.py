@@ -7,7 +7,7 @@ import time
 
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
-from grader.sandbox.usage import seconds_of_our_own
+from grader.sandbox.usage import own_seconds
 
 # Elapsed time that a step may take, in multiples of its limit. It applies if the kernel does not
 # show whether a process sleeps or waits for a processor.
@@ -66,13 +66,13 @@ class Meter:
 
     def __init__(self, worker: Worker) -> None:
         self._worker, self._begin = worker, time.monotonic()
-        self._had, self._ours = worker.cpu_seconds(), seconds_of_our_own()
+        self._had, self._ours = worker.cpu_seconds(), own_seconds()
         self._threads = worker.threads()
         self._slept = self._noticed = 0.0
         self.seconds = self.waited = 0.0
 
     @property
-    def tells(self) -> bool:
+    def sees_waiting(self) -> bool:
         """Whether the kernel shows if a thread sleeps or waits for a processor."""
         return self._threads is not None
 
@@ -87,10 +87,10 @@ class Meter:
         self.waited = time.monotonic() - self._begin
         worked = self._worker.cpu_seconds() - self._had
         self.seconds = worked
-        if self.tells:
+        if self.sees_waiting:
             now = self._worker.threads() or {}
             # Time in which the judge itself worked or waited for a processor does not count.
-            passed = self.waited - (seconds_of_our_own() - self._ours)
+            passed = self.waited - (own_seconds() - self._ours)
             share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
             if answered and self._noticed:
                 share = self._slept / self._noticed  # assume the same share as before
@@ -155,7 +155,7 @@ class Patience:
         """Measure; return the seconds until the next measurement."""
         if self._meter is None:
             self._meter = Meter(self._worker)
-            if not self._meter.tells:
+            if not self._meter.sees_waiting:
                 self._until = min(self._until, now + PATIENCE * self._seconds)
         self._meter.look()
         left = self._seconds - self._meter.seconds

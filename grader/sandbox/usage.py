@@ -70,7 +70,7 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
     return threads
 
 
-def seconds_of_our_own() -> float:
+def own_seconds() -> float:
     """Return the seconds for which this thread has run or waited for a processor."""
     return sum(_schedule("/proc/thread-self")) if _tells_delays() else time.thread_time()
 

@@ -206,7 +206,7 @@ class _SandboxedDetector:
         except StudentError as error:
             if error.type_name == "NotImplementedError":
                 return no_boxes, "A function that it calls is not written yet."
-            return no_boxes, f"{DETECTOR} raised {error.told_type}."
+            return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
             boxes = checked_boxes(found)
         except Exception:  # NumPy may raise anything on untrusted data

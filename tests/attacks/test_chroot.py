@@ -206,11 +206,11 @@ except SandboxUnavailable as error:
 def test_refuses_without_the_right(right):
     command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]
     ran = subprocess.run([*command, "-c", TRY], capture_output=True, text=True, cwd=PROJECT)
-    assert ran.stdout.startswith("Root may not shut others in here."), ran
+    assert ran.stdout.startswith("Root cannot build a chroot here."), ran
 
 
 def test_refuses_to_start_without_root(monkeypatch):
     monkeypatch.setattr(users, "is_root", lambda: False)
     monkeypatch.setattr(chroot, "_complaint", chroot._complaint.__wrapped__)
-    with pytest.raises(SandboxUnavailable, match="need root"):
+    with pytest.raises(SandboxUnavailable, match="needs root"):
         SANDBOXES["chroot"].available()

@@ -53,15 +53,15 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
         "sends a hundred thousand brackets": ("say(b'[' * 100000)", "own channel"),
         "sends a number of a hundred thousand digits": ("say(b'1' * 100000)", "own channel"),
         "sends another kind of tree": ("say(b'[]')", "own channel"),
-        "sends a text": ("say(b'\"hello\"')", "did not answer the question"),
-        "answers a later question": ("say(ANSWER % (99, b'1'))", "did not answer the question"),
+        "sends a text": ("say(b'\"hello\"')", "did not send a valid reply"),
+        "answers a later question": ("say(ANSWER % (99, b'1'))", "did not send a valid reply"),
         "answers with true for a number": (
             'say(b\'{"dict":[["id",true]]}\')',
-            "did not answer the question",
+            "did not send a valid reply",
         ),
         "answers with an array for a number": (
             'say(b\'{"dict":[["id",{"array":["|u1",[2]]}]]}\', b\'ab\')',
-            "did not answer the question",
+            "did not send a valid reply",
         ),
         "sends a generator of no state": (
             'say(b\'{"generator":["0x0","0x0",0,[]]}\')',
@@ -108,11 +108,11 @@ while True: os.write(write, b" ")
         ),
         "answers an observed call with a text for its arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments","none"]]}\'); time.sleep(9)',
-            "did not answer the question",
+            "did not send a valid reply",
         ),
         "answers an observed call with too few arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments",{"list":[]}]]}\'); time.sleep(9)',
-            "did not answer the question",
+            "did not send a valid reply",
         ),
     },
 )
@@ -223,7 +223,7 @@ def test_a_forged_answer_is_checked_like_any_other():
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
         attack(source) as student,
-        pytest.raises(StudentStopped, match="did not answer the question"),
+        pytest.raises(StudentStopped, match="did not send a valid reply"),
     ):
         student.f(1)
     body = """
@@ -291,7 +291,7 @@ def test_forged_object_numbers_are_refused():
     source = PIPES + function(
         'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
     )
-    with attack(source) as student, pytest.raises(StudentStopped, match="did not answer the"):
+    with attack(source) as student, pytest.raises(StudentStopped, match="did not send a valid"):
         student.f(1)
 
 

@@ -16,7 +16,7 @@ from grader.judging.messages import FEW_NUMBERS
 from grader.lms.autograded import score_output
 from grader.lms.report import write_report
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
-from grader.sandbox.program import MOST_LINES_OF_ALL
+from grader.sandbox.program import MAX_NOTEBOOK_LINES
 from grader.sandbox.quotation import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.student import MOST_FAILED_CELLS
 from tests.attacks.attack import attack, function, tried
@@ -389,7 +389,7 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     words = sum(map(len, tips_for.values())) + most_forbidden
     for kinds, pattern, _ in SENTENCES:
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
-    raised = words * (MOST_LINES_OF_ALL + 1)
+    raised = words * (MAX_NOTEBOOK_LINES + 1)
     called = raised * (MOST_LINES + 1)  # and the line of the exercise that led to the failure
     # Each blank of a message is filled with a number or a word.
     is_wrong = max(

@@ -25,7 +25,7 @@ def main(root: Path) -> int:
         restrict_access(root)
         jails.register_jails(root / "source")
         sandbox = strongest_sandbox()
-        print(f"Walls: {sandbox.name}: {sandbox.walls()}. Built by {sandbox.label()}.")
+        print(f"Sandbox: {sandbox.name}: {sandbox.protections()}. Built by {sandbox.label()}.")
         judged = judge_submission(root / "submission", root / "source", sandbox)
         write_atomically(json.dumps(build_results(judged), indent=1), results)
     except (IsolationFailed, SandboxUnavailable, JudgeFailed) as error:
