@@ -142,7 +142,7 @@ A_FEW_OF_MANY = {
     "test_spoils_every_argument_of_every_call": ("08",),
     "test_a_huge_claim_is_refused_at_once": ("a dict", "a la", "boxes", "dig", "dim", "many", "ne"),
     "test_a_function_that_ruins_its_arguments_loses_nothing_but_that": ("01", "08", "09"),
-    "test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down": (),
+    "test_a_random_answer_earns_no_more_than_its_wrong_half": (),
     "test_takes_the_answer_from_somewhere": ("the points in a box, from the b", "the reference,"),
     "test_makes_the_question_fit_its_answer": ("finds nothing", "empties"),
     "test_changes_what_the_lesson_gives": ("a given class that is changed by name",),
