@@ -9,10 +9,10 @@ from pathlib import Path
 from grader import commands
 from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
-from grader.course.deadlines import DeadlinesTrouble
+from grader.course.deadlines import DeadlinesError
 from grader.course.extension import of_course
 from grader.course.paths import PROJECT
-from grader.course.roster import RosterTrouble
+from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
 from grader.lms.exporters import EXPORTERS
 from grader.lms.results import GradebookUnavailable
@@ -41,8 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (
         SandboxUnavailable,
         ShortSeed,
-        RosterTrouble,
-        DeadlinesTrouble,
+        RosterError,
+        DeadlinesError,
         GradebookUnavailable,
     ) as error:
         print(error, file=sys.stderr)

@@ -25,7 +25,7 @@ from grader.sandbox import AUTO, SANDBOXES, Sandbox, SandboxUnavailable, choose_
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from grader.classroom.grade import Judged
+    from grader.classroom.grade import JudgedSubmissions
     from grader.course.lessons import Lesson
     from grader.lms.results import ClassResults
 
@@ -172,17 +172,17 @@ def run_site(options: argparse.Namespace) -> int:
 
 def run_collect(options: argparse.Namespace) -> int:
     """Run ``collect ARCHIVE... --stage STAGE``."""
-    from grader.classroom.collect import CollectTrouble
+    from grader.classroom.collect import CollectError
     from grader.classroom.collect.collection import collect
-    from grader.classroom.lock import AlreadyRunning, only_one
-    from grader.course.deadlines import DeadlinesTrouble
-    from grader.course.roster import RosterTrouble
+    from grader.classroom.lock import AlreadyRunning, course_lock
+    from grader.course.deadlines import DeadlinesError
+    from grader.course.roster import RosterError
 
     if not are_stages(options.stages):
         return WRONG_CALL
     course = Course()
     try:
-        with only_one(course), console.progress_bar("Collecting") as advance:
+        with course_lock(course), console.progress_bar("Collecting") as advance:
             collected = collect(
                 course,
                 options.archives,
@@ -192,7 +192,7 @@ def run_collect(options: argparse.Namespace) -> int:
                 dict(options.lesson),
                 advance,
             )
-    except (CollectTrouble, RosterTrouble, DeadlinesTrouble) as error:
+    except (CollectError, RosterError, DeadlinesError) as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
     except AlreadyRunning as error:
@@ -304,7 +304,7 @@ def run_report(options: argparse.Namespace) -> int:
     return GOOD
 
 
-def _verdicts_on_disk(course: Course) -> Judged:
+def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
     """Return all submissions that have a verdict, with their verdicts."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
@@ -496,10 +496,10 @@ def grade_course(
     student: str | None = None,
 ) -> int:
     """Judge a class, enter the marks and write the report, for `grade` and `demo`."""
-    from grader.classroom.lock import AlreadyRunning, only_one
+    from grader.classroom.lock import AlreadyRunning, course_lock
 
     try:
-        with only_one(course):
+        with course_lock(course):
             return _grade_alone(course, wanted, seed, sandbox, workers, warning, scheduler, student)
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
@@ -562,7 +562,7 @@ def _judge_all(
     workers: int,
     scheduler: str | None,
     student: str | None,
-) -> tuple[Judged, int]:
+) -> tuple[JudgedSubmissions, int]:
     """Return the submissions with their verdicts, and how many had a verdict before."""
     from grader.classroom.grade import judge_class
 
@@ -580,7 +580,9 @@ def _judge_all(
     return judged, counts[0]
 
 
-def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
+def _enter(
+    course: Course, judged: JudgedSubmissions, wanted: Sequence[str], student: str | None
+) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
     # Importing nbgrader takes a second, so it is done after the verdicts are there.
     from grader.lms.gradebook_writer import GradebookError, enter_verdicts
@@ -595,7 +597,10 @@ def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str |
 
 
 def _print_all(
-    course: Course, judged: Judged, results: ClassResults, left: Sequence[tuple[Path, str]]
+    course: Course,
+    judged: JudgedSubmissions,
+    results: ClassResults,
+    left: Sequence[tuple[Path, str]],
 ) -> None:
     """Print the results of the class, with everything that needs attention."""
     from grader.classroom.folders import respelt_folders
@@ -610,7 +615,7 @@ def _print_all(
     console.print_notes([*taken, *notes(course, results, read_deadlines(course))])
 
 
-def _print_one(course: Course, student: str, judged: Judged) -> None:
+def _print_one(course: Course, student: str, judged: JudgedSubmissions) -> None:
     """Print the verdicts on one student, and the history of the marks."""
     from grader.lms.history import read_changes
 

@@ -130,7 +130,7 @@ def unjudged(monkeypatch):
     """Replace judging with a fixed verdict, and return the list of recorded calls."""
     asked = []
 
-    def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
+    def judge_one(handed_in, lesson, student, seed, sandbox, is_alone=False):
         asked.append((handed_in.name, lesson, student, seed, handed_in.complaint))
         return verdict((exercise(),))
 
@@ -189,9 +189,9 @@ def test_a_starved_notebook_is_judged_again(root, monkeypatch):
     (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
     tries = []
 
-    def judge_one(*about, alone=False):
-        tries.append(alone)
-        return Verdict(**{**vars(verdict((exercise(),))), "starved": not alone})
+    def judge_one(*about, is_alone=False):
+        tries.append(is_alone)
+        return Verdict(**{**vars(verdict((exercise(),))), "starved": not is_alone})
 
     monkeypatch.setattr(judging, "judge_one", judge_one)
     assert not judged(root).lessons[0].verdict.starved

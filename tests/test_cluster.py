@@ -24,8 +24,8 @@ import pytest
 from grader import cli, commands
 from grader.classroom import cluster, grade
 from grader.classroom.executors import EXECUTORS
-from grader.classroom.lock import only_one
-from grader.classroom.protocol import ExecutorLost, room
+from grader.classroom.lock import course_lock
+from grader.classroom.protocol import ExecutorLost, capacity
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
 from grader.course.portable_files import FOLDERS
@@ -391,13 +391,13 @@ def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, star
 
 @pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_a_fault(course, sandbox, monkeypatch, capsys):
-    monkeypatch.setattr(cluster, "CONNECT", 1)
+    monkeypatch.setattr(cluster, "LONGEST_CONNECTING", 1)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
         assert grade_on(address, course, sandbox) == commands.FAULT
         assert f"No scheduler answers at {address}" in capsys.readouterr().err
     assert grade_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
     assert "names none" in capsys.readouterr().err
-    with only_one(course):  # the lock is free
+    with course_lock(course):  # the lock is free
         pass
 
 
@@ -410,7 +410,7 @@ def test_without_dask_the_command_that_installs_it_is_named(missing, sandbox, mo
 
 
 def test_nobody_works(sandbox, monkeypatch, tmp_path):
-    monkeypatch.setattr(cluster, "PATIENCE", 1)
+    monkeypatch.setattr(cluster, "LONGEST_WAIT", 1)
     monkeypatch.chdir(tmp_path)
     with (
         distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as there,
@@ -444,7 +444,7 @@ def test_the_packed_course_has_only_files_that_judging_reads():
 @pytest.mark.slow
 def test_reading_ahead_is_limited_to_free_room(course, sandbox, monkeypatch):
     """Each verdict is written before the next notebook is read."""
-    monkeypatch.setattr(Inline, "room", 1, raising=False)
+    monkeypatch.setattr(Inline, "capacity", 1, raising=False)
     rehearsed(course, LESSON)
     events = []
     read, write = grade.Submission.read, grade.write_verdict
@@ -457,5 +457,5 @@ def test_reading_ahead_is_limited_to_free_room(course, sandbox, monkeypatch):
         grade, "write_verdict", lambda *about: events.append("write") or write(*about)
     )
     judged = grade.judge_class(course, (), SEED, sandbox, Inline, 1, quiet)
-    assert events == ["read", "write"] * 5 and room(Inline(1)) == 1
+    assert events == ["read", "write"] * 5 and capacity(Inline(1)) == 1
     assert all(known(course, submission, SEED) == verdict for submission, verdict in judged)

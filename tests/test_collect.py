@@ -15,7 +15,7 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom import contents
-from grader.classroom.collect import CollectTrouble, inspection, zips
+from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import read_record, why_untimed
@@ -323,7 +323,7 @@ def test_a_table_of_late_students_is_enough_if_the_platform_marks_them(course):
 def test_the_error_about_a_table_without_times_lists_its_columns(course):
     table = course.root / "times.csv"
     table.write_text("id,Abgabezeit\nada,2026-10-14 14:14\n")
-    with pytest.raises(CollectTrouble, match="They are: id, Abgabezeit"):
+    with pytest.raises(CollectError, match="They are: id, Abgabezeit"):
         collect(course, course.root, times=table)
 
 
@@ -975,14 +975,14 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
 
 def test_an_answer_cannot_lead_to_another_folder(anonymous_course):
     path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
-    with pytest.raises(CollectTrouble, match="no folder can be called ../../x"):
+    with pytest.raises(CollectError, match="no folder can be called ../../x"):
         collect(anonymous_course, path, who={"ada": "../../x"})
 
 
 def test_collecting_is_refused_while_the_course_is_graded(course, command, capsys):
-    from grader.classroom.lock import only_one
+    from grader.classroom.lock import course_lock
 
-    with only_one(course):
+    with course_lock(course):
         assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert "Another run is grading" in capsys.readouterr().err
 
@@ -1203,5 +1203,5 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
 def test_a_worksheet_that_is_not_a_table_is_refused(course):
     table = course.root / "worksheet.csv"
     table.write_text("a,b\n" + "x" * 2**25)
-    with pytest.raises(CollectTrouble, match="is not a CSV file"):
+    with pytest.raises(CollectError, match="is not a CSV file"):
         collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)

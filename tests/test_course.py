@@ -19,7 +19,7 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom.executors import EXECUTORS
-from grader.classroom.lock import AlreadyRunning, only_one
+from grader.classroom.lock import AlreadyRunning, course_lock
 from grader.course import paths
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
@@ -350,12 +350,12 @@ def test_late_penalty_per_day(late, points):
 
 @pytest.mark.slow
 def test_a_second_run_is_refused_while_the_first_runs(course, sandbox, capsys):
-    with only_one(course):
+    with course_lock(course):
         assert grade(course, sandbox) == commands.FAULT
     errors = capsys.readouterr().err
     assert f"process {os.getpid()}" in errors and "start this one again" in errors
     assert grade(course, sandbox) == commands.GOOD
-    with only_one(course), pytest.raises(AlreadyRunning), only_one(course):
+    with course_lock(course), pytest.raises(AlreadyRunning), course_lock(course):
         pass
 
 

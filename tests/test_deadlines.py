@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 import pytest
 
-from grader.course.deadlines import DeadlinesTrouble, read_deadlines
+from grader.course.deadlines import DeadlinesError, read_deadlines
 from grader.course.paths import Course
-from grader.course.roster import Person, RosterTrouble
+from grader.course.roster import Person, RosterError
 
 ROSTER = "id,section\nanna,A\nben,B\ncleo,B\ndora,\nnoshow,A\nmary jane,\n"
 DATES = """
@@ -164,7 +164,7 @@ def test_without_a_roster_students_may_still_have_their_own_dates(course):
     ],
 )
 def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
-    with pytest.raises(DeadlinesTrouble) as trouble:
+    with pytest.raises(DeadlinesError) as trouble:
         read(course, written)
     assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
 
@@ -178,11 +178,11 @@ def test_only_excuses_need_no_date(course):
 
 def test_sections_need_a_roster(course):
     (course.root / "roster.csv").unlink()
-    with pytest.raises(DeadlinesTrouble, match="no roster.csv says who is in which section"):
+    with pytest.raises(DeadlinesError, match="no roster.csv says who is in which section"):
         read(course, DATES)
 
 
 def test_an_unreadable_roster_raises_a_roster_error(course):
     (course.root / "roster.csv").write_text("name\nx\n")
-    with pytest.raises(RosterTrouble):
+    with pytest.raises(RosterError):
         read(course, DATES)

@@ -156,7 +156,7 @@ def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
     monkeypatch.setattr(program_run, "outcomes_of_untouched", broken)
     verdict = judging.judge(LESSON.released, SEED, None)
     assert verdict.status == FAILED and verdict.faults == ("pytest ran 3 of 9 tests",)
-    assert judging.UNFAIR in verdict.problems
+    assert judging.JUDGE_FAILED_NOTE in verdict.problems
 
 
 @pytest.mark.slow
@@ -256,7 +256,7 @@ def three_lessons(course, monkeypatch):
         calls.append(lesson[:2])
         return complaints.get(lesson[:2], ())
 
-    def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
+    def judge_one(handed_in, lesson, student, seed, sandbox, is_alone=False):
         calls.append(f"{lesson[:2]} {student}")
         return Verdict(lesson, student, JUDGED, 1.0, 1.0, (), (), 0.0, "")
 
@@ -307,8 +307,8 @@ class FakeJudge:
         self.course, self.outcomes = course, outcomes
         self.calls, self.events, self.opened = [], [], []
 
-    def judge_one(self, handed_in, lesson, student, seed, sandbox, alone=False):
-        self.calls.append((student, alone))
+    def judge_one(self, handed_in, lesson, student, seed, sandbox, is_alone=False):
+        self.calls.append((student, is_alone))
         attempt = [name for name, _ in self.calls].count(student)
         outcome = self.outcomes.get(student, {}).get(attempt, {})
         if isinstance(outcome, Exception):
@@ -317,17 +317,17 @@ class FakeJudge:
         fields = {"key": key, "fingerprint": handed_in.fingerprint()} | outcome
         return Verdict(lesson, student, JUDGED, 1.0, 30.0, (), (), 0.0, **fields)
 
-    def grade(self, monkeypatch, room=64):
+    def grade(self, monkeypatch, capacity=64):
         """Grade the class; return the verdict of each student in order of completion."""
         monkeypatch.setattr(grade, "judge_one", self.judge_one)
 
-        class WithRoom(Inline):
+        class WithCapacity(Inline):
             def __init__(self, workers):
-                self.room = room
+                self.capacity = capacity
 
         def open_executor(workers):
             self.opened.append(workers)
-            return WithRoom(workers)
+            return WithCapacity(workers)
 
         def record(done, total, what):
             self.events.append((done, total, getattr(what, "student", what), len(self.calls)))
@@ -362,11 +362,13 @@ def test_progress_counts_submissions_and_verdicts_are_reused(prepared, monkeypat
     assert [news[:3] for news in third.events] == [(2, 3, None), (3, 3, "poison")]
 
 
-@pytest.mark.parametrize("room", [1, 2, 3])
-def test_reading_ahead_is_limited_by_the_room(prepared, monkeypatch, room):
+@pytest.mark.parametrize("capacity", [1, 2, 3])
+def test_reading_ahead_is_limited_by_the_capacity(prepared, monkeypatch, capacity):
     judge = FakeJudge(prepared)
-    judge.grade(monkeypatch, room)
-    assert [count for *_, count in judge.events[1:]] == [min(room + done, 3) for done in range(3)]
+    judge.grade(monkeypatch, capacity)
+    assert [count for *_, count in judge.events[1:]] == [
+        min(capacity + done, 3) for done in range(3)
+    ]
 
 
 def test_a_starved_submission_is_judged_again_alone(prepared, monkeypatch):
@@ -393,7 +395,7 @@ def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeyp
         (0.0, ()),
         (0.0, ()),
     ]
-    assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.UNFAIR,)
+    assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.JUDGE_FAILED_NOTE,)
     assert (failed.lesson, failed.student, failed.key) == (LESSON.name, "poison", "")
     assert not failed.starved and failed.seconds == 0.0
 

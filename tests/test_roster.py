@@ -5,7 +5,7 @@ import unicodedata
 import pytest
 
 from grader.course.paths import Course
-from grader.course.roster import Person, Roster, RosterTrouble, read_roster
+from grader.course.roster import Person, Roster, RosterError, read_roster
 
 CLASS = (
     "id,first_name,last_name,email,section,lms_id,github\n"
@@ -86,7 +86,7 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people)
     ],
 )
 def test_an_invalid_roster_is_reported_with_line_and_remedy(course, written, says):
-    with pytest.raises(RosterTrouble) as trouble:
+    with pytest.raises(RosterError) as trouble:
         read(course, written)
     assert says in str(trouble.value) and str(trouble.value).startswith("roster.csv")
 

@@ -160,7 +160,7 @@ def test_a_repeated_failure_counts_if_the_solution_passes(judge_made_of, tries):
     verdict, _ = judge_made_of(*tries, complaints=("voxel_grid, x",))
     assert (verdict.status, verdict.score, verdict.max_score) == ("judge_failed", 0.0, 30.0)
     assert len(verdict.faults) == 2 and "OSError: once" in verdict.faults[0]
-    assert verdict.problems == (judging.UNFAIR,)
+    assert verdict.problems == (judging.JUDGE_FAILED_NOTE,)
     assert [(exercise.score, exercise.tests) for exercise in verdict.exercises] == [(0.0, ())] * 2
 
 
@@ -239,7 +239,7 @@ def test_a_failed_reader_process_is_a_judge_fault(monkeypatch):
     monkeypatch.setattr(judging, "prepare_to_judge", fail)
     verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b"{}"), 7, None)
     assert (verdict.status, verdict.faults) == ("judge_failed", ("There was no memory.",))
-    assert verdict.problems == (judging.UNFAIR,)
+    assert verdict.problems == (judging.JUDGE_FAILED_NOTE,)
 
 
 def test_results_of_judging_are_immutable():

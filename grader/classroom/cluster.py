@@ -22,22 +22,22 @@ import dask
 import distributed
 
 from grader.classroom import worker_plugin
-from grader.classroom.protocol import ROOM, ExecutorLost
+from grader.classroom.protocol import DEFAULT_CAPACITY, ExecutorLost
 from grader.course.archives import zipped
 from grader.course.portable_files import files_to_judge_with
 from grader.judging.key import versions
 
-PATIENCE = 15 * 60
+LONGEST_WAIT = 15 * 60
 """Seconds without any worker that can judge, after which grading stops."""
-CHECK = 1.0
+SECONDS_BETWEEN_LOOKS = 1.0
 """Seconds from one look at the scheduler to the next."""
-CONNECT = 30
+LONGEST_CONNECTING = 30
 """Seconds that a scheduler may take to answer."""
 
 cloudpickle.register_pickle_by_value(worker_plugin)
 
 
-class _ByValue:
+class _FunctionByValue:
     """A function that is pickled by value, with its code."""
 
     def __init__(self, function: Callable) -> None:
@@ -92,9 +92,9 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
 
 def _client(address: str) -> distributed.Client:
     try:
-        return distributed.Client(address, timeout=CONNECT, set_as_default=False)
+        return distributed.Client(address, timeout=LONGEST_CONNECTING, set_as_default=False)
     except AssertionError:  # Dask's own thread got no processor for ten seconds
-        return distributed.Client(address, timeout=CONNECT, set_as_default=False)
+        return distributed.Client(address, timeout=LONGEST_CONNECTING, set_as_default=False)
 
 
 def packed_course() -> bytes:
@@ -117,34 +117,34 @@ class Cluster(Executor):
     ) -> None:
         self._client, self._address, self._tell = client, address, tell
         self._name = f"lidar-obstacle-lab-{uuid.uuid4().hex}"
-        self._fit: dict[str, int] = {}
-        self._refused: dict[str, str] = {}
+        self._fit_workers: dict[str, int] = {}
+        self._refused_workers: dict[str, str] = {}
         self._waiting: dict[Future, distributed.Future] = {}
-        self._lost: ExecutorLost | None = None
-        self._lock, self._over = threading.Lock(), threading.Event()
-        self._judge = _ByValue(worker_plugin.judge_on_worker)
+        self._failure: ExecutorLost | None = None
+        self._lock, self._closed = threading.Lock(), threading.Event()
+        self._judge = _FunctionByValue(worker_plugin.judge_on_worker)
         client.subscribe_topic(self._name, self._record_event)
         plugin = worker_plugin.JudgePlugin(self._name, packed_course(), versions(), sandbox)
-        for work in (functools.partial(self._send, plugin), self._watch):
-            threading.Thread(target=work, daemon=True).start()
+        for task in (functools.partial(self._send, plugin), self._watch):
+            threading.Thread(target=task, daemon=True).start()
 
-    def __exit__(self, kind: type | None, *about: object) -> None:
+    def __exit__(self, kind: type | None, *details: object) -> None:
         self.shutdown(cancel_futures=kind is not None)
 
     @property
-    def room(self) -> int:
+    def capacity(self) -> int:
         """Room for one notebook per thread, and one more that waits."""
-        return max(ROOM, 3 * sum(self._fit.values()))
+        return max(DEFAULT_CAPACITY, 3 * sum(self._fit_workers.values()))
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
         """Schedule a call on a fit worker, as soon as there is one."""
-        answer = Future()
+        future = Future()
         job = pickle.dumps((function, arguments))
         with self._lock:
-            if self._lost:
-                raise self._lost
+            if self._failure:
+                raise self._failure
             with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1GB"}):
-                there = self._client.submit(
+                remote_future = self._client.submit(
                     self._judge,
                     self._name,
                     job,
@@ -152,21 +152,21 @@ class Cluster(Executor):
                     pure=False,
                     resources={self._name: 1},
                 )
-            self._waiting[answer] = there
-        there.add_done_callback(functools.partial(self._deliver, answer))
-        return answer
+            self._waiting[future] = remote_future
+        remote_future.add_done_callback(functools.partial(self._deliver, future))
+        return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Leave the cluster unchanged; see `concurrent.futures.Executor.shutdown`."""
-        if self._over.is_set():
+        if self._closed.is_set():
             return
         if wait and not cancel_futures:
-            for answer in list(self._waiting):
-                answer.exception()
-        self._over.set()
-        for answer in list(self._waiting):
-            answer.cancel()
-        if not self._lost:
+            for future in list(self._waiting):
+                future.exception()
+        self._closed.set()
+        for future in list(self._waiting):
+            future.cancel()
+        if not self._failure:
             _call_quietly(self._client.unregister_worker_plugin, self._name)
         _call_quietly(self._client.close, timeout=5)
 
@@ -177,80 +177,80 @@ class Cluster(Executor):
 
     def _record_event(self, event: tuple[float, dict]) -> None:
         """Record what a worker reports about itself."""
-        said = event[1]
-        if not said["complaint"]:
-            self._fit[said["worker"]] = said["threads"]
+        report = event[1]
+        if not report["complaint"]:
+            self._fit_workers[report["worker"]] = report["threads"]
             return
-        self._refused[said["worker"]] = said["complaint"]
+        self._refused_workers[report["worker"]] = report["complaint"]
         self._tell(
-            f"Worker {said['worker']} on {said['machine']} judges nothing; its notebooks go "
-            f"elsewhere. {said['complaint']}"
+            f"Worker {report['worker']} on {report['machine']} judges nothing; its notebooks go "
+            f"elsewhere. {report['complaint']}"
         )
 
-    def _deliver(self, answer: Future, there: distributed.Future) -> None:
+    def _deliver(self, future: Future, remote_future: distributed.Future) -> None:
         """Pass on the result of a job."""
         try:
-            if there.status == "finished":
-                good, value = pickle.loads(there.result())
-            elif there.status == "error":
-                good, value = False, there.exception()
+            if remote_future.status == "finished":
+                succeeded, value = pickle.loads(remote_future.result())
+            elif remote_future.status == "error":
+                succeeded, value = False, remote_future.exception()
             else:
                 raise ConnectionError
         except Exception:
-            if not self._over.is_set():
-                self._give_up(self._silence())
+            if not self._closed.is_set():
+                self._give_up(self._unreachable_message())
             return
         if isinstance(value, distributed.scheduler.KilledWorker):
             # As often as Dask tries, the whole worker died.
             value = BrokenExecutor(str(value))
         with self._lock:
-            if self._waiting.pop(answer, None) and answer.set_running_or_notify_cancel():
-                answer.set_result(value) if good else answer.set_exception(value)
+            if self._waiting.pop(future, None) and future.set_running_or_notify_cancel():
+                future.set_result(value) if succeeded else future.set_exception(value)
 
     def _watch(self) -> None:
         """Stop waiting when no worker is left."""
-        last, told = time.monotonic(), False
-        while not self._over.wait(CHECK):
+        last_fit, is_announced = time.monotonic(), False
+        while not self._closed.wait(SECONDS_BETWEEN_LOOKS):
             try:
                 present = set(self._client.nthreads())
             except Exception:
-                self._give_up(self._silence())
+                self._give_up(self._unreachable_message())
                 return
             now = time.monotonic()
-            for address in set(self._fit) - present:
-                self._fit.pop(address, None)
-            if self._fit:
-                last, told = now, False
-            elif present and present <= set(self._refused):
+            for address in set(self._fit_workers) - present:
+                self._fit_workers.pop(address, None)
+            if self._fit_workers:
+                last_fit, is_announced = now, False
+            elif present and present <= set(self._refused_workers):
                 self._give_up(
                     f"No worker of {self._address} can judge, for the reasons above. Mend one, or "
                     "start another, and give the same command again. What has been judged is kept."
                 )
                 return
-            elif now - last > PATIENCE:
+            elif now - last_fit > LONGEST_WAIT:
                 self._give_up(
-                    f"For {PATIENCE / 60:.0f} minutes {self._address} has had no worker that can "
-                    f"judge. Start some with: dask worker {self._address}\nand give the same "
+                    f"For {LONGEST_WAIT / 60:.0f} minutes {self._address} has had no worker that "
+                    f"can judge. Start some with: dask worker {self._address}\nand give the same "
                     "command again. What has been judged is kept."
                 )
                 return
-            elif now - last > 10 and not told:
-                told = True
+            elif now - last_fit > 10 and not is_announced:
+                is_announced = True
                 self._tell(
                     f"{self._address} has no worker that can judge yet. Waiting for one, for "
-                    f"{PATIENCE / 60:.0f} minutes: dask worker {self._address}"
+                    f"{LONGEST_WAIT / 60:.0f} minutes: dask worker {self._address}"
                 )
 
     def _give_up(self, reason: str) -> None:
         with self._lock:
-            self._lost = ExecutorLost(reason)
+            self._failure = ExecutorLost(reason)
             waiting = list(self._waiting)
             self._waiting.clear()
-        for answer in waiting:
-            if answer.set_running_or_notify_cancel():
-                answer.set_exception(self._lost)
+        for future in waiting:
+            if future.set_running_or_notify_cancel():
+                future.set_exception(self._failure)
 
-    def _silence(self) -> str:
+    def _unreachable_message(self) -> str:
         return (
             f"The scheduler {self._address} does not answer any more. What has been judged is "
             "kept: start it and its workers again, and give the same command."

@@ -19,10 +19,10 @@ from packaging.requirements import Requirement
 from grader.classroom.folders import respelt_folders, unmatched_folders
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import find_submissions, unaccounted_files
-from grader.course.deadlines import Deadlines, DeadlinesTrouble, read_deadlines
+from grader.course.deadlines import Deadlines, DeadlinesError, read_deadlines
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT, Course
-from grader.course.roster import Roster, RosterTrouble, read_roster
+from grader.course.roster import Roster, RosterError, read_roster
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
@@ -74,7 +74,7 @@ def examine(
     try:
         yield from _people(course)
         yield from _files(course)
-    except RosterTrouble as error:
+    except RosterError as error:
         yield Finding("roster", False, str(error))
     yield _dates(course)
 
@@ -203,7 +203,7 @@ def _people(course: Course) -> Iterator[Finding]:
 def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
     """Name the students without a submission, for each stage that has submissions."""
     deadlines = Deadlines({})
-    with contextlib.suppress(DeadlinesTrouble):  # reported on its own
+    with contextlib.suppress(DeadlinesError):  # reported on its own
         deadlines = read_deadlines(course) or deadlines
     by_stage: dict[str, set[str]] = {}
     for submission in find_submissions(course):
@@ -221,7 +221,7 @@ def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
 def _dates(course: Course) -> Finding:
     try:
         deadlines = read_deadlines(course)
-    except (DeadlinesTrouble, RosterTrouble) as error:
+    except (DeadlinesError, RosterError) as error:
         return Finding("deadlines", False, str(error))
     if deadlines is None:
         return Finding(

@@ -12,13 +12,13 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
 
-from grader.classroom.protocol import ExecutorLost, room
+from grader.classroom.protocol import ExecutorLost, capacity
 from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles
-from grader.judging.judge import UNFAIR, judge_files
+from grader.judging.judge import JUDGE_FAILED_NOTE, judge_files
 from grader.judging.key import verdict_key
 from grader.judging.verdict import (
     FAILED,
@@ -30,7 +30,7 @@ from grader.judging.verdict import (
 )
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
-Judged = list[tuple[Submission, Verdict]]
+JudgedSubmissions = list[tuple[Submission, Verdict]]
 
 
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
@@ -53,7 +53,7 @@ def judge_one(
     student: str,
     seed: int,
     sandbox: str,
-    alone: bool = False,
+    is_alone: bool = False,
 ) -> Verdict:
     """Judge one notebook on any machine that has the course's code.
 
@@ -65,18 +65,18 @@ def judge_one(
     seed : int
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
-    alone : bool
+    is_alone : bool
         Whether nothing else is being judged, so that a time limit is reliable.
     """
     verdict = judge_files(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
-    return verdict.when_idle() if alone else verdict
+    return verdict.without_starved() if is_alone else verdict
 
 
 def judge_and_store(
-    course: Course, submission: Submission, seed: int, sandbox: Sandbox, alone: bool = False
+    course: Course, submission: Submission, seed: int, sandbox: Sandbox, is_alone: bool = False
 ) -> Verdict:
     """Judge one submission in this process and store the verdict; see `judge_one`."""
-    verdict = judge_one(*_job(course, submission, seed, sandbox), alone)
+    verdict = judge_one(*_job(course, submission, seed, sandbox), is_alone)
     write_verdict(verdict, submission.verdict_path(course))
     return verdict
 
@@ -90,7 +90,7 @@ def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) ->
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
     """Return the verdict on disk, or judge the submission."""
     stored = stored_verdict(course, submission, seed)
-    return stored or judge_and_store(course, submission, seed, sandbox, alone=True)
+    return stored or judge_and_store(course, submission, seed, sandbox, is_alone=True)
 
 
 def judge_class(
@@ -102,7 +102,7 @@ def judge_class(
     workers: int,
     progress: Callable[[int, int, object], None],
     student: str | None = None,
-) -> Judged:
+) -> JudgedSubmissions:
     """Judge every submission without a valid verdict.
 
     Workers get data and return verdicts. Submissions are read and verdicts written only in this
@@ -139,9 +139,9 @@ def judge_class(
     waiting = [submission for submission, verdict in verdicts.items() if verdict is None]
     done = len(submissions) - len(waiting)
     progress(done, len(submissions), None)
-    suspects = []
+    to_repeat = []
 
-    def note(submission: Submission, future: Future) -> None:
+    def store_result(submission: Submission, future: Future) -> None:
         nonlocal done
         verdict = _result(future, submission)
         write_verdict(verdict, submission.verdict_path(course))
@@ -160,13 +160,13 @@ def judge_class(
             rehearsals = Rehearsals(
                 course, {submission.lesson for submission in waiting}, seed, sandbox, tell
             )
-            suspects = _judge_all(waiting, job, executor, workers, note, rehearsals)
-    suspects += [
+            to_repeat = _judge_all(waiting, job, executor, workers, store_result, rehearsals)
+    to_repeat += [
         submission for submission, verdict in verdicts.items() if verdict and verdict.starved
     ]
-    for submission in suspects:
+    for submission in to_repeat:
         with open_executor(1) as executor:
-            note(submission, executor.submit(judge_one, *job(submission), True))
+            store_result(submission, executor.submit(judge_one, *job(submission), True))
     return [(submission, verdicts[submission]) for submission in submissions]
 
 
@@ -175,7 +175,7 @@ def _judge_all(
     job: Callable[[Submission], tuple],
     executor: Executor,
     workers: int,
-    note: Callable[[Submission, Future], None],
+    store_result: Callable[[Submission, Future], None],
     rehearsals: Rehearsals,
 ) -> list[Submission]:
     """Judge in parallel and return the submissions whose worker died.
@@ -183,42 +183,42 @@ def _judge_all(
     Only as many submissions are read ahead as the executor has room for. A lesson begins when its
     own solution has earned everything.
     """
-    coming = deque(sorted(waiting, key=lambda one: one.lesson.name))
+    coming = deque(sorted(waiting, key=lambda submission: submission.lesson.name))
     running, finished, died = {}, queue.SimpleQueue(), []
 
-    def give(what: Submission | Lesson, future: Future) -> None:
-        running[future] = what
+    def watch(task: Submission | Lesson, future: Future) -> None:
+        running[future] = task
         future.add_done_callback(finished.put)
 
-    def fill() -> None:
+    def submit_jobs() -> None:
         while coming and rehearsals.passed(coming[0].lesson):
-            if len(running) >= room(executor):
+            if len(running) >= capacity(executor):
                 return
-            give(coming[0], executor.submit(judge_one, *job(coming[0])))
+            watch(coming[0], executor.submit(judge_one, *job(coming[0])))
             coming.popleft()
         # Not all rehearsals at once, so that the first verdict does not wait for other lessons.
-        begun = sum(isinstance(what, Lesson) for what in running.values())
-        for lesson in rehearsals.next(workers - begun, not running):
-            give(lesson, rehearsals.start(lesson, executor))
+        rehearsing = sum(isinstance(task, Lesson) for task in running.values())
+        for lesson in rehearsals.next_lessons(workers - rehearsing, not running):
+            watch(lesson, rehearsals.start(lesson, executor))
 
     while True:
-        fill()
+        submit_jobs()
         if not running:
             rehearsals.verify()
             return died
         future = finished.get()
-        what = running.pop(future, None)
-        if isinstance(what, Lesson):
-            rehearsals.note(what, future)
+        task = running.pop(future, None)
+        if isinstance(task, Lesson):
+            rehearsals.record_result(task, future)
             if rehearsals.failed:  # other lessons may have faults as well, so judging stops
                 coming.clear()
-                for other, what in list(running.items()):
-                    if isinstance(what, Submission) and other.cancel():
+                for other, task in list(running.items()):
+                    if isinstance(task, Submission) and other.cancel():
                         del running[other]
-        elif what and isinstance(future.exception(), BrokenExecutor):
-            died.append(what)
-        elif what:  # otherwise the job was cancelled
-            note(what, future)
+        elif task and isinstance(future.exception(), BrokenExecutor):
+            died.append(task)
+        elif task:  # otherwise the job was cancelled
+            store_result(task, future)
 
 
 def _result(future: Future, submission: Submission) -> Verdict:
@@ -244,7 +244,7 @@ def failed_verdict(submission: Submission, error: Exception) -> Verdict:
         score=0.0,
         max_score=sum(exercise.max_score for exercise in exercises),
         exercises=exercises,
-        problems=(UNFAIR,),
+        problems=(JUDGE_FAILED_NOTE,),
         seconds=0.0,
         key="",
         faults=("".join(traceback.format_exception(error)),),

@@ -13,15 +13,15 @@ import threading
 from concurrent.futures import Future
 from multiprocessing.connection import Connection
 
-from grader.classroom.pool import Pool, do
+from grader.classroom.pool import Pool, run_job
 from grader.judging.key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
-IDLE = 30 * 60
+LONGEST_IDLE = 30 * 60
 """Seconds after which nobody is waiting any more: whoever graded was killed, say."""
 
 
-def serve(descriptor: int, count: int, sandbox: str) -> None:
+def serve(descriptor: int, workers: int, sandbox: str) -> None:
     """Judge the jobs that come through a pipe, until it closes.
 
     The first message reports the versions on this machine, and why there is no sandbox, if there
@@ -32,24 +32,24 @@ def serve(descriptor: int, count: int, sandbox: str) -> None:
     ----------
     descriptor : int
         This process's end of the pipe.
-    count : int
+    workers : int
         The number of notebooks to judge at a time.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
     pipe, lock = Connection(descriptor), threading.Lock()
     pipe.send({"versions": versions(), "complaint": _complaint(sandbox)})
-    pool = Pool(count)
+    pool = Pool(workers)
 
     def answer(number: int, future: Future) -> None:
-        died = future.exception()
+        error = future.exception()
         with lock:
-            pipe.send((number, pickle.dumps((False, died)) if died else future.result()))
+            pipe.send((number, pickle.dumps((False, error)) if error else future.result()))
 
     try:
-        while pipe.poll(IDLE):
+        while pipe.poll(LONGEST_IDLE):
             number, job = pipe.recv()
-            pool.submit(do, job).add_done_callback(functools.partial(answer, number))
+            pool.submit(run_job, job).add_done_callback(functools.partial(answer, number))
     finally:
         os._exit(1)  # the results of unfinished jobs are not needed
 

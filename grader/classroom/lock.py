@@ -20,7 +20,7 @@ class AlreadyRunning(Exception):
 
 
 @contextlib.contextmanager
-def only_one(course: Course) -> Iterator[None]:
+def course_lock(course: Course) -> Iterator[None]:
     """Hold the lock of a course, and remove unfinished files of a run that was killed.
 
     The operating system releases the lock when the process ends, however it ends.
@@ -36,10 +36,10 @@ def only_one(course: Course) -> Iterator[None]:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             file.seek(0)
-            who = file.read(20).strip() or "unknown"
+            process_id = file.read(20).strip() or "unknown"
             raise AlreadyRunning(
-                f"Another run is grading this course (process {who}). Wait until it ends, and "
-                "start this one again: what is done is not done twice."
+                f"Another run is grading this course (process {process_id}). Wait until it ends, "
+                "and start this one again: what is done is not done twice."
             ) from None
         file.truncate(0)
         file.write(f"{os.getpid()}\n")

@@ -20,7 +20,7 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 
 SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
-LONGEST = 60 * 60
+LONGEST_JOB = 60 * 60
 """Seconds that one job may take: far more than the limits of a notebook add up to."""
 SECONDS_TO_END = 10
 
@@ -44,11 +44,11 @@ class Pool(Executor):
         if os.name == "posix":
             self._context.set_forkserver_preload([*SLOW_TO_IMPORT])
         self._threads = ThreadPoolExecutor(workers)
-        self._lock, self._over = threading.Lock(), False
+        self._lock, self._closed = threading.Lock(), False
         self._idle: list[_Process] = []
         self._busy: set[_Process] = set()
 
-    def __exit__(self, kind: type | None, *about: object) -> None:
+    def __exit__(self, kind: type | None, *details: object) -> None:
         self.shutdown(cancel_futures=kind is not None)
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
@@ -60,7 +60,7 @@ class Pool(Executor):
         self._threads.shutdown(wait=False, cancel_futures=cancel_futures)
         if cancel_futures:
             with self._lock:
-                self._over = True
+                self._closed = True
                 for process in self._busy:
                     process.kill()
         if wait:
@@ -70,32 +70,33 @@ class Pool(Executor):
             self._idle.clear()
 
     def _run_job(self, job: bytes) -> object:
-        process = self._take()
-        clock = threading.Timer(LONGEST, process.kill)
-        clock.start()
+        process = self._take_process()
+        timer = threading.Timer(LONGEST_JOB, process.kill)
+        timer.start()
         alive = False
         try:
-            good, value = pickle.loads(process.answer(job))
+            succeeded, value = pickle.loads(process.answer(job))
             alive = True
         except (EOFError, OSError):
             process.end()
             raise BrokenExecutor(
-                f"The process that judged died ({process.how_it_ended}). Is there memory enough?"
+                f"The process that judged died ({process.exit_description}). "
+                "Is there memory enough?"
             ) from None
         finally:
-            clock.cancel()
+            timer.cancel()
             # In one step, because another thread may take an idle process and mark it as busy.
             with self._lock:
                 self._busy.discard(process)
                 if alive:
                     self._idle.append(process)
-        if good:
+        if succeeded:
             return value
         raise value
 
-    def _take(self) -> _Process:
+    def _take_process(self) -> _Process:
         with self._lock:
-            if self._over:
+            if self._closed:
                 raise BrokenExecutor("What judges was called off.")
             process = self._idle.pop() if self._idle else _Process(self._context)
             self._busy.add(process)
@@ -106,10 +107,10 @@ class _Process:
     """A worker process and the parent's end of its pipe."""
 
     def __init__(self, context: multiprocessing.context.BaseContext) -> None:
-        self._pipe, theirs = context.Pipe()
+        self._pipe, child_end = context.Pipe()
         # No other process has the child's end, so it closes when the child dies.
-        with theirs:
-            self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        with child_end:
+            self._process = context.Process(target=_serve, args=(child_end,), daemon=True)
             self._process.start()
 
     def answer(self, job: bytes) -> bytes:
@@ -135,7 +136,7 @@ class _Process:
         self._process.join(SECONDS_TO_END)
 
     @property
-    def how_it_ended(self) -> str:
+    def exit_description(self) -> str:
         """Describe how the process ended, for the instructor."""
         code = self._process.exitcode
         return f"signal {-code}" if code is not None and code < 0 else f"exit status {code}"
@@ -148,7 +149,7 @@ def _serve(pipe: multiprocessing.connection.Connection) -> None:
     threading.Thread(target=_die_with_parent, daemon=True).start()
     with contextlib.suppress(EOFError, OSError):
         while True:
-            pipe.send_bytes(do(pipe.recv_bytes()))
+            pipe.send_bytes(run_job(pipe.recv_bytes()))
 
 
 def _die_with_parent() -> None:
@@ -157,7 +158,7 @@ def _die_with_parent() -> None:
     os._exit(1)
 
 
-def do(job: bytes) -> bytes:
+def run_job(job: bytes) -> bytes:
     """Run a pickled (function, arguments); return a pickled (True, result) or (False, error)."""
     try:
         function, arguments = pickle.loads(job)

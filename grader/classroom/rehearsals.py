@@ -50,8 +50,10 @@ class Rehearsals:
         tell: Callable[[Lesson], object] = lambda lesson: None,
     ) -> None:
         self._seed, self._sandbox, self._tell = seed, sandbox, tell
-        notes = {lesson: record_of(course, lesson, seed) for lesson in lessons}
-        self._missing = {lesson: note for lesson, note in notes.items() if not _is_written(*note)}
+        records = {lesson: record_of(course, lesson, seed) for lesson in lessons}
+        self._missing = {
+            lesson: record for lesson, record in records.items() if not _is_recorded(*record)
+        }
         self._complaints: dict[str, tuple[str, ...]] = {}
         self.waiting = sorted(self._missing, key=lambda lesson: lesson.name)
         self._started: list[Lesson] = []
@@ -66,19 +68,19 @@ class Rehearsals:
         """Whether a solution has not earned everything."""
         return bool(self._complaints)
 
-    def next(self, room: int, nobody_else: bool) -> list[Lesson]:
+    def next_lessons(self, capacity: int, is_alone: bool) -> list[Lesson]:
         """Return the next lessons: waiting ones, or a single one whose worker died."""
-        return self.waiting[: max(0, room)] or self._died[:nobody_else]
+        return self.waiting[: max(0, capacity)] or self._died[:is_alone]
 
     def start(self, lesson: Lesson, executor: Executor) -> Future:
-        """Start the rehearsal of a lesson; `note` takes its result."""
+        """Start the rehearsal of a lesson; `record_result` takes its result."""
         self._tell(lesson)
         future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
         (self.waiting if lesson in self.waiting else self._died).remove(lesson)
         self._started.append(lesson)
         return future
 
-    def note(self, lesson: Lesson, future: Future) -> None:
+    def record_result(self, lesson: Lesson, future: Future) -> None:
         """Record the result of a rehearsal."""
         try:
             complaints = future.result()
@@ -101,7 +103,7 @@ class Rehearsals:
             raise RehearsalFailed(
                 "Nobody was graded: with the course's seed, these tests find fault with the "
                 "lesson's own solution. Mend them, or name another seed with --seed.\n"
-                + "\n".join("\n".join((f"{name}:", *said)) for name, said in found)
+                + "\n".join("\n".join((f"{name}:", *complaints)) for name, complaints in found)
             )
 
     def finish(
@@ -123,10 +125,10 @@ class Rehearsals:
         """
         total = len(self.waiting)
         progress(0, total, None)
-        while lessons := self.next(len(self.waiting), nobody_else=True):
-            begun = [(lesson, self.start(lesson, executor)) for lesson in lessons]
-            for lesson, future in begun:
-                self.note(lesson, future)
+        while lessons := self.next_lessons(len(self.waiting), is_alone=True):
+            started = [(lesson, self.start(lesson, executor)) for lesson in lessons]
+            for lesson, future in started:
+                self.record_result(lesson, future)
                 progress(total - len(self._missing), total, None)
         self.verify()
 
@@ -142,7 +144,7 @@ def record_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
     return path, verdict_key(read_submitted_files(lesson.solved), lesson, seed)
 
 
-def _is_written(path: Path, key: str) -> bool:
+def _is_recorded(path: Path, key: str) -> bool:
     try:
         return json.loads(path.read_text("utf-8")) == key
     except (OSError, ValueError):

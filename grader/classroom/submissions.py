@@ -126,7 +126,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
 
     Raises
     ------
-    grader.course.roster.RosterTrouble
+    grader.course.roster.RosterError
     """
     roster = read_roster(course)
     found: dict[tuple[str, Lesson], list[Path]] = {}

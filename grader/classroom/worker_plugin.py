@@ -68,12 +68,12 @@ class JudgePlugin(WorkerPlugin):
     async def setup(self, worker: Worker) -> None:
         """Make the worker fit, or know why it is not; say which of the two."""
         self.threads = worker.state.nthreads
-        self.lock, self.client, self.over = threading.Lock(), None, False
+        self.lock, self.client, self.closed = threading.Lock(), None, False
         try:
             await asyncio.to_thread(self._prepare, worker.local_directory)
             complaint = ""
-        except UnfitWorker as unfit:
-            complaint = str(unfit)
+        except UnfitWorker as error:
+            complaint = str(error)
         except Exception as error:
             complaint = f"It cannot take the course's code: {error!r}."
         if not complaint:
@@ -82,13 +82,13 @@ class JudgePlugin(WorkerPlugin):
             # worker gains a resource.
             worker.status = Status.paused
             worker.status = Status.running
-        said = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}
-        worker.log_event(self.name, {**said, "threads": self.threads})
+        report = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}
+        worker.log_event(self.name, {**report, "threads": self.threads})
 
     def teardown(self, worker: Worker) -> None:
         """Remove everything that the plugin created."""
         with self.lock:
-            self.over = True
+            self.closed = True
             if self.client:
                 self.client.close()
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -102,40 +102,41 @@ class JudgePlugin(WorkerPlugin):
             If the process died or hangs. The next job gets another one.
         """
         with self.lock:
-            if self.over:
+            if self.closed:
                 raise BrokenExecutor("This grading is over.")
             if self.client is None or self.client.dead:
                 self.client = JudgeClient(self.folder, self.threads, self.sandbox)
             client = self.client
-            answer = client.begin(job)
+            future = client.submit(job)
         try:
-            return answer.result(LONGEST_JOB)
+            return future.result(LONGEST_JOB)
         except TimeoutError:
             client.close()
             raise BrokenExecutor(
                 f"The process that judges has not answered for {LONGEST_JOB / 60:.0f} minutes."
             ) from None
 
-    def _prepare(self, place: str) -> None:
-        os.makedirs(place, exist_ok=True)
+    def _prepare(self, parent: str) -> None:
+        os.makedirs(parent, exist_ok=True)
         # Only this user may read it, because it contains hidden tests.
-        self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=place))
+        self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=parent))
         with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
             archive.extractall(self.folder)
         # The user that student code runs as must be able to read the files in the sandbox.
         for path in self.folder.rglob("*"):
             path.chmod(0o755 if path.is_dir() else 0o644)
         self.client = JudgeClient(self.folder, self.threads, self.sandbox)
-        found = self.client.hello["versions"]
-        other = [
-            f"{name} {found[name]} instead of {wanted}"
+        versions = self.client.hello["versions"]
+        mismatches = [
+            f"{name} {versions[name]} instead of {wanted}"
             for name, wanted in self.versions.items()
-            if found[name] != wanted
+            if versions[name] != wanted
         ]
         complaint = self.client.hello["complaint"]
-        if other:
+        if mismatches:
             complaint = (
-                f"It has {', '.join(other)}. Install the course's requirements-cluster.txt there."
+                f"It has {', '.join(mismatches)}. Install the course's requirements-cluster.txt "
+                "there."
             )
         if complaint:
             self.client.close()
@@ -153,14 +154,14 @@ class JudgeClient:
     """
 
     def __init__(self, folder: Path, threads: int, sandbox: str) -> None:
-        self._pipe, theirs = multiprocessing.Pipe()
-        serve = f"serve({theirs.fileno()}, {threads}, {sandbox!r})"
-        with open(folder / "errors.txt", "w+b") as errors, theirs:
+        self._pipe, child_end = multiprocessing.Pipe()
+        serve = f"serve({child_end.fileno()}, {threads}, {sandbox!r})"
+        with open(folder / "errors.txt", "w+b") as errors, child_end:
             self._process = subprocess.Popen(
                 [sys.executable, "-c", f"from grader.classroom.judge_server import serve; {serve}"],
                 cwd=folder,
                 env={**os.environ, "PYTHONPATH": _path_with(folder)},
-                pass_fds=[theirs.fileno()],
+                pass_fds=[child_end.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=errors,
@@ -174,18 +175,18 @@ class JudgeClient:
         self._lock, self._numbers, self._waiting = threading.Lock(), itertools.count(), {}
         threading.Thread(target=self._listen, daemon=True).start()
 
-    def begin(self, job: bytes) -> Future:
+    def submit(self, job: bytes) -> Future:
         """Send a job."""
-        answer = Future()
+        future = Future()
         with self._lock:
             number = next(self._numbers)
-            self._waiting[number] = answer
+            self._waiting[number] = future
             try:
                 self._pipe.send((number, job))
             except OSError:  # it has just died, which `_listen` may have noticed already
                 if self._waiting.pop(number, None):
-                    answer.set_exception(_broken())
-        return answer
+                    future.set_exception(_broken())
+        return future
 
     def close(self) -> None:
         """End the process."""
@@ -199,23 +200,23 @@ class JudgeClient:
         try:
             return self._pipe.recv()
         except EOFError:
-            said = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
+            lines = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
             raise UnfitWorker(
-                f"It cannot run the course's code: {said[-1] if said else 'no reason given'}. "
+                f"It cannot run the course's code: {lines[-1] if lines else 'no reason given'}. "
                 "Install the course's requirements-cluster.txt there."
             ) from None
 
     def _listen(self) -> None:
         try:
             while True:
-                number, answer = self._pipe.recv()
-                self._waiting.pop(number).set_result(answer)
+                number, result = self._pipe.recv()
+                self._waiting.pop(number).set_result(result)
         except (EOFError, OSError):
             with self._lock:
                 self.dead, waiting = True, list(self._waiting.values())
                 self._waiting.clear()
-            for answer in waiting:
-                answer.set_exception(_broken())
+            for future in waiting:
+                future.set_exception(_broken())
             self._process.wait()
 
 

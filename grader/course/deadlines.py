@@ -29,7 +29,7 @@ from grader.course.roster import Person, Roster, read_roster
 EXCUSED = "excused"
 
 
-class DeadlinesTrouble(Exception):
+class DeadlinesError(Exception):
     """The dates cannot be read; `str()` is the sentence to show, with file, place and remedy."""
 
 
@@ -114,8 +114,8 @@ def read_deadlines(course: Course) -> Deadlines | None:
 
     Raises
     ------
-    DeadlinesTrouble
-    grader.course.roster.RosterTrouble
+    DeadlinesError
+    grader.course.roster.RosterError
         If the roster, which gives the sections, cannot be read.
     """
     path = deadlines_path(course)
@@ -125,9 +125,9 @@ def read_deadlines(course: Course) -> Deadlines | None:
         # Normalized like the names of the roster: an ö has two forms in Unicode.
         table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
-        raise DeadlinesTrouble(f"{path.name} is not in UTF-8. Save it again so.") from error
+        raise DeadlinesError(f"{path.name} is not in UTF-8. Save it again so.") from error
     except tomllib.TOMLDecodeError as error:
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f"{path.name}: {error}. A name with other than plain letters, digits, - and _ stands "
             f'between quotation marks, such as "mary jane"; dates stand without.'
         ) from error
@@ -146,7 +146,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
     try:
         return zoneinfo.ZoneInfo(name)
     except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f'{file}: this machine knows no timezone {name!r}. Write one such as "Europe/Berlin", '
             f'or "UTC"; without the line it is this machine\'s.'
         ) from error
@@ -155,12 +155,12 @@ def _zone(file: str, name: object) -> tzinfo | None:
 def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
     """Return the dates of a stage; `where` is the beginning of its heading."""
     if not isinstance(table, dict):
-        raise DeadlinesTrouble(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
+        raise DeadlinesError(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
     _expect(f"{where}]", table, ("due", "sections", "students"), "entry")
     groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
     for kind, group in groups.items():
         if not isinstance(group, dict):
-            raise DeadlinesTrouble(
+            raise DeadlinesError(
                 f"{where}]: {kind} is a heading of its own, {where.partition(', ')[2]}.{kind}], "
                 f"with a line for each below it."
             )
@@ -180,7 +180,7 @@ def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
         excused,
     )
     if read.due is None and (read.sections or read.students):
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f"{where}]: it has dates for some, and none for the others. Add a line "
             f"due = {_EXAMPLE} below this heading."
         )
@@ -194,14 +194,14 @@ def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = Fal
     """Return a date of the file, in UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f"{where}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
             f"quotation marks{other}."
         )
     try:
         return value.replace(tzinfo=value.tzinfo or zone).astimezone(UTC)
     except (OverflowError, ValueError, OSError) as error:
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f"{where}: {value!s} is too far away to reckon with. Write a date such as {_EXAMPLE}."
         ) from error
 
@@ -209,15 +209,15 @@ def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = Fal
 def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:
     for name in table:
         if name not in known:
-            raise DeadlinesTrouble(
+            raise DeadlinesError(
                 f"{where}: there is no {what} {name}. There is: {', '.join(known)}."
             )
 
 
 def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
-    """Raise `DeadlinesTrouble` for names that are not on the roster, whose dates have no effect."""
+    """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
-        raise DeadlinesTrouble(
+        raise DeadlinesError(
             f"{where}.sections]: no roster.csv says who is in which section. Write one, with the "
             f"columns id and section, or give dates to students."
         )
@@ -226,14 +226,14 @@ def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
     sections = {person.section for person in roster.people}
     for name in dates.sections:
         if name not in sections:
-            raise DeadlinesTrouble(
+            raise DeadlinesError(
                 f"{where}.sections], {name}: nobody on the roster is in a section of this name. "
                 f"There is: {', '.join(sorted(sections - {''})) or 'none'}."
             )
     for id in (*dates.students, *dates.excused):
         if roster.person(id) is None:
             meant = " or ".join(person.id for person in roster.like(id))
-            raise DeadlinesTrouble(
+            raise DeadlinesError(
                 f"{where}.students], {id}: nobody on the roster has this id. "
                 + (f"Write {meant}." if meant else "Correct it, or add a line to roster.csv.")
             )

@@ -18,7 +18,7 @@ OTHER_NAMES = {"lms_user_id": "lms_id"}  # what `nbgrader db student import` cal
 SEPARATORS = ",;\t"
 
 
-class RosterTrouble(Exception):
+class RosterError(Exception):
     """The roster cannot be read; `str()` is the sentence to show, with file, line and remedy."""
 
 
@@ -129,7 +129,7 @@ def read_roster(course: Course) -> Roster | None:
 
     Raises
     ------
-    RosterTrouble
+    RosterError
     """
     path = roster_path(course)
     if not path.is_file():
@@ -137,7 +137,7 @@ def read_roster(course: Course) -> Roster | None:
     try:
         text = path.read_text("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise RosterTrouble(
+        raise RosterError(
             f"{path.name} is not in UTF-8. Save it again as CSV UTF-8, which spreadsheets offer."
         ) from error
     head = text.partition("\n")[0]
@@ -146,17 +146,17 @@ def read_roster(course: Course) -> Roster | None:
     try:
         people = tuple(_people(path.name, rows))
     except csv.Error as error:
-        raise RosterTrouble(
+        raise RosterError(
             f"{path.name}, line {rows.line_num}: {error}. Is a quotation mark missing?"
         ) from error
     return Roster(people)
 
 
 def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
-    """Return the students of a file; raise `RosterTrouble` for a line that cannot be read."""
+    """Return the students of a file; raise `RosterError` for a line that cannot be read."""
     columns = [_column(cell) for cell in next(rows, [])]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
-        raise RosterTrouble(
+        raise RosterError(
             f"{file}: its first line should name the columns, each once, such as "
             f"{','.join(COLUMNS)}. Only id has to be there."
         )
@@ -167,7 +167,7 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
         if not any(cells):
             continue
         if len(cells) > len(columns):
-            raise RosterTrouble(
+            raise RosterError(
                 f"{file}, line {line}: {len(cells)} values for {len(columns)} columns. Put a value "
                 f"that holds a separator between quotation marks."
             )
@@ -178,7 +178,7 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
             value = getattr(person, name)
             before = seen.setdefault((name, value.casefold() if name != "id" else value), line)
             if value and before != line:
-                raise RosterTrouble(
+                raise RosterError(
                     f"{file}, line {line}: line {before} has the same {name}, {value}. Marks could "
                     f"reach the wrong one: correct or remove one of the two."
                 )
@@ -192,15 +192,15 @@ def _column(cell: str) -> str:
 
 def _check(person: Person, where: str) -> None:
     if not person.id:
-        raise RosterTrouble(f"{where}: it has no id. It names the folder in submitted/.")
+        raise RosterError(f"{where}: it has no id. It names the folder in submitted/.")
     if person.id.startswith(".") or "/" in person.id or not person.id.isprintable():
-        raise RosterTrouble(
+        raise RosterError(
             f"{where}: {person.id!r} cannot be the name of a folder. Give an id without slashes "
             f"that begins with no dot."
         )
     for name in COLUMNS:
         if len(getattr(person, name)) > MOST_CHARACTERS:
-            raise RosterTrouble(
+            raise RosterError(
                 f"{where}: {name} is longer than {MOST_CHARACTERS} characters, which is all that "
                 f"the gradebook takes."
             )

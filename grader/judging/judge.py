@@ -32,7 +32,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 # Exceptions that a wrong answer causes in a test. Any other may be a fault of the test.
 _FINE = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
-UNFAIR = (
+JUDGE_FAILED_NOTE = (
     "The judge failed on this notebook; this is not the student's fault, and no points were "
     "given or taken. Whoever grades finds the reason in the verdict's file."
 )
@@ -93,7 +93,7 @@ def judge_files(
     except UnreadableNotebook as error:
         reached = _Decision(unjudged_results(lesson), (str(error),))
     except ReadingFailed as error:
-        reached = _Decision(unjudged_results(lesson), (UNFAIR,), (str(error),))
+        reached = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
         reached = _decide_cached(setting, to_judge, handed_in.modules)
@@ -170,7 +170,7 @@ def _decide(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> 
     else:
         asked = _with_retries(setting, program, run_program(setting, program, explain=True))
     if faults := _faults(setting, asked):
-        return _Decision(unjudged_results(lesson), (UNFAIR,), faults, asked.starved)
+        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, asked.starved)
     followed, starved = carry_forward(setting, program, asked)
     slips = slips_in(setting, program, asked, followed)
     exercises = tuple(

@@ -171,7 +171,7 @@ class Verdict:
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
-    def when_idle(self) -> Verdict:
+    def without_starved(self) -> Verdict:
         """Return the same verdict without the mark `starved`, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 

@@ -179,7 +179,7 @@ def write_feedback(
 
     Raises
     ------
-    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
     writer = FeedbackWriter(course, stage)
     people = writer.people(students)

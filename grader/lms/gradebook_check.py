@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grader.classroom.doctor import Finding
-from grader.course.deadlines import DeadlinesTrouble
+from grader.course.deadlines import DeadlinesError
 from grader.course.paths import Course
-from grader.course.roster import RosterTrouble
+from grader.course.roster import RosterError
 from grader.lms.gradebook import gradebook_location
 from grader.lms.instructor_notes import unlisted_notes
 from grader.lms.results import GradebookUnavailable
@@ -21,7 +21,7 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
     except GradebookUnavailable as error:
         yield Finding("gradebook", False, str(error))
         return
-    except (RosterTrouble, DeadlinesTrouble):
+    except (RosterError, DeadlinesError):
         return  # other checks of `doctor` report these problems
     marked = {result.student for result in results.notebooks if result.score is not None}
     yield Finding(

@@ -65,7 +65,7 @@ def enter_verdicts(
     ------
     GradebookError
         If some submissions could not be entered; all others have been entered by then.
-    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     unknown = unmatched_folders(course, roster) if roster else {}

@@ -42,7 +42,7 @@ NO_RESULTS = ClassResults((), (), ())
 # Results of a lesson with fewer submissions could be traced to single students, even without names.
 MIN_SUBMISSIONS = 5
 
-Judged = Sequence[tuple[Submission, Verdict]]
+JudgedSubmissions = Sequence[tuple[Submission, Verdict]]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class GradingRun:
 
 def write_report(
     course: Course,
-    judged: Judged,
+    judged: JudgedSubmissions,
     results: ClassResults = NO_RESULTS,
     run: GradingRun | None = None,
     warning: str = "",

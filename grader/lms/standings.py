@@ -31,7 +31,7 @@ def class_results(course: Course) -> ClassResults:
 
     Raises
     ------
-    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
     with open_gradebook(course) as book:
         rows, in_gradebook = read_rows(book), students_in_gradebook(book)

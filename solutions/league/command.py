@@ -26,7 +26,7 @@ def add_league(kinds: argparse._SubParsersAction) -> None:
 def run_league(options: argparse.Namespace) -> int:
     """Run ``league STAGE``."""
     from grader.classroom.executors import processors
-    from grader.classroom.lock import AlreadyRunning, only_one
+    from grader.classroom.lock import AlreadyRunning, course_lock
     from grader.classroom.protocol import ExecutorLost
     from grader.course.seed import course_seed
     from solutions.league.page import write_league
@@ -47,7 +47,7 @@ def run_league(options: argparse.Namespace) -> int:
     console.warn_if_unprotected(sandbox)
     seed, workers = course_seed(course, options.seed), options.workers or processors()
     try:
-        with only_one(course):
+        with course_lock(course):
             with (
                 commands.executors(options.scheduler, sandbox) as open_executor,
                 console.progress_bar("Driving") as advance,

@@ -8,7 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.classroom.protocol import ExecutorLost, room
+from grader.classroom.protocol import ExecutorLost, capacity
 from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
@@ -170,7 +170,7 @@ def _as_completed(
     """Submit drives while the executor has room, and yield each when it has ended."""
     waiting, running = deque(missing), {}
     while waiting or running:
-        while waiting and len(running) < room(executor):
+        while waiting and len(running) < capacity(executor):
             entrant, street = waiting.popleft()
             running[executor.submit(*job(entrant, street))] = entrant, street
         for future in wait(running, return_when=FIRST_COMPLETED).done:

@@ -17,10 +17,10 @@ from grader.classroom.collect.canvas import canvas
 from grader.classroom.collect.folder import folder
 from grader.classroom.collect.github import github
 from grader.classroom.collect.moodle import moodle
-from grader.classroom.collect.protocol import CollectTrouble, Kind, SubmittedFile
+from grader.classroom.collect.protocol import CollectError, Kind, SubmittedFile
 from grader.classroom.collect.sources import open_archive
 
-__all__ = ["KINDS", "CollectTrouble", "SubmittedFile", "open_all"]
+__all__ = ["KINDS", "CollectError", "SubmittedFile", "open_all"]
 
 KINDS: dict[str, Kind] = {
     "Moodle": moodle,
@@ -36,7 +36,7 @@ def open_all(paths: Iterable[Path]) -> list[tuple[Path, str, list[SubmittedFile]
 
     Raises
     ------
-    CollectTrouble
+    CollectError
     """
     found = []
     for path in paths:

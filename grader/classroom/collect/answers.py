@@ -15,7 +15,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.collect.protocol import CollectTrouble
+from grader.classroom.collect.protocol import CollectError
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
@@ -65,7 +65,7 @@ def read_answers(
 
     Raises
     ------
-    CollectTrouble
+    CollectError
         If there is no such lesson.
     """
     before: dict[str, list[str]] = {}
@@ -106,7 +106,7 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     for file, answer in answers.items():
         lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
         if lesson is None:
-            raise CollectTrouble(f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}.")
+            raise CollectError(f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}.")
         found[file] = lesson
     return found
 

@@ -50,7 +50,7 @@ def collect(
 
     Raises
     ------
-    CollectTrouble, grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    CollectError, grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
     roster = read_roster(course)
     deadlines = read_deadlines(course)

@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 
 from grader.classroom.collect.answers import NOBODY, same
-from grader.classroom.collect.protocol import CollectTrouble, Owner
+from grader.classroom.collect.protocol import CollectError, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
@@ -35,7 +35,7 @@ class Owners:
 
     Raises
     ------
-    CollectTrouble
+    CollectError
         If an answer names a student who is not on the roster.
     """
 
@@ -153,7 +153,7 @@ class Owners:
         return found
 
     def _check(self, label: str, id: str) -> None:
-        """Raise `CollectTrouble` for an answer that names no student."""
+        """Raise `CollectError` for an answer that names no student."""
         meant = ""
         if self._roster and self._roster.person(id) is None:
             why = "nobody on the roster has the id"
@@ -163,7 +163,7 @@ class Owners:
         else:
             return
         what = f"Write {meant}." if meant else "Correct it, or add a line to roster.csv."
-        raise CollectTrouble(f"--who {shlex.quote(label)}=…: {why} {id}. {what}")
+        raise CollectError(f"--who {shlex.quote(label)}=…: {why} {id}. {what}")
 
     def _people(self, owner: Owner) -> tuple[Person, ...]:
         people = self._roster.people

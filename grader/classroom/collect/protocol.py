@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 
-class CollectTrouble(Exception):
+class CollectError(Exception):
     """Nothing can be collected; `str()` is the sentence to show."""
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectTrouble, Unreadable
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectError, Unreadable
 from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
@@ -19,24 +19,24 @@ def open_archive(path: Path) -> Archive:
 
     Raises
     ------
-    CollectTrouble
+    CollectError
     """
     if path.is_dir():
         found = list(_below(path))
     elif not path.exists():
-        raise CollectTrouble(f"There is no file or folder {path}.")
+        raise CollectError(f"There is no file or folder {path}.")
     elif zipfile.is_zipfile(path):
         try:
             found = open_zip(str(path), MOST_FILES)
         except Unreadable as error:
-            raise CollectTrouble(f"{path} {error}. Download it again.") from None
+            raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":
-        raise CollectTrouble(f"{path} is no whole zip. Download it again.")
+        raise CollectError(f"{path} is no whole zip. Download it again.")
     else:
         found = [((path.name,), _entry(path, (path.name,)))]
     entries = tuple(entry for parts, entry in found if not is_hidden(parts))
     if not entries:
-        raise CollectTrouble(f"There is nothing in {path}.")
+        raise CollectError(f"There is nothing in {path}.")
     checkouts = {parts[: parts.index(".git")] for parts, _ in found if ".git" in parts}
     return Archive(path, entries, frozenset(checkouts))
 

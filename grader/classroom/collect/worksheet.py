@@ -18,7 +18,7 @@ from pathlib import Path
 
 import babel
 
-from grader.classroom.collect.protocol import CollectTrouble
+from grader.classroom.collect.protocol import CollectError
 from grader.course.tables import separated
 
 # Moodle's titles for "Last modified (submission)", and the language of the dates below each.
@@ -107,22 +107,22 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
 
     Raises
     ------
-    CollectTrouble
+    CollectError
     """
     try:
         text = path.read_text("utf-8-sig")
     except OSError as error:
-        raise CollectTrouble(f"{path} cannot be read: {error.strerror}.") from None
+        raise CollectError(f"{path} cannot be read: {error.strerror}.") from None
     except UnicodeDecodeError:
-        raise CollectTrouble(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
+        raise CollectError(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
     try:
         _, rows = separated(text)
     except csv.Error as error:
-        raise CollectTrouble(f"{path} is not a CSV file: {error}. Download it again.") from None
+        raise CollectError(f"{path} is not a CSV file: {error}. Download it again.") from None
     titles = [_folded(cell) for cell in rows[0]] if rows else []
     column = next((place for place, title in enumerate(titles) if title in TITLES), None)
     if column is None:
-        raise CollectTrouble(
+        raise CollectError(
             f"{path}: none of its columns is known to say when work was handed in. They are: "
             f"{', '.join(rows[0]) if rows else 'none'}. Call the right one "
             '"Last modified (submission)", and write times like 2026-10-12 23:59.'

@@ -115,7 +115,7 @@ def _judge(
     arguments = handed_in, lesson.name, "", seed, sandbox.name
     verdict = judge_one(*arguments)
     if verdict.starved:  # nothing else runs here, so a second timeout is the submission's own
-        verdict = judge_one(*arguments, alone=True)
+        verdict = judge_one(*arguments, is_alone=True)
     if verdict.status != JUDGED:
         raise JudgeFailed("\n".join((f"{lesson.name}:", *verdict.faults)))
     return JudgedLesson(lesson, verdict, _notes(handed_in, lesson))
