@@ -278,37 +278,37 @@ def print_feedback(done: Sequence[WrittenFeedback]) -> None:
         )
 
 
-def print_collected(outcome: CollectionReport) -> None:
+def print_collected(report: CollectionReport) -> None:
     """Print the result of collecting, and the files that need a decision."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-    for path, kind, count in outcome.archives:
+    for path, kind, count in report.archives:
         console.print(f"{plain(path)}: {kind}, {count} files", markup=False)
-    if outcome.states:
-        console.print(_collected_table(outcome))
-    for sentence in _collected_sentences(outcome):
+    if report.states:
+        console.print(_collected_table(report))
+    for sentence in _collected_sentences(report):
         console.print(plain(sentence), markup=False, soft_wrap=True)
-    _print_questions(console, "To be known", outcome.remarks)
-    _print_questions(console, "Not placed, and waiting for an answer", outcome.questions)
+    _print_questions(console, "To be known", report.remarks)
+    _print_questions(console, "Not placed, and waiting for an answer", report.questions)
 
 
-def _collected_table(outcome: CollectionReport) -> Table:
+def _collected_table(report: CollectionReport) -> Table:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("Student", no_wrap=True)
-    for lesson in outcome.lessons:
+    for lesson in report.lessons:
         table.add_column(lesson.number, no_wrap=True)
-    table.add_column("When" if outcome.late or outcome.undecided else "")
-    for student, states in outcome.states.items():
-        when = outcome.undecided.get(student, "late" if student in outcome.late else "")
+    table.add_column("When" if report.late or report.undecided else "")
+    for student, states in report.states.items():
+        when = report.undecided.get(student, "late" if student in report.late else "")
         table.add_row(
             escape(plain(student)),
-            *(states.get(lesson, "-") for lesson in outcome.lessons),
+            *(states.get(lesson, "-") for lesson in report.lessons),
             escape(plain(when)),
         )
     return table
 
 
-def _collected_sentences(outcome: CollectionReport) -> Iterator[str]:
-    counts = Counter(state for states in outcome.states.values() for state in states.values())
+def _collected_sentences(report: CollectionReport) -> Iterator[str]:
+    counts = Counter(state for states in report.states.values() for state in states.values())
     told = (
         ("new", "new"),
         ("newer", "in place of an older one, which is kept in .older/ beside it"),
@@ -317,30 +317,30 @@ def _collected_sentences(outcome: CollectionReport) -> Iterator[str]:
     )
     counted = [f"{counts[state]} {text}" for state, text in told if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
-    if outcome.roster is None:
+    if report.roster is None:
         yield (
             "There is no roster.csv, so folders are called as the archive calls people. With one, "
             "who is on it is found by name or number."
         )
     else:
-        without = [person.id for person in outcome.roster.people if person.id not in outcome.states]
-        excused = [one for one in without if one in outcome.excused]
-        nobody = [one for one in without if one not in outcome.excused]
+        without = [person.id for person in report.roster.people if person.id not in report.states]
+        excused = [one for one in without if one in report.excused]
+        nobody = [one for one in without if one not in report.excused]
         if nobody:
             yield f"Nothing from {len(nobody)} on the roster: {', '.join(nobody)}."
         if excused:
             yield f"Excused, and nothing from them: {', '.join(excused)}."
-    if outcome.left:
-        some = ", ".join(list(outcome.left)[:5]) + (", …" if len(outcome.left) > 5 else "")
+    if report.ignored:
+        some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Left, as no lesson needs it: {some}."
-    if outcome.undecided:
+    if report.undecided:
         yield (
-            f"Whether late is undecided: {', '.join(outcome.undecided)}. Write the time into "
+            f"Whether late is undecided: {', '.join(report.undecided)}. Write the time into "
             "timestamp.txt beside the work, such as 2026-11-22 18:30:00 UTC."
         )
-    if outcome.late:
+    if report.late:
         yield (
-            f"Marked late, without a time: {', '.join(outcome.late)}. Until one is known nothing "
+            f"Marked late, without a time: {', '.join(report.late)}. Until one is known nothing "
             "is taken off: give times with --timestamps FILE, or write timestamp.txt beside the "
             "work, such as 2026-11-22 18:30:00 UTC."
         )

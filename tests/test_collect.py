@@ -18,7 +18,7 @@ from grader.classroom import contents
 from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
-from grader.classroom.collect.record import read_record, why_untimed
+from grader.classroom.collect.record import read_record, reason_without_time
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import PROJECT, Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
@@ -291,7 +291,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, said):
     outcome = collect(course, archive(course, files), times=table)
     assert repr(said or "nothing") in outcome.undecided["ada"]
     assert "timestamp.txt" not in placed(course, "ada")
-    assert why_untimed(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
+    assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
 def test_times_in_a_table_by_id(course):
@@ -314,7 +314,7 @@ def test_a_table_of_late_students_is_enough_if_the_platform_marks_them(course):
     ]
     outcome = collect(course, archive(course, files), times=table)
     assert set(outcome.undecided) == {"cy"}
-    assert why_untimed(course.submitted / "bjorn" / STAGE) == ""
+    assert reason_without_time(course.submitted / "bjorn" / STAGE) == ""
     files = [(f"{name}/{SEVEN}.ipynb", notebook(SEVEN)) for name in ("ada", "bjorn")]
     outcome = collect(course, archive(course, files, "folders.zip"), times=table)
     assert set(outcome.undecided) == {"bjorn"}
@@ -1136,14 +1136,14 @@ def test_an_empty_name_in_a_zip_does_not_affect_any_student(course):
 
 
 def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, monkeypatch):
-    original = inspection._look
+    original = inspection._unpack
 
     def look(data, name):
         if data == b"PK!":
             raise IndexError  # an unexpected error
         return original(data, name)
 
-    monkeypatch.setattr(inspection, "_look", look)
+    monkeypatch.setattr(inspection, "_unpack", look)
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
@@ -1163,7 +1163,7 @@ def test_a_damaged_zip_is_read_or_reported():
             start = directory if rng.random() < 0.6 else 0
             position = rng.randrange(start, len(data))
             data[position] = rng.choice((0, 1, 0xFF, 0x80, 12, 93, rng.randrange(256)))
-        pieces = inspection._look(bytes(data), "h.zip")
+        pieces = inspection._unpack(bytes(data), "h.zip")
         seen |= {piece.complaint.partition(":")[0] for piece in pieces}
     assert len(seen) > 3, "some of it was damage"
 

@@ -16,14 +16,16 @@ def harmless_cell(text: str) -> str:
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
-def separated(text: str) -> tuple[str, list[list[str]]]:
+def read_table(text: str) -> tuple[str, list[list[str]]]:
     """Return the separator that fits a table best, and the rows that are not empty.
 
     Raises
     ------
     csv.Error
     """
-    return max(((separator, _rows(text, separator)) for separator in SEPARATORS), key=_fit)
+    return max(
+        ((separator, _rows(text, separator)) for separator in SEPARATORS), key=_separator_fit
+    )
 
 
 def _rows(text: str, separator: str) -> list[list[str]]:
@@ -31,7 +33,7 @@ def _rows(text: str, separator: str) -> list[list[str]]:
     return [row for row in rows if any(row)]
 
 
-def _fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
+def _separator_fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
     """Rate a separator: the rows with as many cells as the head, and the number of cells."""
     rows = found[1]
     width = len(rows[0]) if rows else 0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nbgrader.utils import gettz, parse_utc
 
-from grader.classroom.collect.record import why_untimed
+from grader.classroom.collect.record import reason_without_time
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -53,7 +53,7 @@ def known_time(places: Iterable[Path]) -> datetime | None:
 def _time(place: Path) -> datetime | None:
     path = place / "timestamp.txt"
     if not path.is_file():
-        if reason := why_untimed(place):
+        if reason := reason_without_time(place):
             raise SubmissionTimeUnknown(reason)
         return None
     try:

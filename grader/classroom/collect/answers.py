@@ -30,25 +30,25 @@ class Answers:
 
     Attributes
     ----------
-    who : dict of str to (tuple of str)
-        The ids of all owners, by the label in an archive (`same`); empty if the work belongs to no
-        student.
+    owners : dict of str to (tuple of str)
+        The ids of all owners, by the label in an archive (`normalized`); empty if the work belongs
+        to no student.
     lessons : dict of str to grader.course.lessons.Lesson
         The lesson of a file, by the file's name.
-    before : frozenset of str
-        Labels in `who` whose answers were given earlier.
+    earlier : frozenset of str
+        Labels in `owners` whose answers were given earlier.
     """
 
-    who: dict[str, tuple[str, ...]]
+    owners: dict[str, tuple[str, ...]]
     lessons: dict[str, Lesson]
-    before: frozenset[str] = frozenset()
+    earlier: frozenset[str] = frozenset()
 
 
 def read_answers(
     course: Course,
     roster: Roster | None,
     stages: Sequence[str],
-    who: dict[str, str],
+    owners: dict[str, str],
     lessons: dict[str, str],
 ) -> Answers:
     """Return the new answers, and the stored ones that they do not replace.
@@ -60,7 +60,7 @@ def read_answers(
         Stored answers that name a student who is no longer on it are ignored.
     stages : sequence of str
         The stages that are collected.
-    who, lessons : dict of str to str
+    owners, lessons : dict of str to str
         New answers, as they were typed.
 
     Raises
@@ -68,34 +68,41 @@ def read_answers(
     CollectError
         If there is no such lesson.
     """
-    before: dict[str, list[str]] = {}
-    for stage, label, id in _read(course):
+    earlier: dict[str, list[str]] = {}
+    for stage, label, id in _read_entries(course):
         if stage in stages and (roster is None or not id or roster.person(id)):
-            before.setdefault(same(label), []).extend([id] if id else [])
-    now = {
-        same(label): () if ids == NOBODY else tuple(ids.split(",")) for label, ids in who.items()
+            earlier.setdefault(normalized(label), []).extend([id] if id else [])
+    new = {
+        normalized(label): () if ids == NOBODY else tuple(ids.split(","))
+        for label, ids in owners.items()
     }
-    found = {label: tuple(dict.fromkeys(ids)) for label, ids in before.items()} | now
-    return Answers(found, _lessons(lessons), frozenset(before.keys() - now.keys()))
+    found = {label: tuple(dict.fromkeys(ids)) for label, ids in earlier.items()} | new
+    return Answers(found, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
 
 
-def remember(
-    course: Course, stages: Sequence[str], answers: Answers, asked: Collection[str]
+def store_answers(
+    course: Course, stages: Sequence[str], answers: Answers, labels: Collection[str]
 ) -> None:
     """Store the new answers about owners, for these stages."""
-    now = {same(label): label for label in asked}
-    now = {key: label for key, label in now.items() if key in answers.who.keys() - answers.before}
-    lines = [line for line in _read(course) if not (line[0] in stages and same(line[1]) in now)] + [
+    new = {normalized(label): label for label in labels}
+    new = {
+        key: label for key, label in new.items() if key in answers.owners.keys() - answers.earlier
+    }
+    entries = [
+        entry
+        for entry in _read_entries(course)
+        if not (entry[0] in stages and normalized(entry[1]) in new)
+    ] + [
         (stage, label, id)
         for stage in stages
-        for key, label in now.items()
-        for id in answers.who[key] or ("",)
+        for key, label in new.items()
+        for id in answers.owners[key] or ("",)
     ]
-    if now:
-        write_atomically("".join(map(_line, lines)), _path(course))
+    if new:
+        write_atomically("".join(map(_json_line, entries)), _path(course))
 
 
-def same(label: str) -> str:
+def normalized(label: str) -> str:
     """Return a normal form of a label, equal for labels with the same meaning."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
@@ -111,19 +118,19 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     return found
 
 
-def _read(course: Course) -> list[tuple[str, str, str]]:
+def _read_entries(course: Course) -> list[tuple[str, str, str]]:
     """Yield stage, label and id of each readable line."""
     found = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():
             with contextlib.suppress(ValueError, TypeError, KeyError):
-                about = json.loads(line)
-                found.append((about["stage"], about["label"], about["student"]))
+                entry = json.loads(line)
+                found.append((entry["stage"], entry["label"], entry["student"]))
     return found
 
 
-def _line(line: tuple[str, str, str]) -> str:
-    stage, label, id = line
+def _json_line(entry: tuple[str, str, str]) -> str:
+    stage, label, id = entry
     # The README deletes a student by what stands here.
     return json.dumps({"student": id, "stage": stage, "label": label}, ensure_ascii=False) + "\n"
 

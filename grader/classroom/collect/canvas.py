@@ -12,23 +12,23 @@ import re
 
 from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
 
-_WHO = (
+_OWNER = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
     r"|(?P<name>[^/]+?)(?P<late>_LATE)?_(?P<user>\d+))"
 )
-_FILE = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
-_TYPED = re.compile(rf"{_WHO}_(?P<what>text|link)\.html", re.IGNORECASE)
-_AGAIN = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
+_FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
+_TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
+_RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
 _REMARKS = {
     "text": "was typed into Canvas, where no notebook can be: ask for the .ipynb file",
     "link": "is a link, to what may have changed since: ask for the .ipynb file",
 }
 
 
-def canvas(archive: Archive) -> list[SubmittedFile] | None:
-    """See `Kind`."""
+def read_canvas(archive: Archive) -> list[SubmittedFile] | None:
+    """See `ArchiveReader`."""
     matches = [(entry, _match(entry)) for entry in archive.entries]
-    found = [_handed(entry, match) for entry, match in matches if match]
+    found = [_submitted_file(entry, match) for entry, match in matches if match]
     return found if 2 * len(found) > len(matches) else None
 
 
@@ -37,7 +37,7 @@ def _match(entry: ArchiveEntry) -> re.Match | None:
     return _TYPED.fullmatch(name) or _FILE.fullmatch(name)
 
 
-def _handed(entry: ArchiveEntry, match: re.Match) -> SubmittedFile:
+def _submitted_file(entry: ArchiveEntry, match: re.Match) -> SubmittedFile:
     parts = match.groupdict()
     anonymous = parts["anonymous"]
     label = f"anon_{anonymous}" if anonymous else f"{parts['name']}_{parts['user']}"
@@ -50,7 +50,7 @@ def _handed(entry: ArchiveEntry, match: re.Match) -> SubmittedFile:
     name = parts.get("file") or entry.path[-1]
     return SubmittedFile(
         owner,
-        (_AGAIN.sub(r"\1\2", name),),
+        (_RESUBMITTED.sub(r"\1\2", name),),
         entry,
         order=int(parts.get("attachment") or 0),
         late=bool(parts["late"] or parts["anonymous_late"]),

@@ -13,10 +13,10 @@ from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 
-def folder(archive: Archive) -> list[SubmittedFile]:
-    """See `Kind`."""
-    wrapped = _wrapper(archive)
-    return [_handed(archive, entry, entry.path[wrapped:]) for entry in archive.entries]
+def read_folder(archive: Archive) -> list[SubmittedFile]:
+    """See `ArchiveReader`."""
+    depth = _wrapper(archive)
+    return [_submitted_file(archive, entry, entry.path[depth:]) for entry in archive.entries]
 
 
 def _wrapper(archive: Archive) -> int:
@@ -24,31 +24,31 @@ def _wrapper(archive: Archive) -> int:
     tops = {entry.path[0] for entry in archive.entries}
     seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
     only_folders = all(len(entry.path) > 2 for entry in archive.entries)
-    ours = any(_is_of_the_course(name) for name in tops | seconds)
-    return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not ours)
+    has_course_folder = any(_is_course_folder(name) for name in tops | seconds)
+    return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not has_course_folder)
 
 
-def _handed(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
-    whole = archive.path.name if archive.path.is_dir() else archive.path.stem
-    label, inner = whole, path
-    if len(path) > 1 and not _is_of_the_course(path[0]):
+def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
+    archive_name = archive.path.name if archive.path.is_dir() else archive.path.stem
+    label, inner = archive_name, path
+    if len(path) > 1 and not _is_course_folder(path[0]):
         label, inner = path[0], path[1:]
     elif len(path) == 1:
-        label = _named_in(path[0]) or whole
+        label = _student_in(path[0]) or archive_name
     return SubmittedFile(Owner(label, label, (label,)), inner, entry, saved=entry.moment)
 
 
-def _named_in(name: str) -> str:
+def _student_in(name: str) -> str:
     """Return the student in the name of a file; empty if it names only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
-    at = re.search(lessons, stem, re.IGNORECASE)
-    if at is None:
+    match = re.search(lessons, stem, re.IGNORECASE)
+    if match is None:
         return stem if name.lower().endswith(".zip") else ""
-    rest = stem[: at.start()].strip(" _-.") or stem[at.end() :].strip(" _-.")
+    rest = stem[: match.start()].strip(" _-.") or stem[match.end() :].strip(" _-.")
     return "" if re.fullmatch(r"(?:copy of|copy|kopie von|kopie|\W|\d)*", rest.lower()) else rest
 
 
-def _is_of_the_course(name: str) -> bool:
+def _is_course_folder(name: str) -> bool:
     """Return whether a folder has the name of a folder of the course, and so of no student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

@@ -11,58 +11,60 @@ import csv
 import io
 import os
 
-from grader.classroom.collect.protocol import Archive, Owner, SubmittedFile, Unreadable
+from grader.classroom.collect.protocol import Archive, Owner, SubmittedFile, UnreadableFile
 
 ROSTER = "classroom_roster.csv"
 
 
-def github(archive: Archive) -> list[SubmittedFile] | None:
-    """See `Kind`."""
+def read_github(archive: Archive) -> list[SubmittedFile] | None:
+    """See `ArchiveReader`."""
     repositories = sorted(folder for folder in archive.checkouts if folder)
     if not repositories:
         return None
     identifiers = _identifiers(archive)
     names = [folder[-1] for folder in repositories]
-    begin = os.path.commonprefix(names).rpartition("-")[0] if len(names) > 1 else ""
-    owners = {folder: _owner(folder[-1], begin, identifiers) for folder in repositories}
+    prefix = os.path.commonprefix(names).rpartition("-")[0] if len(names) > 1 else ""
+    owners = {folder: _owner(folder[-1], prefix, identifiers) for folder in repositories}
     found = []
     for entry in archive.entries:
         inside = [folder for folder in repositories if entry.path[: len(folder)] == folder]
         if inside:
             folder = max(inside, key=len)
             path = entry.path[len(folder) :]
-            found.append(SubmittedFile(owners[folder], path, entry, saved=entry.moment, given=True))
+            found.append(
+                SubmittedFile(owners[folder], path, entry, saved=entry.moment, is_given=True)
+            )
     return found
 
 
-def _owner(repository: str, begin: str, identifiers: dict[str, str]) -> Owner:
+def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
     """Return the owner of a repository, by the login at the end of its name.
 
     Logins may contain hyphens, so a login may begin within the common beginning of all names, and
     always contains the part after it. With a single repository, its beginning is unknown.
     """
-    rest = repository.removeprefix(f"{begin}-") if begin else repository
+    rest = repository.removeprefix(f"{prefix}-") if prefix else repository
     parts = repository.split("-")
     endings = tuple("-".join(parts[number:]) for number in range(len(parts)))
-    logins = tuple(end for end in endings if begin and len(end) >= len(rest))
-    known = [
+    logins = tuple(end for end in endings if prefix and len(end) >= len(rest))
+    identified = [
         identifiers[end.casefold()] for end in logins or endings if end.casefold() in identifiers
     ]
     guesses = () if logins else endings
-    return Owner(repository, rest, (*known[:1], rest), logins=logins, guesses=guesses)
+    return Owner(repository, rest, (*identified[:1], rest), logins=logins, guesses=guesses)
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:
     """Return the teacher's identifier of each login."""
     texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
-    beside = archive.path.parent / ROSTER
-    if beside.is_file():
-        texts.append(beside.read_bytes)
+    roster_path = archive.path.parent / ROSTER
+    if roster_path.is_file():
+        texts.append(roster_path.read_bytes)
     found = {}
     for read in texts:
         try:
             rows = csv.DictReader(io.StringIO(read().decode("utf-8-sig", "replace")))
-        except (Unreadable, OSError):
+        except (UnreadableFile, OSError):
             continue
         for row in rows:
             login, identifier = row.get("github_username"), row.get("identifier")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Collection
 
-from grader.classroom.collect.selection import File
+from grader.classroom.collect.selection import StudentFile
 from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import Lesson, all_lessons, find_lesson
 
@@ -23,14 +23,16 @@ class Contradiction(Exception):
 
 
 def lesson_of(
-    file: File, there: Collection[Lesson], is_placed: Callable[[Lesson, File], bool]
+    file: StudentFile,
+    existing: Collection[Lesson],
+    is_placed: Callable[[Lesson, StudentFile], bool],
 ) -> Lesson:
     """Return the lesson of a notebook without a new answer.
 
     Parameters
     ----------
     file : File
-    there : collection of Lesson
+    existing : collection of Lesson
         Lessons for which the student already has a file in place.
     is_placed : callable
         Takes a lesson and a file, and returns whether the file was collected for it earlier.
@@ -39,26 +41,26 @@ def lesson_of(
     ------
     Unrecognised, Contradiction
     """
-    named, inside = lesson_by_name(file.path[-1]), find_lesson(file.piece.content.lesson)
+    named, inside = lesson_by_name(file.path[-1]), find_lesson(file.unpacked.content.lesson)
     if named and inside and named != inside:
         if is_placed(named, file):
             return named
-        if named in there and is_placed(inside, file):
+        if named in existing and is_placed(inside, file):
             return inside
         raise Contradiction(
             f"is called {named.name}, and says inside that it is {inside.name}. Look at it, "
-            f"and add {is_lesson(file, inside.number)} or {is_lesson(file, named.number)}",
+            f"and add {lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
             (named, inside),
         )
     found = named or inside
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
-        complaint = file.piece.complaint
+        complaint = file.unpacked.complaint
         reason = f"{complaint}. " if complaint else "names no lesson, and holds none. "
-        raise Unrecognised(f"{reason}If it is one, add {is_lesson(file, 'NN')}")
+        raise Unrecognised(f"{reason}If it is one, add {lesson_option(file, 'NN')}")
     return found
 
 
-def is_lesson(file: File, number: str) -> str:
+def lesson_option(file: StudentFile, number: str) -> str:
     """Return the option that states the lesson of a file."""
     return f"--lesson {shlex.quote(f'{file.name}={number}')}"

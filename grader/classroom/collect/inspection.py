@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import PurePath
 
 from grader.classroom import contents
-from grader.classroom.collect.protocol import ArchiveEntry, Unreadable
+from grader.classroom.collect.protocol import ArchiveEntry, UnreadableFile
 from grader.classroom.collect.zips import (
     MOST_BYTES_OF_A_STUDENT,
     MOST_FILES_OF_A_STUDENT,
@@ -27,14 +27,14 @@ from utils.notebooks.reading import UnreadableNotebook
 
 DEEPEST = 3  # zips in zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
-NOTEBOOK, MODULE, WORK, OTHER = "notebook", "module", "work", "other"
+NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
 # Kinds of files that students submit in place of a notebook.
-_WORK = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
+_SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
 
 
 @dataclass(frozen=True)
-class Piece:
+class UnpackedFile:
     """One file of a student.
 
     Attributes
@@ -61,21 +61,29 @@ class Piece:
     complaint: str = ""
 
 
-def look_at(entry: ArchiveEntry, name: str) -> list[Piece]:
+def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     """Open one submitted file with its name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
-        return [Piece((), OTHER)]
+        return [UnpackedFile((), OTHER)]
     contents.remember_what_was_released()
     try:
         data = entry.read()
-        found = run_in_child(name, lambda: [_plain(piece) for piece in _look(data, name)])
-    except Unreadable as error:
-        return [Piece((), WORK, complaint=str(error))]
+        found = run_in_child(name, lambda: [_to_json(unpacked) for unpacked in _unpack(data, name)])
+    except UnreadableFile as error:
+        return [UnpackedFile((), SUBSTITUTE, complaint=str(error))]
     except TooCostly:
-        return [Piece((), WORK, complaint="takes too long, or too much memory, to be opened")]
+        return [
+            UnpackedFile(
+                (), SUBSTITUTE, complaint="takes too long, or too much memory, to be opened"
+            )
+        ]
     except ReadingFailed:  # a fault of the grader, which must not affect other files
-        return [Piece((), WORK, complaint="cannot be opened: look at it, and ask for it unpacked")]
-    return [_piece(*parts) for parts in found]
+        return [
+            UnpackedFile(
+                (), SUBSTITUTE, complaint="cannot be opened: look at it, and ask for it unpacked"
+            )
+        ]
+    return [_from_json(*parts) for parts in found]
 
 
 def kind_of(name: str) -> str:
@@ -86,77 +94,79 @@ def kind_of(name: str) -> str:
         return NOTEBOOK
     if path.suffix == ".py" and lesson is None and PurePath(name).stem.isidentifier():
         return MODULE
-    return WORK if lesson or path.suffix in _WORK else OTHER
+    return SUBSTITUTE if lesson or path.suffix in _SUBSTITUTES else OTHER
 
 
-def _look(
+def _unpack(
     data: bytes,
     name: str,
     path: tuple[str, ...] = (),
     saved: datetime | None = None,
     depth: int = 0,
-) -> list[Piece]:
-    """Do the work of `look_at`, in the other process."""
+) -> list[UnpackedFile]:
+    """Do the work of `unpack_file`, in the other process."""
     kind = kind_of(name)
     if name.lower().endswith(".zip"):
-        return _look_in_zip(data, path, depth + 1)
+        return _unpack_zip(data, path, depth + 1)
     if kind == NOTEBOOK:
         try:
-            return [Piece(path, kind, data, saved, contents.content_of(data, name))]
+            return [UnpackedFile(path, kind, data, saved, contents.content_of(data, name))]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
             # A text file with the name of a lesson may contain anything.
-            kind = NOTEBOOK if ".ipynb" in name.lower() else WORK
-            return [Piece(path, kind, data, saved, complaint=complaint)]
+            kind = NOTEBOOK if ".ipynb" in name.lower() else SUBSTITUTE
+            return [UnpackedFile(path, kind, data, saved, complaint=complaint)]
     if kind == MODULE and len(data) <= LARGEST_MODULE:
-        return [Piece(path, kind, data, saved)]
-    return [Piece(path, WORK if kind == WORK else OTHER)]
+        return [UnpackedFile(path, kind, data, saved)]
+    return [UnpackedFile(path, SUBSTITUTE if kind == SUBSTITUTE else OTHER)]
 
 
-def _look_in_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Piece]:
+def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[UnpackedFile]:
     if depth > DEEPEST:
-        return [Piece(path, WORK, complaint=f"lies {DEEPEST} zips deep, and is not opened")]
+        return [
+            UnpackedFile(path, SUBSTITUTE, complaint=f"lies {DEEPEST} zips deep, and is not opened")
+        ]
     try:
         entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)
-    except Unreadable as error:
-        return [Piece(path, WORK, complaint=str(error))]
+    except UnreadableFile as error:
+        return [UnpackedFile(path, SUBSTITUTE, complaint=str(error))]
     found, size = [], 0
     for parts, entry in entries:
         inner = (*path, *parts)
         if is_hidden(parts):
             continue
         if kind_of(parts[-1]) == OTHER:
-            found.append(Piece(inner, OTHER))
+            found.append(UnpackedFile(inner, OTHER))
             continue
         try:
             content = entry.read()
-        except Unreadable as error:
-            found.append(Piece(inner, WORK, complaint=str(error)))
+        except UnreadableFile as error:
+            found.append(UnpackedFile(inner, SUBSTITUTE, complaint=str(error)))
             continue
-        inside = _look(content, parts[-1], inner, entry.moment, depth)
-        size += sum(len(piece.data) for piece in inside)
+        inside = _unpack(content, parts[-1], inner, entry.moment, depth)
+        size += sum(len(unpacked.data) for unpacked in inside)
         if size > MOST_BYTES_OF_A_STUDENT:
-            return [Piece(path, WORK, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
+            return [UnpackedFile(path, SUBSTITUTE, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
         found += inside
     return found
 
 
-def _plain(piece: Piece) -> tuple:
+def _to_json(unpacked: UnpackedFile) -> tuple:
     """Return a piece in a form that JSON can represent."""
     return (
-        piece.path,
-        piece.kind,
-        base64.b64encode(piece.data).decode(),
-        piece.saved.isoformat() if piece.saved else "",
-        (piece.content.lesson, piece.content.untouched),
-        piece.complaint,
+        unpacked.path,
+        unpacked.kind,
+        base64.b64encode(unpacked.data).decode(),
+        unpacked.saved.isoformat() if unpacked.saved else "",
+        (unpacked.content.lesson, unpacked.content.untouched),
+        unpacked.complaint,
     )
 
 
-def _piece(
+def _from_json(
     path: list[str], kind: str, data: str, saved: str, content: tuple[str, bool], complaint: str
-) -> Piece:
-    return Piece(
+) -> UnpackedFile:
+    return UnpackedFile(
         tuple(path),
         kind,
         base64.b64decode(data),

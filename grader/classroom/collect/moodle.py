@@ -12,25 +12,25 @@ import re
 
 from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
 
-_WHO = re.compile(
+_OWNER = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
     re.IGNORECASE,
 )
 _TYPED = "was typed into Moodle, where no notebook can be: ask for the .ipynb file"
 
 
-def moodle(archive: Archive) -> list[SubmittedFile] | None:
-    """See `Kind`."""
-    found = [handed for entry in archive.entries for handed in _handed(entry)]
+def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
+    """See `ArchiveReader`."""
+    found = [file for entry in archive.entries for file in _submitted_files(entry)]
     return found if 2 * len(found) > len(archive.entries) else None
 
 
-def _handed(entry: ArchiveEntry) -> list[SubmittedFile]:
-    for place, part in enumerate(entry.path):
-        match = _WHO.fullmatch(part)
+def _submitted_files(entry: ArchiveEntry) -> list[SubmittedFile]:
+    for index, part in enumerate(entry.path):
+        match = _OWNER.fullmatch(part)
         if match is None:
             continue
-        inner = entry.path[place + 1 :] or (match["file"] or part,)
+        inner = entry.path[index + 1 :] or (match["file"] or part,)
         number = match["number"] or ""
         label = f"{match['name']}_{number}" if number else match["name"]
         owner = Owner(label, label, (match["name"],), participant=number)

@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.course.lessons import Lesson
 from grader.course.roster import Roster
 
-ASKED = "?"
+UNANSWERED = "?"
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class CollectionReport:
         By student: "new", "newer", "same", "kept", or "?" if there is a question.
     questions, remarks : list of Question
         Questions that need an answer, and remarks that need none.
-    left : collections.Counter
+    ignored : collections.Counter
         Names of files that no lesson needs.
     late : list of str
         Students whose work the learning platform marks late, without a known time.
@@ -59,12 +59,12 @@ class CollectionReport:
     states: dict[str, dict[Lesson, str]] = field(default_factory=dict)
     questions: list[Question] = field(default_factory=list)
     remarks: list[Question] = field(default_factory=list)
-    left: Counter = field(default_factory=Counter)
+    ignored: Counter = field(default_factory=Counter)
     late: list[str] = field(default_factory=list)
     undecided: dict[str, str] = field(default_factory=dict)
     excused: list[str] = field(default_factory=list)
 
-    def ask(self, name: str, text: str) -> None:
+    def add_question(self, name: str, text: str) -> None:
         """Add a question; a question on a team's file is added only once."""
         question = Question(name, text)
         if question not in self.questions:

@@ -8,12 +8,12 @@ import shlex
 import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 
-from grader.classroom.collect.answers import NOBODY, same
+from grader.classroom.collect.answers import NOBODY, normalized
 from grader.classroom.collect.protocol import CollectError, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
-LONGEST = 80
+LONGEST_NAME = 80
 # Windows does not allow folders with these names, with or without an extension.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
@@ -31,7 +31,7 @@ class Owners:
         Without a roster, folders get the names in the archive.
     worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
-        The instructor's answers: the ids of all owners, by label (`same`).
+        The instructor's answers: the ids of all owners, by label (`normalized`).
 
     Raises
     ------
@@ -48,7 +48,7 @@ class Owners:
         self._folders: dict[str, str] = {}
         for label, ids in answers.items():
             for id in ids:
-                self._check(label, id)
+                self._check_answer(label, id)
 
     def ids_of(self, owner: Owner) -> tuple[str, ...]:
         """Return the ids of all owners: one student, a team, or none for other people.
@@ -57,7 +57,7 @@ class Owners:
         ------
         UnknownOwner
         """
-        answer = self._answers.get(same(owner.label))
+        answer = self._answers.get(normalized(owner.label))
         if answer is not None:
             return answer
         if self._roster is None:
@@ -68,7 +68,7 @@ class Owners:
         if people:
             several = ", ".join(person.id for person in people)
             raise UnknownOwner(
-                f"They may be {several}: add {_option(owner, people[0].id)}, or the other"
+                f"They may be {several}: add {_owner_option(owner, people[0].id)}, or the other"
             )
         team = self._team(owner)
         if team:
@@ -77,20 +77,20 @@ class Owners:
         if guessed:
             several = ", ".join(person.id for person in guessed)
             raise UnknownOwner(
-                f"They may be {several}: add {_option(owner, guessed[0].id)}, or another"
+                f"They may be {several}: add {_owner_option(owner, guessed[0].id)}, or another"
             )
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
         """Return whether an answer names the owner."""
-        return same(owner.label) in self._answers
+        return normalized(owner.label) in self._answers
 
-    def has_all(self, owner: Owner, others: Collection[Owner]) -> bool:
+    def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
         """Return whether the other names in an archive are only folders of this owner.
 
         This is so if an answer names the owner of the archive, and no other student is known in it.
         """
-        if not self._answers.get(same(owner.label)):
+        if not self._answers.get(normalized(owner.label)):
             return False
         return not any(map(self._is_known, others)) if self._roster else len(others) == 1
 
@@ -119,7 +119,7 @@ class Owners:
             names = ", ".join(other.label for other in others)
             return (
                 f"Taken to be {ids[0]}, as is {names}, so that nothing of either is placed. If "
-                f"both are: add {_option(owner, ids[0])}, and the same for the other"
+                f"both are: add {_owner_option(owner, ids[0])}, and the same for the other"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
@@ -129,8 +129,8 @@ class Owners:
             return ""
         return (
             f"Has the number of {person.id}, and another name. If it is a team, whose work came "
-            f"only once, add {_option(owner, f'{person.id},ID')}; if not, "
-            f"{_option(owner, person.id)}"
+            f"only once, add {_owner_option(owner, f'{person.id},ID')}; if not, "
+            f"{_owner_option(owner, person.id)}"
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
@@ -139,8 +139,8 @@ class Owners:
         row = self._worksheet.participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):
             return [row]
-        rows = self._rows_by_id.get(person.id, []) if person else self._worksheet.naming(id)
-        return [] if self._worksheet.is_moodles and len(rows) > 1 else rows
+        rows = self._rows_by_id.get(person.id, []) if person else self._worksheet.rows_with(id)
+        return [] if self._worksheet.is_from_moodle and len(rows) > 1 else rows
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
@@ -152,18 +152,20 @@ class Owners:
                 found.setdefault(people[0].id, []).append(row)
         return found
 
-    def _check(self, label: str, id: str) -> None:
+    def _check_answer(self, label: str, id: str) -> None:
         """Raise `CollectError` for an answer that names no student."""
-        meant = ""
+        suggestions = ""
         if self._roster and self._roster.person(id) is None:
-            why = "nobody on the roster has the id"
-            meant = " or ".join(person.id for person in self._roster.like(id))
+            reason = "nobody on the roster has the id"
+            suggestions = " or ".join(person.id for person in self._roster.like(id))
         elif self._roster is None and safe_folder(id) != id:
-            why, meant = "no folder can be called", safe_folder(id)
+            reason, suggestions = "no folder can be called", safe_folder(id)
         else:
             return
-        what = f"Write {meant}." if meant else "Correct it, or add a line to roster.csv."
-        raise CollectError(f"--who {shlex.quote(label)}=…: {why} {id}. {what}")
+        remedy = (
+            f"Write {suggestions}." if suggestions else "Correct it, or add a line to roster.csv."
+        )
+        raise CollectError(f"--who {shlex.quote(label)}=…: {reason} {id}. {remedy}")
 
     def _people(self, owner: Owner) -> tuple[Person, ...]:
         people = self._roster.people
@@ -209,7 +211,7 @@ class Owners:
         if owner.label.startswith("anon_"):
             return (
                 "has no name: show names in Canvas and download again, or add "
-                f"{_option(owner, 'ID')}"
+                f"{_owner_option(owner, 'ID')}"
             )
         where = ""
         if owner.lms_id and (
@@ -218,7 +220,7 @@ class Owners:
             number = " or ".join(f"{one.lms_id} of {one.id}" for one in others)
             return (
                 f"Their number is not the {number} that the roster has for this name: correct it, "
-                f"or add {_option(owner, others[0].id)}, or another ID"
+                f"or add {_owner_option(owner, others[0].id)}, or another ID"
             )
         if owner.lms_id:
             where = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
@@ -227,16 +229,16 @@ class Owners:
         elif owner.participant and not self._worksheet.rows:
             where = "give Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"Nobody on the roster is called so: {where}add {_option(owner, 'ID')} (of a team, "
-            f"ID,ID; of nobody on the course, {NOBODY})"
+            f"Nobody on the roster is called so: {where}add {_owner_option(owner, 'ID')} (of a "
+            f"team, ID,ID; of nobody on the course, {NOBODY})"
         )
 
     def _folder(self, owner: Owner) -> str:
         name = safe_folder(owner.folder)
-        before = self._folders.setdefault(same(name), owner.folder)
+        before = self._folders.setdefault(normalized(name), owner.folder)
         if before != owner.folder:
             raise UnknownOwner(
-                f"Their folder would be that of {before}: add {_option(owner, 'ID')}"
+                f"Their folder would be that of {before}: add {_owner_option(owner, 'ID')}"
             )
         return name
 
@@ -245,9 +247,9 @@ def safe_folder(name: str) -> str:
     """Return a folder name that is valid on every system, as close to the given one as possible."""
     text = unicodedata.normalize("NFC", name)
     text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
-    text = " ".join(text.split())[:LONGEST].strip(" .-").lstrip("_") or "unnamed"
+    text = " ".join(text.split())[:LONGEST_NAME].strip(" .-").lstrip("_") or "unnamed"
     return f"{text}_" if _DEVICES.fullmatch(text) else text
 
 
-def _option(owner: Owner, ids: str) -> str:
+def _owner_option(owner: Owner, ids: str) -> str:
     return f"--who {shlex.quote(f'{owner.label}={ids}')}"

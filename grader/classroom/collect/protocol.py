@@ -12,7 +12,7 @@ class CollectError(Exception):
     """Nothing can be collected; `str()` is the sentence to show."""
 
 
-class Unreadable(Exception):
+class UnreadableFile(Exception):
     """One file cannot be read; `str()` is the sentence to show, without the file's name."""
 
 
@@ -28,7 +28,7 @@ class ArchiveEntry:
         The time in the archive, without a zone. Learning platforms store the time of the
         download; other programs store when the file was saved.
     read : callable
-        Returns the bytes; raises `Unreadable`.
+        Returns the bytes; raises `UnreadableFile`.
     """
 
     path: tuple[str, ...]
@@ -99,7 +99,7 @@ class SubmittedFile:
         Whether the learning platform marked it late; None if the platform has no such mark.
     remark : str
         A sentence if it is a typed text or a link instead of a file.
-    given : bool
+    is_given : bool
         Whether it may be there only because every student was given it.
     """
 
@@ -110,7 +110,7 @@ class SubmittedFile:
     saved: datetime | None = None
     late: bool | None = None
     remark: str = ""
-    given: bool = False
+    is_given: bool = False
 
     @property
     def name(self) -> str:
@@ -118,5 +118,5 @@ class SubmittedFile:
         return "/".join((self.owner.label, *self.path))
 
 
-Kind = Callable[[Archive], list[SubmittedFile] | None]
+ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]
 """Reads an archive as one program writes it; None where that program did not write it."""

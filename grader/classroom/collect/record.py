@@ -83,24 +83,26 @@ class Record:
     others: str = ""
     written: str = ""
 
-    def time(self, folder: Path) -> tuple[datetime | None, str]:
+    def submission_time(self, folder: Path) -> tuple[datetime | None, str]:
         """Return the submission time of the whole folder, and why it is unknown if it is."""
-        lying = {name: one for name, one in self.files.items() if (folder / name).is_file()}
-        for one in lying.values():
-            if one.undecided:
-                return None, one.undecided
-        said = [when for when in (self.others, *(one.when for one in lying.values())) if when]
-        without = [name for name, one in lying.items() if not one.when]
-        if said and without:
-            return None, f"no time is known of {min(without)}"
-        return max(map(datetime.fromisoformat, said), default=None), ""
+        present = {name: origin for name, origin in self.files.items() if (folder / name).is_file()}
+        for origin in present.values():
+            if origin.undecided:
+                return None, origin.undecided
+        times = [
+            when for when in (self.others, *(origin.when for origin in present.values())) if when
+        ]
+        untimed = [name for name, origin in present.items() if not origin.when]
+        if times and untimed:
+            return None, f"no time is known of {min(untimed)}"
+        return max(map(datetime.fromisoformat, times), default=None), ""
 
 
 def read_record(folder: Path) -> Record:
     """Return the record of a folder; an empty one if there is none or it cannot be read."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         content = json.loads((folder / NAME).read_text("utf-8"))
-        files = {name: FileOrigin(**source) for name, source in content["files"].items()}
+        files = {name: FileOrigin(**origin) for name, origin in content["files"].items()}
         return Record(**(content | {"files": files}))
     return Record()
 
@@ -110,7 +112,7 @@ def write_record(record: Record, folder: Path) -> None:
     write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
 
 
-def why_untimed(folder: Path) -> str:
+def reason_without_time(folder: Path) -> str:
     """Return why the submission time of a folder is unknown.
 
     The result is empty if a ``timestamp.txt`` states the time, or if the learning platform marked
@@ -119,6 +121,6 @@ def why_untimed(folder: Path) -> str:
     if (folder / "timestamp.txt").is_file():
         return ""
     record = read_record(folder)
-    late = any(source.late and (folder / name).is_file() for name, source in record.files.items())
-    marked = "the learning platform marks it late, and gives no time"
-    return record.undecided or (marked if late else "")
+    late = any(origin.late and (folder / name).is_file() for name, origin in record.files.items())
+    late_reason = "the learning platform marks it late, and gives no time"
+    return record.undecided or (late_reason if late else "")

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectError, Unreadable
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectError, UnreadableFile
 from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
@@ -28,7 +28,7 @@ def open_archive(path: Path) -> Archive:
     elif zipfile.is_zipfile(path):
         try:
             found = open_zip(str(path), MOST_FILES)
-        except Unreadable as error:
+        except UnreadableFile as error:
             raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":
         raise CollectError(f"{path} is no whole zip. Download it again.")
@@ -65,6 +65,6 @@ def _reader(path: Path) -> Callable[[], bytes]:
         try:
             return read_file(path)
         except UnreadableNotebook as error:
-            raise Unreadable(str(error).removeprefix(path.name).strip(" .")) from None
+            raise UnreadableFile(str(error).removeprefix(path.name).strip(" .")) from None
 
     return read

@@ -12,19 +12,19 @@ from grader.classroom.collect.answers import Answers
 from grader.classroom.collect.identification import (
     Contradiction,
     Unrecognised,
-    is_lesson,
     lesson_of,
+    lesson_option,
 )
 from grader.classroom.collect.inspection import (
     MODULE,
     NOTEBOOK,
     OTHER,
     TOO_MUCH_OF_A_STUDENT,
-    look_at,
+    unpack_file,
 )
-from grader.classroom.collect.outcome import ASKED, CollectionReport, Question
+from grader.classroom.collect.outcome import UNANSWERED, CollectionReport, Question
 from grader.classroom.collect.protocol import SubmittedFile
-from grader.classroom.collect.selection import File, newest
+from grader.classroom.collect.selection import StudentFile, newest
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.worksheet import SubmissionRow
 from grader.classroom.contents import lesson_by_name
@@ -40,10 +40,10 @@ class StudentCollector:
     ----------
     course : grader.course.paths.Course
     id : str
-    there : dict of Lesson to Submission
+    existing : dict of Lesson to Submission
         The student's submissions in ``submitted/``.
     answers : Answers
-    outcome : CollectionReport
+    report : CollectionReport
         Results are added to it.
     """
 
@@ -51,190 +51,198 @@ class StudentCollector:
         self,
         course: Course,
         id: str,
-        there: dict[Lesson, Submission],
+        existing: dict[Lesson, Submission],
         answers: Answers,
-        outcome: CollectionReport,
+        report: CollectionReport,
     ) -> None:
-        self._course, self._id, self._there = course, id, there
-        self._answers, self._outcome = answers, outcome
-        self._states = outcome.states.setdefault(id, {})
+        self._course, self._id, self._existing = course, id, existing
+        self._answers, self._report = answers, report
+        self._states = report.states.setdefault(id, {})
         self._doubts: list[tuple[Question, Lesson | None]] = []
 
     def collect(
-        self, handed: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
+        self, submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
     ) -> None:
         """Place all files of the student.
 
         Parameters
         ----------
-        handed : sequence of (pathlib.Path, SubmittedFile)
+        submitted : sequence of (pathlib.Path, SubmittedFile)
             Each submitted file with its archive.
         rows : sequence of SubmissionRow, or None
             Rows of the table of times about the student; None without a table.
         """
-        files = self._files(handed)
+        files = self._files(submitted)
         notebooks = self._by_lesson(files)
-        time = _time(handed, rows)
+        time = _submission_time(submitted, rows)
         folders: dict[str, StageFolder] = {}
-        for lesson, several in sorted(notebooks.items(), key=lambda pair: pair[0].name):
-            if lesson in self._outcome.lessons:
+        for lesson, candidates in sorted(notebooks.items(), key=lambda pair: pair[0].name):
+            if lesson in self._report.lessons:
                 folder = folders.setdefault(lesson.stage, self._folder(lesson.stage, *time))
-                self._states[lesson] = self._place(folder, lesson, several, files)
+                self._states[lesson] = self._place(folder, lesson, candidates, files)
             else:
-                self._tell_other_stage(lesson, several)
-        self._note_times(folders.values())
+                self._ask_about_other_stage(lesson, candidates)
+        self._write_times(folders.values())
         if not notebooks and not self._doubts:
-            names = ", ".join(dict.fromkeys(one.path[-1] for _, one in handed))
-            self._doubt(handed[0][1].owner.label, f"handed in no notebook: {names}")
-        self._tell_doubts()
+            names = ", ".join(dict.fromkeys(one.path[-1] for _, one in submitted))
+            self._add_doubt(submitted[0][1].owner.label, f"handed in no notebook: {names}")
+        self._report_doubts()
 
-    def _files(self, handed: Sequence[tuple[Path, SubmittedFile]]) -> list[File]:
+    def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
         """Return notebooks and modules; files in place of a notebook become doubts."""
         files, size = [], 0
-        for archive, one in handed:
+        for archive, one in submitted:
             if one.remark:
-                self._doubt(one.name, one.remark)
+                self._add_doubt(one.name, one.remark)
                 continue
-            pieces = look_at(one.entry, one.path[-1])
-            size += sum(len(piece.data) for piece in pieces)
+            unpacked_files = unpack_file(one.entry, one.path[-1])
+            size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
                 text = f"with what they handed in beside it is {TOO_MUCH_OF_A_STUDENT}"
-                self._doubt(one.name, text, lesson_by_name(one.path[-1]))
+                self._add_doubt(one.name, text, lesson_by_name(one.path[-1]))
                 continue
-            for piece in pieces:
-                file = File(archive, one, piece)
-                if piece.kind == OTHER:
-                    self._outcome.left[file.path[-1]] += 1
-                elif piece.kind in (NOTEBOOK, MODULE):
+            for unpacked in unpacked_files:
+                file = StudentFile(archive, one, unpacked)
+                if unpacked.kind == OTHER:
+                    self._report.ignored[file.path[-1]] += 1
+                elif unpacked.kind in (NOTEBOOK, MODULE):
                     files.append(file)
                 else:
                     lesson = lesson_by_name(file.path[-1])
-                    wish = f"{lesson.name}.ipynb" if lesson else "the .ipynb file"
-                    text = piece.complaint or f"is no notebook: ask for {wish}"
-                    self._doubt(file.name, text, lesson)
+                    wanted_file = f"{lesson.name}.ipynb" if lesson else "the .ipynb file"
+                    text = unpacked.complaint or f"is no notebook: ask for {wanted_file}"
+                    self._add_doubt(file.name, text, lesson)
         return files
 
-    def _by_lesson(self, files: Sequence[File]) -> dict[Lesson, list[File]]:
+    def _by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
         """Return the notebooks by lesson, and ask about those whose lesson is unknown."""
-        found: dict[Lesson, list[File]] = {}
+        found: dict[Lesson, list[StudentFile]] = {}
         for file in files:
-            if file.piece.kind != NOTEBOOK:
+            if file.unpacked.kind != NOTEBOOK:
                 continue
-            if file.handed.given and file.piece.content.untouched:
-                self._outcome.left[file.path[-1]] += 1
+            if file.submitted.is_given and file.unpacked.content.untouched:
+                self._report.ignored[file.path[-1]] += 1
                 continue
             try:
                 lesson = self._answers.lessons.get(file.name) or lesson_of(
-                    file, self._there, self._is_placed
+                    file, self._existing, self._is_placed
                 )
             except Unrecognised as doubt:
-                self._doubt(file.name, str(doubt))
+                self._add_doubt(file.name, str(doubt))
             except Contradiction as question:
-                self._states.update(dict.fromkeys(question.lessons, ASKED))
-                self._outcome.ask(file.name, str(question))
+                self._states.update(dict.fromkeys(question.lessons, UNANSWERED))
+                self._report.add_question(file.name, str(question))
             else:
                 found.setdefault(lesson, []).append(file)
         return found
 
     def _place(
-        self, folder: StageFolder, lesson: Lesson, several: list[File], files: list[File]
+        self,
+        folder: StageFolder,
+        lesson: Lesson,
+        candidates: list[StudentFile],
+        files: list[StudentFile],
     ) -> str:
         """Place the newest of some files for a lesson, with its modules; return the result."""
         name = f"{lesson.name}.ipynb"
-        answered = [file for file in several if file.name in self._answers.lessons]
+        answered = [file for file in candidates if file.name in self._answers.lessons]
         outdated = folder.outdated(name)
-        best = newest(answered or [one for one in several if one.digest not in outdated] or several)
-        if len(best) > 1:
-            names = ", ".join(file.name for file in best[1:])
-            self._outcome.ask(
-                best[0].name,
+        newest_files = newest(
+            answered or [one for one in candidates if one.digest not in outdated] or candidates
+        )
+        if len(newest_files) > 1:
+            names = ", ".join(file.name for file in newest_files[1:])
+            self._report.add_question(
+                newest_files[0].name,
                 f"is for {lesson.name}, as is {names}, and nothing tells which is newer. Add "
-                f"{is_lesson(best[0], lesson.number)}, or the same for the other",
+                f"{lesson_option(newest_files[0], lesson.number)}, or the same for the other",
             )
-            return ASKED
-        file = best[0]
+            return UNANSWERED
+        file = newest_files[0]
         if answered:
-            outdated = {one.digest for one in several} - {file.digest}
-        source = dataclasses.replace(file.source, beaten=tuple(sorted(outdated)))
+            outdated = {one.digest for one in candidates} - {file.digest}
+        origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated)))
         try:
-            state = folder.place(name, file.piece.data, source, self._there.get(lesson))
+            state = folder.place(name, file.unpacked.data, origin, self._existing.get(lesson))
         except UnclearVersion as question:
-            self._outcome.ask(file.name, str(question))
-            return ASKED
+            self._report.add_question(file.name, str(question))
+            return UNANSWERED
         if state != KEPT:
             self._place_modules(folder, file, files)
         return state
 
-    def _place_modules(self, folder: StageFolder, notebook: File, files: list[File]) -> None:
+    def _place_modules(
+        self, folder: StageFolder, notebook: StudentFile, files: list[StudentFile]
+    ) -> None:
         """Place the modules next to a notebook, which may import them."""
-        beside: dict[str, list[File]] = {}
+        modules: dict[str, list[StudentFile]] = {}
         for file in files:
-            if file.piece.kind == MODULE and file.lies_beside(notebook):
-                beside.setdefault(file.path[-1], []).append(file)
-        for name, several in beside.items():
-            file = newest(several)[0]
+            if file.unpacked.kind == MODULE and file.is_next_to(notebook):
+                modules.setdefault(file.path[-1], []).append(file)
+        for name, candidates in modules.items():
+            file = newest(candidates)[0]
             try:
-                folder.place(name, file.piece.data, file.source)
+                folder.place(name, file.unpacked.data, file.origin)
             except UnclearVersion as question:
-                self._outcome.ask(file.name, str(question))
+                self._report.add_question(file.name, str(question))
 
-    def _tell_other_stage(self, lesson: Lesson, several: list[File]) -> None:
+    def _ask_about_other_stage(self, lesson: Lesson, candidates: list[StudentFile]) -> None:
         """Ask about files that were submitted with the wrong stage, unless they are in place.
 
         Unchanged notebooks are ignored, because some students submit the whole course.
         """
-        worked = [file for file in several if not file.piece.content.untouched]
-        several = [file for file in worked if not self._is_placed(lesson, file)]
-        if not several:
+        changed = [file for file in candidates if not file.unpacked.content.untouched]
+        candidates = [file for file in changed if not self._is_placed(lesson, file)]
+        if not candidates:
             return
         text = f"belongs to {lesson.stage}. To place it there, add --stage {lesson.stage}"
-        if lesson in self._there:
-            self._outcome.remarks.append(Question(several[0].name, text))
+        if lesson in self._existing:
+            self._report.remarks.append(Question(candidates[0].name, text))
         else:
-            self._outcome.ask(several[0].name, text)
+            self._report.add_question(candidates[0].name, text)
 
-    def _note_times(self, folders: Iterable[StageFolder]) -> None:
+    def _write_times(self, folders: Iterable[StageFolder]) -> None:
         """Write the submission time if it is known, and report why if it is not."""
         for folder in folders:
-            reason = folder.note_time()
+            reason = folder.write_time()
             if reason:
-                self._outcome.undecided[self._id] = reason
+                self._report.undecided[self._id] = reason
             elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
-                self._outcome.late.append(self._id)
+                self._report.late.append(self._id)
 
-    def _tell_doubts(self) -> None:
+    def _report_doubts(self) -> None:
         """Ask about files in place of a notebook, if a notebook is missing."""
         missing = [
             lesson
-            for lesson in self._outcome.lessons
-            if lesson not in self._states and lesson not in self._there
+            for lesson in self._report.lessons
+            if lesson not in self._states and lesson not in self._existing
         ]
         for question, lesson in self._doubts:
-            named = lesson in self._outcome.lessons
-            is_open = lesson in missing if named else bool(missing)
-            (self._outcome.questions if is_open else self._outcome.remarks).append(question)
+            is_wanted = lesson in self._report.lessons
+            is_open = lesson in missing if is_wanted else bool(missing)
+            (self._report.questions if is_open else self._report.remarks).append(question)
 
-    def _doubt(self, name: str, text: str, lesson: Lesson | None = None) -> None:
+    def _add_doubt(self, name: str, text: str, lesson: Lesson | None = None) -> None:
         self._doubts.append((Question(name, text), lesson))
 
-    def _is_placed(self, lesson: Lesson, file: File) -> bool:
+    def _is_placed(self, lesson: Lesson, file: StudentFile) -> bool:
         """Return whether this file was collected for a lesson earlier."""
-        return self._folder(lesson.stage).holds(f"{lesson.name}.ipynb", file.digest)
+        return self._folder(lesson.stage).has_collected(f"{lesson.name}.ipynb", file.digest)
 
     def _folder(self, stage: str, when: datetime | None = None, undecided: str = "") -> StageFolder:
         return StageFolder(self._course.submitted / self._id / stage, when, undecided)
 
 
-def _time(
-    handed: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
+def _submission_time(
+    submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
 ) -> tuple[datetime | None, str]:
     """Return when a student submitted, and why that is unknown if it is."""
     times = [row.when for row in rows or () if row.when]
     if times:
         return max(times), ""
     if rows:
-        return None, f"for a time, the table of times has {rows[0].said or 'nothing'!r}"
+        return None, f"for a time, the table of times has {rows[0].time_text or 'nothing'!r}"
     # A platform that marks late work says that the rest is on time: a table of it suffices.
-    if rows is None or all(one.late is False for _, one in handed):
+    if rows is None or all(one.late is False for _, one in submitted):
         return None, ""
     return None, "the table of times has no line about them, or more than one"

@@ -19,7 +19,7 @@ from pathlib import Path
 import babel
 
 from grader.classroom.collect.protocol import CollectError
-from grader.course.tables import separated
+from grader.course.tables import read_table
 
 # Moodle's titles for "Last modified (submission)", and the language of the dates below each.
 TITLES = {
@@ -55,7 +55,7 @@ class SubmissionRow:
         Moodle's number; empty in an instructor's own table.
     when : datetime or None
         With a time zone; None if the time cannot be read.
-    said : str
+    time_text : str
         The text in the column of times.
     """
 
@@ -63,7 +63,7 @@ class SubmissionRow:
     others: tuple[str, ...] = ()
     participant: str = ""
     when: datetime | None = None
-    said: str = ""
+    time_text: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class SubmissionTable:
     rows: tuple[SubmissionRow, ...] = ()
 
     @functools.cached_property
-    def is_moodles(self) -> bool:
+    def is_from_moodle(self) -> bool:
         """Whether the lines have the numbers of Moodle's participants."""
         return any(row.participant for row in self.rows)
 
@@ -86,7 +86,7 @@ class SubmissionTable:
         """Return the row of one of Moodle's participants."""
         return self._by_number.get(number) if number else None
 
-    def naming(self, text: str) -> list[SubmissionRow]:
+    def rows_with(self, text: str) -> list[SubmissionRow]:
         """Return the rows that contain a text."""
         return [row for row in self.rows if text in row.identifying]
 
@@ -116,11 +116,11 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     except UnicodeDecodeError:
         raise CollectError(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
     try:
-        _, rows = separated(text)
+        _, rows = read_table(text)
     except csv.Error as error:
         raise CollectError(f"{path} is not a CSV file: {error}. Download it again.") from None
     titles = [_folded(cell) for cell in rows[0]] if rows else []
-    column = next((place for place, title in enumerate(titles) if title in TITLES), None)
+    column = next((index for index, title in enumerate(titles) if title in TITLES), None)
     if column is None:
         raise CollectError(
             f"{path}: none of its columns is known to say when work was handed in. They are: "
@@ -128,7 +128,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
             '"Last modified (submission)", and write times like 2026-10-12 23:59.'
         )
     language = TITLES[titles[column]]
-    status = next((place for place, title in enumerate(titles) if title in STATUS), 1)
+    status = next((index for index, title in enumerate(titles) if title in STATUS), 1)
     return SubmissionTable(
         tuple(_row(cells, column, status, language, zone) for cells in rows[1:] if any(cells))
     )
@@ -139,18 +139,18 @@ def _row(
 ) -> SubmissionRow:
     """Read one line; after the status come marks, which may look like numbers of people."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
-    said = cells[column] if column < len(cells) else ""
+    time_text = cells[column] if column < len(cells) else ""
     number = _NUMBER.fullmatch(cells[0])
     identifying = [
-        cell for place, cell in enumerate(cells) if cell and (place < status or "@" in cell)
+        cell for index, cell in enumerate(cells) if cell and (index < status or "@" in cell)
     ]
     identifying.sort(key=lambda cell: ("@" not in cell, not _has_digit(cell)))
     return SubmissionRow(
         tuple(identifying),
         tuple(cells[status:]),
         number[1] if number else "",
-        read_time(said, language, zone),
-        said,
+        read_time(time_text, language, zone),
+        time_text,
     )
 
 

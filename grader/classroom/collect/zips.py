@@ -15,15 +15,15 @@ from collections.abc import Callable
 from datetime import datetime
 from typing import IO
 
-from grader.classroom.collect.protocol import ArchiveEntry, Unreadable
+from grader.classroom.collect.protocol import ArchiveEntry, UnreadableFile
 from grader.intake.notebook import LARGEST_FILE
 
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
 MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
 # The ratio of a notebook full of zeros is 150, that of a bomb a thousand.
-MOST_SHRUNK = 300
-_WORTH_A_LOOK = 2**20
+MOST_COMPRESSION = 300
+_SMALL_FILE = 2**20
 _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
@@ -57,16 +57,16 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Ar
 
     Raises
     ------
-    Unreadable
+    UnreadableFile
     """
     try:
         archive = zipfile.ZipFile(file)
     except _DAMAGE as error:
-        raise Unreadable(f"cannot be opened as a zip: {_reason(error)}") from None
+        raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
     # Python's `is_dir` fails for an empty name.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > most:
-        raise Unreadable(f"holds {len(infos):,} files; more than {most:,} are not opened")
+        raise UnreadableFile(f"holds {len(infos):,} files; more than {most:,} are not opened")
     return [
         (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
         for info in infos
@@ -98,7 +98,7 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
             with archive.open(info) as file:
                 return file.read(LARGEST_FILE)
         except _DAMAGE as error:
-            raise Unreadable(f"cannot be unpacked: {_reason(error)}") from None
+            raise UnreadableFile(f"cannot be unpacked: {_reason(error)}") from None
 
     return read
 
@@ -106,15 +106,15 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 def _check(info: zipfile.ZipInfo) -> None:
     """Check the claimed size of a file before unpacking, which never produces more."""
     if stat.S_ISLNK(info.external_attr >> 16):
-        raise Unreadable("is a link to another file: hand in the file itself")
+        raise UnreadableFile("is a link to another file: hand in the file itself")
     if info.flag_bits & 0x1:
-        raise Unreadable("has a password: hand it in without")
+        raise UnreadableFile("has a password: hand it in without")
     if info.file_size > LARGEST_FILE:
-        raise Unreadable(
+        raise UnreadableFile(
             f"is larger than {LARGEST_FILE // 2**20} MB: clear its outputs and hand it in again"
         )
-    if info.file_size > max(_WORTH_A_LOOK, MOST_SHRUNK * info.compress_size):
-        raise Unreadable(
+    if info.file_size > max(_SMALL_FILE, MOST_COMPRESSION * info.compress_size):
+        raise UnreadableFile(
             f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, as "
             "bombs do: clear its outputs and hand it in again"
         )

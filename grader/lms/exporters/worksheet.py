@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.tables import separated
+from grader.course.tables import read_table
 from grader.lms.exporters.protocol import ExportError
 
 NUMBER = re.compile(r"-?[0-9][0-9.,]*")
@@ -82,7 +82,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
     marked = text.startswith("\ufeff")
     text = text.removeprefix("\ufeff")
     try:
-        separator, rows = separated(text)
+        separator, rows = read_table(text)
     except csv.Error as error:
         raise ExportError(f"{path.name} is not a CSV file: {error}. Download it again.") from error
     if len(rows) < 2 or len(rows[0]) < 2:
