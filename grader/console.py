@@ -188,7 +188,7 @@ def print_similarity(compared: StageComparison, most: int = 10) -> None:
     """Print the similar answers of a stage, the most unusual ones first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
-        how = "the same file" if same.to_the_byte else "the same cells"
+        how = "the same file" if same.same_bytes else "the same cells"
         console.print(plain(f"{same.lesson}, {how}: {', '.join(same.students)}"), markup=False)
     pairs = compared.pairs
     if not pairs:

@@ -1154,7 +1154,7 @@ def test_a_damaged_zip_is_read_or_reported():
     """Most changed bytes are in the central directory; the seed is fixed."""
     whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
-    contents.remember_what_was_released()
+    contents.cache_releases()
     rng = random.Random(1)
     seen = set()
     for _ in range(600):

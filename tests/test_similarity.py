@@ -12,7 +12,7 @@ from grader.classroom.similarity import comparison
 from grader.classroom.similarity.answers import (
     answers_in,
     kept_answers,
-    read_work,
+    read_notebook_parts,
     taught_answers,
 )
 from grader.classroom.similarity.comparison import compare
@@ -341,7 +341,7 @@ def test_the_numbers_about_a_pair_are_counted():
     assert pair.share == 1.0
     assert pair.steps == (14, 14)
     assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
-    assert pair.alone == 13  # all except the empty dictionary
+    assert pair.exclusive == 13  # all except the empty dictionary
     assert pair.others == (1, 4)
     assert pair.nearest == (0.0, 0.0)  # all students have that dictionary
 
@@ -416,7 +416,7 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     for student, text in texts.items():
         hand_in(course, student, text)
     same = compare_stage(course, LESSON.stage).same_files
-    assert [(one.students, one.to_the_byte, one.own) for one in same] == [
+    assert [(one.students, one.same_bytes, one.own) for one in same] == [
         (("ada", "bo"), True, 1),
         (("ada", "bo", "cy"), False, 1),
     ], "and not the two who handed in what they were given"
@@ -452,7 +452,7 @@ def test_a_hostile_notebook_affects_only_its_author(kind, course):
 def test_an_answer_that_is_too_long_is_reported():
     for kind in ("long", "one long line"):
         text = fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]})
-        work = read_work(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
+        work = read_notebook_parts(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
         assert work.problems == ("get_bounding_boxes is too long to be compared.",)
 
 
@@ -462,7 +462,7 @@ def test_compared_code_never_runs(tmp_path):
         "cloud, cluster_labels", f"cloud, cluster_labels=open({str(trap)!r}, 'w')", 1
     )
     text = fill_in(LESSON, {"get_bounding_boxes": source})
-    work = read_work(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
+    work = read_notebook_parts(SubmittedFiles("08_bounding_boxes.ipynb", text.encode()), LESSON)
     assert work.answers["get_bounding_boxes"].steps
     assert not trap.exists()
 
@@ -483,7 +483,7 @@ def test_a_function_in_a_module_next_to_the_notebook_counts():
     )
     module = "import numpy as np\n" + ORIGINAL.replace("get_bounding_boxes", "boxes")
     handed_in = SubmittedFiles("08_bounding_boxes.ipynb", text.encode(), modules={"mine": module})
-    assert len(read_work(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
+    assert len(read_notebook_parts(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
 
 
 def test_every_kept_answer_is_read():

@@ -44,7 +44,7 @@ def copy_number(name: str) -> int:
 
 
 def content_of(data: bytes, name: str) -> Content:
-    """Return the content of a notebook, read in this process; see `lesson_inside`.
+    """Return the content of a notebook, read in this process; see `lesson_by_content`.
 
     Raises
     ------
@@ -58,24 +58,24 @@ def content_of(data: bytes, name: str) -> Content:
     return Content(lesson.name, sources <= _released(lesson))
 
 
-def remember_what_was_released() -> None:
+def cache_releases() -> None:
     """Fill the caches of `content_of`, so that forked processes inherit them."""
     for lesson in all_lessons():
         _released(lesson)
         _grade_ids(lesson)
 
 
-def lesson_inside(path: Path) -> Lesson | None:
+def lesson_by_content(path: Path) -> Lesson | None:
     """Return the lesson in a submitted notebook, read in a process of its own."""
     try:
         status = path.lstat()
     except OSError:
         return None
-    return _lesson_inside(path, status.st_ino, status.st_size, status.st_mtime_ns)
+    return _lesson_by_content(path, status.st_ino, status.st_size, status.st_mtime_ns)
 
 
 @functools.lru_cache(10_000)
-def _lesson_inside(path: Path, *state: int) -> Lesson | None:
+def _lesson_by_content(path: Path, *state: int) -> Lesson | None:
     """Return the lesson in a notebook, cached as long as the file is the same."""
 
     def work() -> str:
@@ -96,8 +96,8 @@ def _lesson_of(notebook: Notebook) -> Lesson | None:
     if named:
         return named
     inside = {cell.grade_id for cell in notebook.cells} - {""}
-    holding = [lesson for lesson in all_lessons() if inside & _grade_ids(lesson)]
-    return holding[0] if len(holding) == 1 else None
+    matching = [lesson for lesson in all_lessons() if inside & _grade_ids(lesson)]
+    return matching[0] if len(matching) == 1 else None
 
 
 @functools.cache

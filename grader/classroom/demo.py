@@ -103,9 +103,9 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(project=str(PROJECT)), "utf-8"
     )
-    for pupil in sample_students(count, hostile, stages):
-        for lesson, text in pupil.notebooks.items():
-            path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"
+    for student in sample_students(count, hostile, stages):
+        for lesson, text in student.notebooks.items():
+            path = course.submitted / student.name / lesson.stage / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, "utf-8")
     return course
@@ -117,7 +117,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )
     lessons = [lesson for lesson in all_lessons() if lesson.stage in stages]
-    special = [
+    special_students = [
         SampleStudent("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
         SampleStudent(
             "cut_off",
@@ -125,7 +125,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         ),
     ]
     if hostile:
-        special.append(
+        special_students.append(
             SampleStudent(
                 "mallory",
                 {
@@ -141,14 +141,14 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
             )
         )
     # One student in three is a special case, so that small classes have both kinds.
-    pupils = (
+    students = (
         SampleStudent(
             next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}
         )
         for number in itertools.count()
     )
     for position in range(count):
-        yield special.pop(0) if position % 4 == 3 and special else next(pupils)
+        yield special_students.pop(0) if position % 4 == 3 and special_students else next(students)
 
 
 def answers(lesson: Lesson, number: int) -> dict[str, str]:

@@ -26,7 +26,7 @@ from grader.course.roster import Roster, RosterError, read_roster
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
-LEAST_SPACE = 2**30
+LEAST_FREE_BYTES = 2**30
 
 
 @dataclass(frozen=True)
@@ -70,13 +70,13 @@ def examine(
     yield _boundary(course)
     yield _space(course)
     yield _seed(course)
-    yield _oracles(Rehearsals(course, all_lessons(), seed, sandbox), executor, progress_bar)
+    yield _solutions(Rehearsals(course, all_lessons(), seed, sandbox), executor, progress_bar)
     try:
-        yield from _people(course)
+        yield from _roster(course)
         yield from _files(course)
     except RosterError as error:
         yield Finding("roster", False, str(error))
-    yield _dates(course)
+    yield _deadlines(course)
 
 
 def _versions() -> Iterator[Finding]:
@@ -89,16 +89,16 @@ def _versions() -> Iterator[Finding]:
 def _packages(file: str) -> Finding:
     lines = re.findall(r"^\w[^#\n]*==[^#\n]*", (PROJECT / file).read_text("utf-8"), re.M)
     pins = [pin for pin in map(Requirement, lines) if not pin.marker or pin.marker.evaluate()]
-    other = [
+    mismatches = [
         f"{pin.name} {_version(pin.name) or 'missing'} instead of {str(pin.specifier)[2:]}"
         for pin in pins
         if not _version(pin.name) or _version(pin.name) not in pin.specifier
     ]
     return Finding(
         "packages",
-        not other,
-        f"{', '.join(other)}. Run: pip install -r {file}"
-        if other
+        not mismatches,
+        f"{', '.join(mismatches)}. Run: pip install -r {file}"
+        if mismatches
         else f"all {len(pins)} as in {file}",
     )
 
@@ -126,36 +126,36 @@ def _sandboxes() -> Iterator[Finding]:
 
 
 def _boundary(course: Course) -> Finding:
-    seen = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
-    if not seen:
+    exposed = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
+    if not exposed:
         return Finding("boundary", True, "student code sees neither hidden tests nor submissions")
     return Finding(
         "boundary",
         False,
-        f"student code could read {seen[0]}, which lies in a folder that every sandbox shows. "
+        f"student code could read {exposed[0]}, which lies in a folder that every sandbox shows. "
         "Move it, for instance below your home.",
     )
 
 
 def _space(course: Course) -> Finding:
     free = shutil.disk_usage(course.root).free
-    return Finding("disk", free > LEAST_SPACE, f"{free / 2**30:.1f} GB free at {course.root}")
+    return Finding("disk", free > LEAST_FREE_BYTES, f"{free / 2**30:.1f} GB free at {course.root}")
 
 
 def _seed(course: Course) -> Finding:
     if not course.seed_file.exists():
         return Finding("seed", True, "not drawn yet: the first grading does")
-    open_to_all = course.seed_file.stat().st_mode & 0o077
+    is_readable_by_others = course.seed_file.stat().st_mode & 0o077
     return Finding(
         "seed",
-        not open_to_all,
+        not is_readable_by_others,
         f"{course.seed_file} can be read by others. Run: chmod 600 {course.seed_file}"
-        if open_to_all
+        if is_readable_by_others
         else "drawn, and readable by you alone",
     )
 
 
-def _oracles(
+def _solutions(
     rehearsals: Rehearsals,
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
@@ -181,7 +181,7 @@ def _files(course: Course) -> Iterator[Finding]:
         yield Finding("submitted", False, f"{path}: {reason}")
 
 
-def _people(course: Course) -> Iterator[Finding]:
+def _roster(course: Course) -> Iterator[Finding]:
     """Compare the roster with the folders in ``submitted/``."""
     roster = read_roster(course)
     if roster is None:
@@ -190,17 +190,17 @@ def _people(course: Course) -> Iterator[Finding]:
     sections = Counter(person.section for person in roster.people if person.section)
     counts = [f"{len(roster.people)} people"]
     counts += [f"{count} in section {name}" for name, count in sorted(sections.items())]
-    without = [person.id for person in roster.people if not person.lms_id]
-    counts += [f"{len(without)} without an lms_id"] if without else []
+    without_number = [person.id for person in roster.people if not person.lms_id]
+    counts += [f"{len(without_number)} without an lms_id"] if without_number else []
     yield Finding("roster", True, ", ".join(counts))
-    yield from _handed_in(course, roster)
+    yield from _submissions(course, roster)
     for sentence in respelt_folders(course, roster):
         yield Finding("roster", True, sentence)
     for sentence in unmatched_folders(course, roster).values():
         yield Finding("roster", False, sentence)
 
 
-def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
+def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
     """Name the students without a submission, for each stage that has submissions."""
     deadlines = Deadlines({})
     with contextlib.suppress(DeadlinesError):  # reported on its own
@@ -209,16 +209,16 @@ def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
     for submission in find_submissions(course):
         by_stage.setdefault(submission.lesson.stage, set()).add(submission.student)
     for stage, students in sorted(by_stage.items()):
-        others = [person.id for person in roster.people if person.id not in students]
-        excused = [id for id in others if deadlines.excused(id, stage)]
-        missing = [id for id in others if id not in excused]
-        texts = [f"{len(roster.people) - len(others)} of {len(roster.people)} handed in"]
+        absent = [person.id for person in roster.people if person.id not in students]
+        excused = [id for id in absent if deadlines.excused(id, stage)]
+        missing = [id for id in absent if id not in excused]
+        texts = [f"{len(roster.people) - len(absent)} of {len(roster.people)} handed in"]
         texts += [f"missing: {', '.join(missing)}"] if missing else []
         texts += [f"excused: {', '.join(excused)}"] if excused else []
         yield Finding(stage, True, "; ".join(texts))
 
 
-def _dates(course: Course) -> Finding:
+def _deadlines(course: Course) -> Finding:
     try:
         deadlines = read_deadlines(course)
     except (DeadlinesError, RosterError) as error:
@@ -229,15 +229,15 @@ def _dates(course: Course) -> Finding:
         )
     texts = []
     for stage, dates in deadlines.stages.items():
-        about = [_shown(deadlines, dates.due) if dates.due else "no date"]
-        about += [
-            f"section {name} {_shown(deadlines, due)}" for name, due in dates.sections.items()
+        parts = [_local_time(deadlines, dates.due) if dates.due else "no date"]
+        parts += [
+            f"section {name} {_local_time(deadlines, due)}" for name, due in dates.sections.items()
         ]
-        about += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
-        about += [f"{len(dates.excused)} excused"] * bool(dates.excused)
-        texts.append(f"{stage} {', '.join(about)}")
+        parts += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
+        parts += [f"{len(dates.excused)} excused"] * bool(dates.excused)
+        texts.append(f"{stage} {', '.join(parts)}")
     return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")
 
 
-def _shown(deadlines: Deadlines, due: datetime) -> str:
+def _local_time(deadlines: Deadlines, due: datetime) -> str:
     return f"{deadlines.local(due):%Y-%m-%d %H:%M %Z}"

@@ -29,12 +29,12 @@ def find_student(course: Course, text: str) -> str:
     UnknownStudent
     """
     roster = read_roster(course)
-    meant = roster.like(text) if roster else ()
-    if len(meant) > 1:
-        whom = " or ".join(person.called for person in meant)
-        raise UnknownStudent(f"{text!r} may be {whom}: name the id.")
-    if meant:
-        return meant[0].id
+    people = roster.like(text) if roster else ()
+    if len(people) > 1:
+        names = " or ".join(person.called for person in people)
+        raise UnknownStudent(f"{text!r} may be {names}: name the id.")
+    if people:
+        return people[0].id
     if text in _folders(course):
         return text
     nobody = "is not on the roster, and " if roster else ""
@@ -60,43 +60,43 @@ def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     for folder in folders:
         owner = roster.owner(folder)
         if owner and owner.id != folder:
-            beside = " beside what lies in the folder of that name" if owner.id in folders else ""
-            yield f"{folder!r} in {course.submitted.name}/ is taken for {owner.called}{beside}."
+            addition = " beside what lies in the folder of that name" if owner.id in folders else ""
+            yield f"{folder!r} in {course.submitted.name}/ is taken for {owner.called}{addition}."
 
 
 def _folders(course: Course) -> list[str]:
     """Return the folders in ``submitted/`` that contain a stage."""
-    found = {
-        place.parent.name for stage in stages() for place in course.submitted.glob(f"*/{stage}")
-    }
+    found = {path.parent.name for stage in stages() for path in course.submitted.glob(f"*/{stage}")}
     return sorted(found)
 
 
 def _question(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
-    begins = f"{folder!r} is not on the roster, so that its marks are not entered."
-    meant = roster.like(folder)
-    if not meant:
-        return f"{begins} Either {add}, or rename the folder to the id of whoever it is."
-    if len(meant) > 1:
-        whom = " or ".join(person.called for person in meant)
-        return f"{begins} It may be of {whom}: rename the folder to the right id, or {add}."
-    commands = " && ".join(_moves(course, folder, meant[0]))
-    return f"{begins} If it is of {meant[0].called}: {commands}; else {add}."
+    beginning = f"{folder!r} is not on the roster, so that its marks are not entered."
+    people = roster.like(folder)
+    if not people:
+        return f"{beginning} Either {add}, or rename the folder to the id of whoever it is."
+    if len(people) > 1:
+        names = " or ".join(person.called for person in people)
+        return f"{beginning} It may be of {names}: rename the folder to the right id, or {add}."
+    commands = " && ".join(_moves(course, folder, people[0]))
+    return f"{beginning} If it is of {people[0].called}: {commands}; else {add}."
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
     """Return commands that move a folder to a student and overwrite nothing."""
-    here, there = course.submitted / folder, course.submitted / person.id
-    if not there.exists():
-        yield _move(course, here, there)
+    source, destination = course.submitted / folder, course.submitted / person.id
+    if not destination.exists():
+        yield _move(course, source, destination)
         return
-    for place in sorted(here.iterdir()):
-        target = there / place.name
+    for path in sorted(source.iterdir()):
+        target = destination / path.name
         if target.is_dir():  # files in subfolders are found as well, and the newest counts
             target /= f"from {folder}"
-        yield _move(course, place, target)
+        yield _move(course, path, target)
 
 
-def _move(course: Course, here: Path, there: Path) -> str:
-    return shlex.join(["mv", "-n", *(str(path.relative_to(course.root)) for path in (here, there))])
+def _move(course: Course, source: Path, destination: Path) -> str:
+    return shlex.join(
+        ["mv", "-n", *(str(path.relative_to(course.root)) for path in (source, destination))]
+    )

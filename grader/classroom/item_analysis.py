@@ -11,7 +11,7 @@ from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import ExerciseResult, Kind, Verdict
 
 # With fewer students, chance alone gives a discrimination of 0.4.
-ENOUGH = 20
+LEAST_STUDENTS = 20
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Item:
         Numbers of students.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None
-        for fewer than `ENOUGH` students, or if all or none pass.
+        for fewer than `LEAST_STUDENTS` students, or if all or none pass.
     """
 
     exercise: str
@@ -55,14 +55,16 @@ def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSum
     Each student counts once per exercise, with the first failure, because others may have the
     same cause. Students who wrote nothing are not counted.
     """
-    tried, stopped = Counter(), Counter()
+    tried, first_failures = Counter(), Counter()
     for verdict in verdicts:
         for exercise in verdict.exercises:
             tried[verdict.lesson, exercise.name] += 1
             first = next((test for test in exercise.tests if test.name == exercise.first), None)
             if first:
-                stopped[verdict.lesson, exercise.name, first.title, first.visible] += 1
-    found = [CheckSummary(*check, count, tried[check[:2]]) for check, count in stopped.items()]
+                first_failures[verdict.lesson, exercise.name, first.title, first.visible] += 1
+    found = [
+        CheckSummary(*check, count, tried[check[:2]]) for check, count in first_failures.items()
+    ]
     return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
 
 
@@ -80,26 +82,26 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
     for verdict in verdicts:
         for exercise in verdict.exercises:
             for test in exercise.tests:
-                place = exercise.name, test.name
-                tests.setdefault(place, test)
+                check = exercise.name, test.name
+                tests.setdefault(check, test)
                 rest = verdict.score - test.score
-                outcomes.setdefault(place, []).append((float(test.passed), rest))
+                outcomes.setdefault(check, []).append((float(test.passed), rest))
     return [
         Item(
-            place[0],
-            tests[place].title,
-            tests[place].visible,
-            sum(passed > 0 for passed, _ in mine),
-            len(mine),
-            _discrimination(mine),
+            check[0],
+            tests[check].title,
+            tests[check].visible,
+            sum(passed > 0 for passed, _ in results),
+            len(results),
+            _discrimination(results),
         )
-        for place, mine in outcomes.items()
+        for check, results in outcomes.items()
     ]
 
 
 def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
     passed, rest = zip(*outcomes, strict=True)
-    if len(outcomes) < ENOUGH or len(set(passed)) == 1 or len(set(rest)) == 1:
+    if len(outcomes) < LEAST_STUDENTS or len(set(passed)) == 1 or len(set(rest)) == 1:
         return None
     return statistics.correlation(passed, rest)
 
@@ -124,15 +126,15 @@ def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
 def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
     """Return (exercise, message, number of students), most frequent first."""
     students: dict[tuple[str, str], set[str]] = {}
-    said: dict[tuple[str, str], list[str]] = {}
+    first_lines: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:
         for exercise in verdict.exercises:
             if exercise.cause and not is_not_started(exercise):
                 first = exercise.cause.splitlines()[0]
                 mistake = (exercise.name, without_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
-                said.setdefault(mistake, []).append(first)
-    found = [(one[0], common_text(said[one]), len(names)) for one, names in students.items()]
+                first_lines.setdefault(mistake, []).append(first)
+    found = [(one[0], common_text(first_lines[one]), len(names)) for one, names in students.items()]
     return sorted(found, key=lambda mistake: -mistake[2])[:most]
 
 

@@ -9,17 +9,17 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import copy_number, lesson_by_name, lesson_inside
+from grader.classroom.contents import copy_number, lesson_by_content, lesson_by_name
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 
 # Files that nbgrader's exchange adds: the time, and the key of the feedback.
-OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}
+EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
 
 
-class Replaced(Exception):
+class ReplacedSubmission(Exception):
     """A submission was replaced after it was judged; `str()` is the sentence to show."""
 
 
@@ -47,7 +47,7 @@ class Submission:
         """Return the path of the verdict."""
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
-    def place(self, course: Course) -> Path:
+    def stage_folder(self, course: Course) -> Path:
         """Return the folder ``submitted/<student>/<stage>/`` of the file, as it is spelt."""
         folder = self.path.relative_to(course.submitted).parts[0]
         return course.submitted / folder / self.lesson.stage
@@ -67,8 +67,8 @@ class Submission:
     def _is_in_its_folder(self, course: Course) -> bool:
         if not self.path.is_relative_to(course.submitted):
             return False
-        place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)
-        return self.path.parent.resolve().is_relative_to(place)
+        own = self.stage_folder(course).relative_to(course.submitted)
+        return self.path.parent.resolve().is_relative_to(course.submitted.resolve() / own)
 
     def read_again(self, course: Course, fingerprint: str) -> SubmittedFiles:
         """Read the file again, if it is still the one that was judged.
@@ -81,11 +81,11 @@ class Submission:
 
         Raises
         ------
-        Replaced
+        ReplacedSubmission
         """
         handed_in = self.read(course)
         if handed_in.fingerprint() != fingerprint:
-            raise Replaced(
+            raise ReplacedSubmission(
                 f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module beside it, "
                 "was replaced after it was judged, so nothing of this stage was entered. "
                 "Run grade again."
@@ -96,11 +96,12 @@ class Submission:
         name = f"{self.lesson.name}.ipynb"
         if self.older:
             files = [path.relative_to(course.submitted) for path in (self.path, *self.older)]
-            several = len({file.parts[0] for file in files}) > 1  # several folders of one student
-            newest, *left = [str(file) if several else file.name for file in files]
+            # A student may have several folders.
+            several_folders = len({file.parts[0] for file in files}) > 1
+            newest, *ignored = [str(file) if several_folders else file.name for file in files]
             yield (
                 f"Several files are for this lesson. The newest, {newest}, was judged, and "
-                f"not {', '.join(left)}. If that is the wrong one, hand in the right one alone."
+                f"not {', '.join(ignored)}. If that is the wrong one, hand in the right one alone."
             )
         elif self.path.name != name:
             yield f"{self.path.name} was taken for {name}. Give it that name when you hand it in."
@@ -133,18 +134,18 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
         if stages and stage not in stages:
             continue
-        for place in course.submitted.glob(f"*/{stage}"):
-            owner = roster.owner(place.parent.name) if roster else None
-            student = owner.id if owner else place.parent.name
-            for path in _files_below(place):
+        for folder in course.submitted.glob(f"*/{stage}"):
+            owner = roster.owner(folder.parent.name) if roster else None
+            student = owner.id if owner else folder.parent.name
+            for path in _files_below(folder):
                 lesson = _lesson_of_file(path)
                 if lesson and lesson.stage == stage:
                     found.setdefault((student, lesson), []).append(path)
     submissions = []
     for (student, lesson), paths in found.items():
-        *older, newest = sorted(paths, key=_age)
+        *older, newest = sorted(paths, key=_age_key)
         submissions.append(Submission(student, lesson, newest, tuple(older)))
-    return sorted(submissions, key=lambda one: (one.student, one.lesson.name))
+    return sorted(submissions, key=lambda submission: (submission.student, submission.lesson.name))
 
 
 def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
@@ -153,21 +154,21 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}
     found = []
     for path in _files_below(course.submitted):
-        if path not in judged and path.name not in OF_THE_EXCHANGE:
+        if path not in judged and path.name not in EXCHANGE_FILES:
             reason = _reason(course, path)
             if reason:
                 found.append((path.relative_to(course.root), reason))
     return found
 
 
-def _files_below(place: Path) -> Iterator[Path]:
+def _files_below(root: Path) -> Iterator[Path]:
     """Return all files except hidden ones, sorted; links to folders are not followed."""
-    for folder, folders, files in os.walk(place):
+    for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         links = [name for name in folders if (Path(folder) / name).is_symlink()]
         # A folder with the name of a notebook is a mistake, so it is reported.
-        odd = [name for name in folders if name.endswith(".ipynb")]
-        for name in sorted({*files, *links, *odd}):
+        misnamed_folders = [name for name in folders if name.endswith(".ipynb")]
+        for name in sorted({*files, *links, *misnamed_folders}):
             if not name.startswith("."):
                 yield Path(folder) / name
 
@@ -175,10 +176,10 @@ def _files_below(place: Path) -> Iterator[Path]:
 def _lesson_of_file(path: Path) -> Lesson | None:
     """Return the lesson of a file, by its name or else by its content."""
     is_notebook = path.suffix.lower() == ".ipynb"
-    return (lesson_by_name(path.name) or lesson_inside(path)) if is_notebook else None
+    return (lesson_by_name(path.name) or lesson_by_content(path)) if is_notebook else None
 
 
-def _age(path: Path) -> tuple[float, int, str]:
+def _age_key(path: Path) -> tuple[float, int, str]:
     """Return a sort key: when the file was saved, then the number of the copy."""
     return path.lstat().st_mtime, copy_number(path.name), path.name
 
@@ -189,8 +190,8 @@ def _reason(course: Course, file: Path) -> str:
     student, *_ = path.parts
     lesson = _lesson_of_file(file)
     if len(path.parts) < 3 or path.parts[1] not in stages():
-        where = f"{student}/{lesson.stage}/" if lesson and len(path.parts) > 1 else ""
-        return "it does not lie in <student>/<stage>/" + (where and f": move it to {where}")
+        folder = f"{student}/{lesson.stage}/" if lesson and len(path.parts) > 1 else ""
+        return "it does not lie in <student>/<stage>/" + (folder and f": move it to {folder}")
     if lesson:
         return f"{lesson.name} belongs to {lesson.stage}: move it to {student}/{lesson.stage}/"
     if path.suffix.lower() == ".zip":

@@ -26,7 +26,7 @@ class StageEntry:
 
     def places(self, course: Course) -> tuple[Path, ...]:
         """Return the submission folders; several if the student's folder has several spellings."""
-        places = {submission.place(course) for submission, _ in self.judged}
+        places = {submission.stage_folder(course) for submission, _ in self.judged}
         return tuple(sorted(places))
 
 

@@ -228,7 +228,7 @@ def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]
     """Return the origins of the files that count, by student and lesson."""
     sources: dict[str, dict[str, _SubmittedFile]] = {}
     for submission in find_submissions(course, [stage]):
-        source = read_record(submission.place(course)).files.get(submission.path.name)
+        source = read_record(submission.stage_folder(course)).files.get(submission.path.name)
         match = source and _OWNER_AND_FILE.search(source.archive)
         if match:
             file = _SubmittedFile(match["owner"], match["file"], source.order, source.participant)

@@ -17,7 +17,7 @@ from nbgrader.utils import compute_checksum, determine_grade
 from sqlalchemy.orm import Session
 
 from grader.classroom.folders import unmatched_folders
-from grader.classroom.submissions import Replaced, Submission
+from grader.classroom.submissions import ReplacedSubmission, Submission
 from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import read_roster
@@ -104,7 +104,7 @@ def _try_to_enter(
     """Enter one submission and return a sentence about each remaining problem."""
     try:
         trouble = _enter_one(course, book, entry, late, deadlines)
-    except Replaced as replaced:  # the entered marks stay until the new file is judged
+    except ReplacedSubmission as replaced:  # the entered marks stay until the new file is judged
         return [str(replaced)]
     except Exception as error:  # one student's failure must not stop the others
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
@@ -136,7 +136,9 @@ def _enter_one(
                 f"of the student's. {complaint}"
             )
         for name, source in handed_in.modules.items():
-            path = submission.path.with_name(f"{name}.py").relative_to(submission.place(course))
+            path = submission.path.with_name(f"{name}.py").relative_to(
+                submission.stage_folder(course)
+            )
             modules[path] = source.encode()
     folder = course.autograded / entry.student / entry.stage
     draft = folder.with_name(f".{folder.name}.part")

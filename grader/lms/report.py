@@ -17,7 +17,7 @@ from urllib.parse import quote
 from markupsafe import Markup
 
 from grader.classroom.item_analysis import (
-    ENOUGH,
+    LEAST_STUDENTS,
     common_messages,
     hardest_checks,
     items_of,
@@ -107,7 +107,7 @@ def write_report(
         "distributions": _distributions(lessons, results, counted),
         "hardest": hardest_checks(counted),
         "items": _items(lessons, counted),
-        "enough": ENOUGH,
+        "enough": LEAST_STUDENTS,
         "not_started": not_started(counted),
         "notebooks": len(pairs),
     }

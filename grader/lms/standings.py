@@ -139,7 +139,7 @@ def _stage(
     handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
     if not handed_in:
         try:
-            handed_in = submission_time({submission.place(course) for submission in files})
+            handed_in = submission_time({submission.stage_folder(course) for submission in files})
         except SubmissionTimeUnknown as error:
             undecided = str(error) if due else ""
     return StageResult(

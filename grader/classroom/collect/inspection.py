@@ -65,7 +65,7 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     """Open one submitted file with its name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
         return [UnpackedFile((), OTHER)]
-    contents.remember_what_was_released()
+    contents.cache_releases()
     try:
         data = entry.read()
         found = run_in_child(name, lambda: [_to_json(unpacked) for unpacked in _unpack(data, name)])

@@ -66,7 +66,7 @@ class NotebookParts:
     problems: tuple[str, ...]
 
 
-def read_work(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookParts:
+def read_notebook_parts(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookParts:
     """Read a submission in a process of its own, without running its code.
 
     Raises
@@ -110,8 +110,8 @@ def _digest(text: str) -> str:
 
 def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedAnswer], list[str]]:
     """Return the answers in code cells, and why some of them cannot be compared."""
-    given = {source for _, source in released_cells(lesson)}
-    code = [source for source in code if source.rstrip() not in given]
+    released_sources = {source for _, source in released_cells(lesson)}
+    code = [source for source in code if source.rstrip() not in released_sources]
     released, imported = _released_statements(lesson)
     own = [one for one in slicing.parse_notebook(code)[0] if _dump(one.node) not in released]
     known = {**imported, **_imported(own), **_given_names(lesson)}
@@ -141,14 +141,16 @@ def _answer(
         if statement.binds & others or isinstance(node, (ast.Import, ast.ImportFrom)):
             continue
         first = min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", []))])
-        moved = len(lines) + 1 - first
+        offset = len(lines) + 1 - first
         lines += [*code[statement.cell - 1].split("\n")[first - 1 : node.end_lineno], ""]
-        is_it = getattr(node, "name", "") == name and hasattr(node, "args")
+        is_exercise = getattr(node, "name", "") == name and hasattr(node, "args")
         parameters = (
-            [argument.arg for argument in node.args.posonlyargs + node.args.args] if is_it else []
+            [argument.arg for argument in node.args.posonlyargs + node.args.args]
+            if is_exercise
+            else []
         )
         steps += [
-            dataclasses.replace(step, first=step.first + moved, last=step.last + moved)
+            dataclasses.replace(step, first=step.first + offset, last=step.last + offset)
             for step in steps_of(node, known, parameters)
         ]
         nodes.append(ast.dump(node))
@@ -169,8 +171,8 @@ def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
         for node in ast.walk(statement.node):
             if isinstance(node, ast.Import):
                 for alias in node.names:
-                    whole = alias.name if alias.asname else alias.name.split(".")[0]
-                    found[alias.asname or whole] = whole
+                    module = alias.name if alias.asname else alias.name.split(".")[0]
+                    found[alias.asname or module] = module
             elif isinstance(node, ast.ImportFrom):
                 for alias in node.names:
                     found[alias.asname or alias.name] = f"{node.module or ''}.{alias.name}"
@@ -210,7 +212,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
             answer
             for variant in answers_to(exercise.name)
             if variant.right
-            for answer in [_kept(lesson, exercise.name, variant.source)]
+            for answer in [_kept_answer(lesson, exercise.name, variant.source)]
             if answer
         )
         for exercise in lesson.machine_graded
@@ -224,7 +226,7 @@ def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     found = {}
     for exercise in lesson.machine_graded:
         hints = [
-            _kept(lesson, exercise.name, variant.source)
+            _kept_answer(lesson, exercise.name, variant.source)
             for variant in answers_to(exercise.name)
             if variant.follows_hints
         ]
@@ -232,6 +234,6 @@ def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     return found
 
 
-def _kept(lesson: Lesson, exercise: str, source: str) -> ComparedAnswer | None:
+def _kept_answer(lesson: Lesson, exercise: str, source: str) -> ComparedAnswer | None:
     answers, _ = answers_in(source.split(ANOTHER_CELL), lesson)
     return answers.get(exercise)

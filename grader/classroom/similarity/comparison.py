@@ -34,7 +34,7 @@ class Pair:
         For each answer, the indices of statements that the other answer also has.
     steps : tuple of int
         The number of statements of each answer.
-    alone : int
+    exclusive : int
         The number of common statements of the first answer that no third answer has.
     others : tuple of int
         The number of other answers: in the class, and kept with the course.
@@ -48,7 +48,7 @@ class Pair:
     bits: float
     alike: tuple[frozenset[int], frozenset[int]]
     steps: tuple[int, int]
-    alone: int
+    exclusive: int
     others: tuple[int, int]
     nearest: tuple[float, float]
 
@@ -62,7 +62,7 @@ class Comparison:
     exercise : str
     written : int
         The number of answers.
-    telling : int
+    distinctive : int
         The number of answers with enough unusual parts to distinguish them from others.
     pairs : tuple of Pair
         Similar pairs, the most unusual first.
@@ -70,7 +70,7 @@ class Comparison:
 
     exercise: str
     written: int
-    telling: int
+    distinctive: int
     pairs: tuple[Pair, ...]
 
 
@@ -92,18 +92,18 @@ def compare(
     taught : iterable of ComparedAnswer
         Answers that the lesson leads to.
     """
-    mine = {student: Document(answer) for student, answer in answers.items()}
-    beside = [Document(answer) for answer in kept]
-    weights = Weights([*mine.values(), *beside], map(Document, taught))
-    least = LEAST_BITS + math.log2(max(1, math.comb(len(mine), 2)))
+    documents = {student: Document(answer) for student, answer in answers.items()}
+    kept_documents = [Document(answer) for answer in kept]
+    weights = Weights([*documents.values(), *kept_documents], map(Document, taught))
+    least_bits = LEAST_BITS + math.log2(max(1, math.comb(len(documents), 2)))
     shares = {
-        (one, other): weights.share(mine[one], mine[other])
-        for one, other in itertools.combinations(mine, 2)
+        (one, other): weights.share(documents[one], documents[other])
+        for one, other in itertools.combinations(documents, 2)
     }
     nearest, pairs = _two_nearest(shares), []
     for (one, other), share in shares.items():
-        first, second = mine[one], mine[other]
-        if share >= LEAST_SHARE and weights.bits(first, second) >= least:
+        first, second = documents[one], documents[other]
+        if share >= LEAST_SHARE and weights.bits(first, second) >= least_bits:
             pairs.append(
                 Pair(
                     exercise,
@@ -112,23 +112,28 @@ def compare(
                     weights.bits(first, second),
                     (first.steps_like(second), second.steps_like(first)),
                     (len(first.steps), len(second.steps)),
-                    weights.only_theirs(first, second),
-                    (len(mine) - 2, len(beside)),
-                    (_nearest((one, other), nearest), _nearest_of(first, second, beside, weights)),
+                    weights.exclusive_steps(first, second),
+                    (len(documents) - 2, len(kept_documents)),
+                    (
+                        _nearest((one, other), nearest),
+                        _nearest_of(first, second, kept_documents, weights),
+                    ),
                 )
             )
     pairs.sort(key=lambda pair: -pair.bits)
-    telling = sum(weights.bits_of_copy(document) >= least for document in mine.values())
-    return Comparison(exercise, len(mine), telling, tuple(pairs))
+    distinctive = sum(
+        weights.bits_of_copy(document) >= least_bits for document in documents.values()
+    )
+    return Comparison(exercise, len(documents), distinctive, tuple(pairs))
 
 
 def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tuple[float, str]]]:
     """Return for each student the two most similar students, with their shares."""
     found: dict[str, list[tuple[float, str]]] = {}
     for both, share in shares.items():
-        for who, whom in (both, both[::-1]):
-            nearest = found.setdefault(who, [])
-            nearest.append((share, whom))
+        for student, neighbour in (both, both[::-1]):
+            nearest = found.setdefault(student, [])
+            nearest.append((share, neighbour))
             nearest.sort(reverse=True)
             del nearest[2:]
     return found
@@ -137,13 +142,19 @@ def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tupl
 def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]]]) -> float:
     """Return the largest share of either of two students with a third one."""
     return max(
-        (share for who in pair for share, whom in nearest[who] if whom not in pair), default=0.0
+        (
+            share
+            for student in pair
+            for share, neighbour in nearest[student]
+            if neighbour not in pair
+        ),
+        default=0.0,
     )
 
 
 def _nearest_of(
-    first: Document, second: Document, beside: Sequence[Document], weights: Weights
+    first: Document, second: Document, kept_documents: Sequence[Document], weights: Weights
 ) -> float:
     """Return the largest share of either of two answers with a kept one."""
-    both = itertools.product((first, second), beside)
+    both = itertools.product((first, second), kept_documents)
     return max((weights.share(one, other) for one, other in both), default=0.0)

@@ -21,7 +21,7 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
 _COMMUTATIVE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
 _MIRRORED = {ast.Gt: ast.Lt, ast.GtE: ast.LtE}
-_SILENT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
+_WITHOUT_EFFECT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ def steps_of(
     parameters : sequence of str
         Names of the function's parameters; each is replaced by its position.
     """
-    places = {name: f"parameter {place}" for place, name in enumerate(parameters)}
-    return _Reader({**known, **places}).steps([node])
+    positions = {name: f"parameter {index}" for index, name in enumerate(parameters)}
+    return _Normalizer({**known, **positions}).steps([node])
 
 
-class _Reader:
+class _Normalizer:
     """Converts statements, with fixed meanings of names."""
 
     def __init__(self, known: Mapping[str, str]) -> None:
@@ -66,7 +66,7 @@ class _Reader:
 
     def steps(self, body: Iterable[ast.stmt]) -> Iterator[NormalStatement]:
         for node in body:
-            if not _says_nothing(node):
+            if not _has_no_effect(node):
                 yield from self._steps(node)
 
     def _steps(self, node: ast.stmt) -> Iterator[NormalStatement]:
@@ -99,12 +99,12 @@ class _Reader:
         return NormalStatement(tuple(words), node.lineno, end.end_lineno)
 
     def _loop(self, node: ast.For | ast.AsyncFor | ast.While) -> Iterator[NormalStatement]:
-        body, counted = node.body, None
+        body, counting_range = node.body, None
         if isinstance(node, ast.While):
             end, head = node.test, [node.test]
-            counted = _counted(node)
-            if counted is not None:
-                head = [node.test.left, counted]
+            counting_range = _counting_range(node)
+            if counting_range is not None:
+                head = [node.test.left, counting_range]
                 body = node.body[:-1]
         else:
             end, head = node.iter, [node.target, node.iter]
@@ -169,16 +169,16 @@ def _assignments(
         yield node.target, ast.BinOp(node.target, node.op, node.value)
         return
     for target in getattr(node, "targets", None) or [node.target]:
-        several = isinstance(target, (ast.Tuple, ast.List)) and isinstance(
+        are_tuples = isinstance(target, (ast.Tuple, ast.List)) and isinstance(
             node.value, (ast.Tuple, ast.List)
         )
-        left, right = (target.elts, node.value.elts) if several else ([target], [node.value])
+        left, right = (target.elts, node.value.elts) if are_tuples else ([target], [node.value])
         if len(left) != len(right) or any(isinstance(one, ast.Starred) for one in left + right):
             left, right = [target], [node.value]
         yield from zip(left, right, strict=True)
 
 
-def _counted(node: ast.While) -> ast.expr | None:
+def _counting_range(node: ast.While) -> ast.expr | None:
     """Return ``range(n)`` if a loop is ``while i < n`` and ends with ``i += 1``."""
     test, last = node.test, node.body[-1]
     if (
@@ -203,11 +203,11 @@ def _constant(value: object) -> str:
     return type(value).__name__ if isinstance(value, (str, bytes)) else repr(value)
 
 
-def _says_nothing(node: ast.stmt) -> bool:
+def _has_no_effect(node: ast.stmt) -> bool:
     if isinstance(node, ast.AnnAssign):
         return node.value is None
     if not isinstance(node, ast.Expr):
-        return isinstance(node, _SILENT)
+        return isinstance(node, _WITHOUT_EFFECT)
     value = node.value
     called = value.func if isinstance(value, ast.Call) else None
     return isinstance(value, ast.Constant) or (

@@ -52,7 +52,9 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
     """Write the page and return its path."""
     pairs = compared.pairs
     shown = [
-        ShownPair(pair.students, pair.pairs, tuple(_shown(one, compared) for one in pair.pairs))
+        ShownPair(
+            pair.students, pair.pairs, tuple(_shared_function(one, compared) for one in pair.pairs)
+        )
         for pair in pairs[:MOST_PAIRS]
     ]
     page = render(
@@ -75,7 +77,7 @@ def percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
-def _shown(pair: Pair, compared: StageComparison) -> SharedFunction:
+def _shared_function(pair: Pair, compared: StageComparison) -> SharedFunction:
     answers = [compared.answers[pair.exercise, student] for student in pair.students]
     sides = (
         Side(student, _lines(answer, alike))
@@ -85,7 +87,7 @@ def _shown(pair: Pair, compared: StageComparison) -> SharedFunction:
 
 
 def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...]:
-    steps = (answer.steps[place] for place in alike)
+    steps = (answer.steps[index] for index in alike)
     marked = {line for step in steps for line in range(step.first, step.last + 1)}
     return tuple(
         (line, number in marked) for number, line in enumerate(answer.text.split("\n"), start=1)
@@ -98,18 +100,18 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
         f"{len(alike)} of {steps} steps of {student}"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
     ]
-    yield f"Alike are {counts[0]}, and {counts[1]}. {_equality(one, other)}"
+    yield f"Alike are {counts[0]}, and {counts[1]}. {_equality_sentence(one, other)}"
     in_class, kept = pair.others
     beside = f" and {kept} right answers that are kept with the course" if kept else ""
     yield (
-        f"{pair.alone or 'None'} of these steps stand in no other answer, of {in_class} in this "
-        f"class{beside}. Of all that is unusual in the two, {percent(pair.share)} is in both. "
+        f"{pair.exclusive or 'None'} of these steps stand in no other answer, of {in_class} in "
+        f"this class{beside}. Of all that is unusual in the two, {percent(pair.share)} is in both. "
         f"With anybody else it is {percent(pair.nearest[0])} at most"
         f"{f', with a kept answer {percent(pair.nearest[1])}' if kept else ''}."
     )
 
 
-def _equality(one: ComparedAnswer, other: ComparedAnswer) -> str:
+def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
     """Return how equal two similar answers are: in text, in code, or only in normal form."""
     if one.text == other.text:
         return "They are the same letter for letter, comments included."

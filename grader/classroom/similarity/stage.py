@@ -11,7 +11,7 @@ from grader.classroom.similarity.answers import (
     ComparedAnswer,
     NotebookParts,
     kept_answers,
-    read_work,
+    read_notebook_parts,
     taught_answers,
 )
 from grader.classroom.similarity.comparison import Comparison, Pair, compare
@@ -30,7 +30,7 @@ class SameFile:
     ----------
     lesson : str
     students : tuple of str
-    to_the_byte : bool
+    same_bytes : bool
         False if outputs or metadata differ, and only the text of the cells is the same.
     own, all : int
         The number of cells that differ from the release, and of all cells.
@@ -38,7 +38,7 @@ class SameFile:
 
     lesson: str
     students: tuple[str, ...]
-    to_the_byte: bool
+    same_bytes: bool
     own: int
     all: int
 
@@ -114,17 +114,17 @@ def compare_stage(
         student, lesson = printable(submission.student), submission.lesson.name
         handed_in = submission.read(course)
         try:
-            work = read_work(handed_in, submission.lesson)
+            parts = read_notebook_parts(handed_in, submission.lesson)
         except (UnreadableNotebook, ReadingFailed) as error:
             problems.append((student, lesson, str(error).splitlines()[0]))
             continue
-        problems += [(student, lesson, sentence) for sentence in work.problems]
-        read.append((submission, hashlib.sha256(handed_in.data).hexdigest(), work))
+        problems += [(student, lesson, sentence) for sentence in parts.problems]
+        read.append((submission, hashlib.sha256(handed_in.data).hexdigest(), parts))
     advance(len(submissions), len(submissions), None)
     answers = {
         (exercise, printable(submission.student)): answer
-        for submission, _, work in read
-        for exercise, answer in work.answers.items()
+        for submission, _, parts in read
+        for exercise, answer in parts.answers.items()
     }
     return StageComparison(
         stage,
@@ -153,19 +153,19 @@ def _comparisons(
 def _same_files(read: Iterable[tuple[Submission, str, NotebookParts]]) -> Iterable[SameFile]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
-    for submission, data, work in read:
-        if work.cells:
-            for digest in (data, work.cells):
+    for submission, data, parts in read:
+        if parts.cells:
+            for digest in (data, parts.cells):
                 key = submission.lesson.name, digest
                 files.setdefault(key, []).append(printable(submission.student))
-                sizes[key] = work.own, work.all, digest is data
-    told = set()
+                sizes[key] = parts.own, parts.all, digest is data
+    reported = set()
     # Files with the same bytes come first, so that their equal cells are not reported as well.
     for key, students in sorted(
         files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
     ):
-        who = key[0], frozenset(students)
-        if len(students) > 1 and who not in told:
-            told.add(who)
-            own, cells, to_the_byte = sizes[key]
-            yield SameFile(key[0], tuple(students), to_the_byte, own, cells)
+        group = key[0], frozenset(students)
+        if len(students) > 1 and group not in reported:
+            reported.add(group)
+            own, cells, same_bytes = sizes[key]
+            yield SameFile(key[0], tuple(students), same_bytes, own, cells)

@@ -1,9 +1,9 @@
 """Weigh the common parts of two answers by how rare they are in the class.
 
-The words of a statement are cut into pieces of `LENGTH` words each, as Schleimer, Wilkerson and
-Aiken do with whole programs (Winnowing: local algorithms for document fingerprinting, SIGMOD 2003).
-Functions are short, so all pieces are kept. No piece extends into the next statement, so the order
-of statements makes no difference.
+The words of a statement are cut into pieces of `PIECE_LENGTH` words each, as Schleimer, Wilkerson
+and Aiken do with whole programs (Winnowing: local algorithms for document fingerprinting, SIGMOD
+2003). Functions are short, so all pieces are kept. No piece extends into the next statement, so
+the order of statements makes no difference.
 
 Pieces of answers that the lesson leads to are removed, and pieces that many others have. The
 weight of a remaining piece is its information in bits: the fewer answers have it, the more it
@@ -18,9 +18,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from grader.classroom.similarity.answers import ComparedAnswer
 
-LENGTH = 6
+PIECE_LENGTH = 6
 # A piece that more than a quarter of the others have counts as common to all.
-COMMON = 0.25
+LARGEST_RARE_SHARE = 0.25
 
 Piece = tuple[str, ...]
 
@@ -43,16 +43,16 @@ class Document:
     def steps_like(self, other: Document) -> frozenset[int]:
         """Return the indices of statements of which the other answer has at least half."""
         return frozenset(
-            place
-            for place, step in enumerate(self.steps)
+            index
+            for index, step in enumerate(self.steps)
             if 2 * len(step & other.pieces) >= len(step)
         )
 
 
 def _pieces_of(words: Piece) -> frozenset[Piece]:
-    """Return all runs of `LENGTH` words of a statement; a shorter statement is one piece."""
-    places = range(max(1, len(words) - LENGTH + 1))
-    return frozenset(words[place : place + LENGTH] for place in places)
+    """Return all runs of `PIECE_LENGTH` words of a statement; a shorter statement is one piece."""
+    starts = range(max(1, len(words) - PIECE_LENGTH + 1))
+    return frozenset(words[index : index + PIECE_LENGTH] for index in starts)
 
 
 class Weights:
@@ -68,41 +68,45 @@ class Weights:
 
     def __init__(self, documents: Sequence[Document], taught: Iterable[Document]) -> None:
         self._taught = frozenset().union(*(document.pieces for document in taught))
-        self._with_step = Counter(step for document in documents for step in set(document.steps))
+        self._step_counts = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
         others = max(0, len(documents) - 2)  # without the two that are compared
         # Bits of each piece if one of the two answers has it, and if both do.
-        self._of_one = {piece: self._bits(piece, n - 1, others) for piece, n in holders.items()}
-        self._of_both = {piece: self._bits(piece, n - 2, others) for piece, n in holders.items()}
+        self._bits_in_one = {
+            piece: self._bits(piece, n - 1, others) for piece, n in holders.items()
+        }
+        self._bits_in_both = {
+            piece: self._bits(piece, n - 2, others) for piece, n in holders.items()
+        }
 
     def _bits(self, piece: Piece, holders: int, others: int) -> float:
-        if piece in self._taught or holders > COMMON * others:
+        if piece in self._taught or holders > LARGEST_RARE_SHARE * others:
             return 0.0
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 
     def share(self, one: Document, other: Document) -> float:
         """Return the common share of the unusual parts of two answers (Dice's coefficient)."""
-        shared = sum(self._of_both[piece] for piece in one.pieces & other.pieces)
-        alone = sum(self._of_one[piece] for piece in one.pieces ^ other.pieces)
-        return 2 * shared / (2 * shared + alone) if shared else 0.0
+        shared = sum(self._bits_in_both[piece] for piece in one.pieces & other.pieces)
+        different = sum(self._bits_in_one[piece] for piece in one.pieces ^ other.pieces)
+        return 2 * shared / (2 * shared + different) if shared else 0.0
 
     def bits(self, one: Document, other: Document) -> float:
         """Return how unusual the common part of two answers is.
 
         A long statement is one idea and not many, so it counts as much as its average piece.
         """
-        weights = {piece: self._of_both[piece] for piece in one.pieces & other.pieces}
+        weights = {piece: self._bits_in_both[piece] for piece in one.pieces & other.pieces}
         return min(_sum_of_steps(document, weights) for document in (one, other))
 
     def bits_of_copy(self, document: Document) -> float:
         """Return how unusual the common part of an answer and a copy of it is."""
         return self.bits(document, document)
 
-    def only_theirs(self, one: Document, other: Document) -> int:
+    def exclusive_steps(self, one: Document, other: Document) -> int:
         """Return the number of common statements of the first answer that no third one has."""
-        steps = (one.steps[place] for place in one.steps_like(other))
+        steps = (one.steps[index] for index in one.steps_like(other))
         return sum(
-            self._with_step[step] == 1 + (step in other.steps) and not step <= self._taught
+            self._step_counts[step] == 1 + (step in other.steps) and not step <= self._taught
             for step in steps
         )
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import lesson_by_name, lesson_inside
+from grader.classroom.contents import lesson_by_content, lesson_by_name
 from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, all_lessons
@@ -134,7 +134,7 @@ def _explain_unjudged(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         for name in sorted(name for name in names if not name.startswith(".")):
             is_notebook = Path(name).suffix.lower() == ".ipynb"
-            lesson = lesson_by_name(name) or (is_notebook and lesson_inside(Path(folder, name)))
+            lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(folder, name)))
             if lesson and not is_notebook:
                 yield f"{name} is no notebook. Hand in {lesson.name}.ipynb, as Jupyter saves it."
             elif lesson and lesson not in lessons:

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from grader.classroom.submissions import Replaced, Submission, find_submissions
+from grader.classroom.submissions import ReplacedSubmission, Submission, find_submissions
 from grader.course.archives import zipped
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
@@ -85,11 +85,11 @@ def _entry(order: ExportOptions, mark: Mark, submissions: Sequence[Submission]) 
             raise _NoEntry("there is no verdict. Run `python -m grader grade`.")
         try:
             submission.read_again(course, verdict.fingerprint)
-        except Replaced as error:
+        except ReplacedSubmission as error:
             raise _NoEntry(str(error)) from error
         judged.append(digest(submission.path))
         reports[submission.lesson.name] = verdict
-    folders = {submission.place(course) for submission in submissions}
+    folders = {submission.stage_folder(course) for submission in submissions}
     all_files = [digest(path) for folder in folders for path in files_of(folder)]
     results = [
         result
