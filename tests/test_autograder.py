@@ -130,8 +130,8 @@ def unjudged(monkeypatch):
     """Replace judging with a fixed verdict, and return the list of recorded calls."""
     asked = []
 
-    def judge_one(handed_in, lesson, student, seed, sandbox, is_alone=False):
-        asked.append((handed_in.name, lesson, student, seed, handed_in.complaint))
+    def judge_one(submitted_files, lesson, student, seed, sandbox, is_alone=False):
+        asked.append((submitted_files.name, lesson, student, seed, submitted_files.complaint))
         return verdict((exercise(),))
 
     monkeypatch.setattr(judging, "judge_one", judge_one)

@@ -256,7 +256,7 @@ def three_lessons(course, monkeypatch):
         calls.append(lesson[:2])
         return complaints.get(lesson[:2], ())
 
-    def judge_one(handed_in, lesson, student, seed, sandbox, is_alone=False):
+    def judge_one(submitted_files, lesson, student, seed, sandbox, is_alone=False):
         calls.append(f"{lesson[:2]} {student}")
         return Verdict(lesson, student, JUDGED, 1.0, 1.0, (), (), 0.0, "")
 
@@ -307,14 +307,14 @@ class FakeJudge:
         self.course, self.outcomes = course, outcomes
         self.calls, self.events, self.opened = [], [], []
 
-    def judge_one(self, handed_in, lesson, student, seed, sandbox, is_alone=False):
+    def judge_one(self, submitted_files, lesson, student, seed, sandbox, is_alone=False):
         self.calls.append((student, is_alone))
         attempt = [name for name, _ in self.calls].count(student)
         outcome = self.outcomes.get(student, {}).get(attempt, {})
         if isinstance(outcome, Exception):
             raise outcome
-        key = grade.verdict_key(handed_in, LESSON, seed, student)
-        fields = {"key": key, "fingerprint": handed_in.fingerprint()} | outcome
+        key = grade.verdict_key(submitted_files, LESSON, seed, student)
+        fields = {"key": key, "fingerprint": submitted_files.fingerprint()} | outcome
         return Verdict(lesson, student, JUDGED, 1.0, 30.0, (), (), 0.0, **fields)
 
     def grade(self, monkeypatch, capacity=64):
@@ -533,9 +533,9 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
     calls = []
     original = grade.judge_files
 
-    def starving(handed_in, seed, sandbox, lesson, student):
+    def starving(submitted_files, seed, sandbox, lesson, student):
         calls.append(student)
-        verdict = original(handed_in, seed, sandbox, lesson, student)
+        verdict = original(submitted_files, seed, sandbox, lesson, student)
         starved = student == "poison" and calls.count("poison") == 1
         return type(verdict)(**{**verdict.__dict__, "starved": starved})
 

@@ -194,7 +194,7 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
     monkeypatch.undo()
     judged = []
 
-    def judge_one(handed_in, lesson, student, *arguments):
+    def judge_one(submitted_files, lesson, student, *arguments):
         judged.append((student, lesson))
         return next(
             verdict

@@ -203,8 +203,8 @@ def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, san
 
 
 def test_the_message_on_an_unreadable_notebook_does_not_quote_it():
-    handed_in = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
-    driven = drives.drive_one(handed_in, LESSON.name, 1, SEED, "process")
+    submitted_files = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
+    driven = drives.drive_one(submitted_files, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
 
 
@@ -335,9 +335,9 @@ def jobs(monkeypatch):
     """Replace driving by a function that records each job; return the list of jobs."""
     calls = []
 
-    def drive_one(handed_in, lesson, number, seed, sandbox):
-        calls.append((handed_in and handed_in.name, number))
-        key = drives.key_of(handed_in, streets_of(seed)[number - 1], LESSON)
+    def drive_one(submitted_files, lesson, number, seed, sandbox):
+        calls.append((submitted_files and submitted_files.name, number))
+        key = drives.key_of(submitted_files, streets_of(seed)[number - 1], LESSON)
         return Driven(number, 100.0 + number, key=key)
 
     monkeypatch.setattr(season, "drive_one", drive_one)
@@ -387,11 +387,11 @@ def test_a_damaged_file_is_driven_again(course, jobs, sandbox):
 def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, monkeypatch):
     original, tries = season.drive_one, []
 
-    def deadly(handed_in, lesson, number, seed, sandbox):
-        if handed_in and b"[[]]" in handed_in.data and number == 2:
+    def deadly(submitted_files, lesson, number, seed, sandbox):
+        if submitted_files and b"[[]]" in submitted_files.data and number == 2:
             tries.append(number)
             raise BrokenExecutor("died")
-        return original(handed_in, lesson, number, seed, sandbox)
+        return original(submitted_files, lesson, number, seed, sandbox)
 
     course, hand_in = course
     hand_in("eve", {DETECTOR: returning("[[]]")})
@@ -407,9 +407,9 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
 def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatch):
     original, tries = season.drive_one, []
 
-    def starved(handed_in, *about):
-        driven = original(handed_in, *about)
-        if handed_in is None and about[1] == 3:
+    def starved(submitted_files, *about):
+        driven = original(submitted_files, *about)
+        if submitted_files is None and about[1] == 3:
             tries.append(driven)
             return replace(driven, starved=len(tries) == 1)
         return driven
@@ -422,9 +422,9 @@ def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatc
 def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox, monkeypatch):
     original = season.drive_one
 
-    def unfair(handed_in, lesson, number, seed, sandbox):
-        driven = original(handed_in, lesson, number, seed, sandbox)
-        hit = handed_in is None and number == 4
+    def unfair(submitted_files, lesson, number, seed, sandbox):
+        driven = original(submitted_files, lesson, number, seed, sandbox)
+        hit = submitted_files is None and number == 4
         return replace(driven, collision="The drive ends at a person.") if hit else driven
 
     monkeypatch.setattr(season, "drive_one", unfair)
@@ -531,14 +531,14 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
 def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
     """The command drives real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
-    handed_in = {
+    submitted_files = {
         "right": answers["the functions of the lessons, pasted into cells of their own"],
         "blind": answers["nothing is ever in the way"],
         "walls": answers["one box around everything"],
         "raises": returning("1 / 0"),
         "hangs": f"{IMPORTS}def detect_obstacles(cloud):\n    while True: pass\n",
     }
-    for student, source in handed_in.items():
+    for student, source in submitted_files.items():
         path = tmp_path / "submitted" / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(fill_in(LESSON, {DETECTOR: source}), "utf-8")
@@ -554,7 +554,7 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
     text = (tmp_path / "league" / f"{LESSON.stage}.html").read_text("utf-8")
     assert "data:video/mp4" in text or "data:image/gif" in text
     assert OUR_OWN in html.unescape(text)
-    assert not any(f">{student}<" in text for student in handed_in)
+    assert not any(f">{student}<" in text for student in submitted_files)
     assert (
         json.loads(next(tmp_path.glob("verdicts/right/*/.league/street_1.json")).read_text())[
             "metres"

@@ -379,7 +379,7 @@ def test_prepared_notebooks_are_immutable():
     for kind in (WrittenAnswer, PreparedNotebook, JudgeInput):
         assert kind.__dataclass_params__.frozen
     assert WrittenAnswer("a").certain
-    assert preflight.given_cells(LESSON) is preflight.given_cells(LESSON)  # read once
+    assert preflight.cells_as_released(LESSON) is preflight.cells_as_released(LESSON)  # read once
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 
 from grader.course import rules
 from grader.course.lessons import find_lesson, lesson_of, load_reference
-from grader.intake.preflight import given_cells
+from grader.intake.preflight import cells_as_released
 from grader.judging import mistake_diagnosis, repair, results
 from grader.judging.error_carried_forward import CarriedForward
 from grader.judging.program_run import RunResults, Setting
@@ -343,7 +343,7 @@ def test_only_three_passing_edits_are_judged(passing):
 
 
 def test_an_unchanged_released_cell_is_not_edited(passing, monkeypatch):
-    given = next(cell for cell in given_cells(LINE) if cell.kind == "code")
+    given = next(cell for cell in cells_as_released(LINE) if cell.kind == "code")
     monkeypatch.setitem(globals(), "HANDED_IN", Program((given.source, "x = 1"), ()))
     student = Edited(["abxy", "", "", ""])
     student.edits = [(cell, number, number, "") for number, cell in enumerate((1, 2, 1))]

@@ -57,10 +57,10 @@ def refuse():
 @pytest.fixture
 def short_limits(monkeypatch):
     """Set small limits, and return a function that also shortens the wall-clock limit."""
-    monkeypatch.setattr(reader_process, "SECONDS", 1)
+    monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
-    return lambda: monkeypatch.setattr(reader_process, "PATIENCE", 0.5)
+    return lambda: monkeypatch.setattr(reader_process, "LONGEST_WAIT", 0.5)
 
 
 @pytest.mark.end_to_end
@@ -162,7 +162,7 @@ def limits(monkeypatch):
         found = {}
         monkeypatch.setattr(resource, "getrlimit", lambda which: (0, hard))
         monkeypatch.setattr(resource, "setrlimit", found.__setitem__)
-        reader_process._limit()
+        reader_process._set_limits()
         return found
 
     return limits
@@ -174,7 +174,7 @@ def test_the_child_may_use_a_fixed_amount_of_additional_memory(limits):
         used = next(int(line.split()[1]) for line in file if line.startswith("VmSize:")) * 1024
     assert {hard for _, hard in found.values()} == {resource.RLIM_INFINITY}
     assert found[resource.RLIMIT_CORE][0] == 0
-    assert found[resource.RLIMIT_CPU][0] == reader_process.SECONDS
+    assert found[resource.RLIMIT_CPU][0] == reader_process.CPU_SECONDS
     assert found[resource.RLIMIT_AS][0] == pytest.approx(used + 768 * 2**20, abs=2**24)
 
 
@@ -192,7 +192,7 @@ def test_the_reply_limit_fits_the_largest_file_and_the_memory():
 
 def test_a_busy_machine_has_enough_time():
     """Six seconds of work took two minutes next to processes of higher priority."""
-    assert 50 * reader_process.SECONDS < reader_process.PATIENCE < pool.LONGEST
+    assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
 def test_which_exit_codes_mean_too_costly():
@@ -253,7 +253,7 @@ def test_the_deadline_follows_from_the_patience(monkeypatch):
         return json.dumps(["done", 7]).encode()
 
     monkeypatch.setattr(reader_process, "_read", read)
-    monkeypatch.setattr(reader_process, "PATIENCE", 60)
+    monkeypatch.setattr(reader_process, "LONGEST_WAIT", 60)
     monkeypatch.setattr(reader_process.time, "monotonic", lambda: 1000.5)
     assert reader_process.run_in_child("file.ipynb", sleep_long) == 7
     assert deadlines == [1060.5]

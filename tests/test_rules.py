@@ -242,16 +242,16 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
 
 
 @pytest.fixture
-def handed_in(tmp_path):
+def submitted_files(tmp_path):
     """A course and its one submission, with a valid verdict."""
     course = Course(tmp_path)
     path = course.submitted / "ada" / FILTER.stage / f"{FILTER.name}.ipynb"
     path.parent.mkdir(parents=True)
     path.write_text(fill_in(FILTER, {}), "utf-8")
     (submission,) = grade.find_submissions(course)
-    handed_in = submission.read(course)
-    key = grade.verdict_key(handed_in, FILTER, 1, "ada")
-    about = {"key": key, "fingerprint": handed_in.fingerprint()}
+    submitted_files = submission.read(course)
+    key = grade.verdict_key(submitted_files, FILTER, 1, "ada")
+    about = {"key": key, "fingerprint": submitted_files.fingerprint()}
     verdict = Verdict(FILTER.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, **about)
     return course, submission, verdict
 
@@ -266,8 +266,8 @@ def handed_in(tmp_path):
         ({"fingerprint": ""}, False),
     ],
 )
-def test_which_verdicts_on_disk_are_valid(handed_in, change, believed):
-    course, submission, verdict = handed_in
+def test_which_verdicts_on_disk_are_valid(submitted_files, change, believed):
+    course, submission, verdict = submitted_files
     write_verdict(dataclasses.replace(verdict, **change), submission.verdict_path(course))
     assert (grade.stored_verdict(course, submission, 1) is not None) == believed
 
@@ -276,8 +276,8 @@ def test_which_verdicts_on_disk_are_valid(handed_in, change, believed):
 
 
 @pytest.mark.parametrize("hour", [12, 13])
-def test_another_time_of_submission_is_a_difference(handed_in, hour):
-    course, submission, verdict = handed_in
+def test_another_time_of_submission_is_a_difference(submitted_files, hour):
+    course, submission, verdict = submitted_files
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
     entry = StageEntry("ada", FILTER.stage, ((submission, verdict),))

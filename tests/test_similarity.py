@@ -482,8 +482,12 @@ def test_a_function_in_a_module_next_to_the_notebook_counts():
         LESSON, {"get_bounding_boxes": "from mine import boxes\nget_bounding_boxes = boxes"}
     )
     module = "import numpy as np\n" + ORIGINAL.replace("get_bounding_boxes", "boxes")
-    handed_in = SubmittedFiles("08_bounding_boxes.ipynb", text.encode(), modules={"mine": module})
-    assert len(read_notebook_parts(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
+    submitted_files = SubmittedFiles(
+        "08_bounding_boxes.ipynb", text.encode(), modules={"mine": module}
+    )
+    assert (
+        len(read_notebook_parts(submitted_files, LESSON).answers["get_bounding_boxes"].steps) > 14
+    )
 
 
 def test_every_kept_answer_is_read():

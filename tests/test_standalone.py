@@ -140,10 +140,10 @@ def test_a_standalone_submission_is_judged_like_any_other(sandbox):
     for cell in notebook["cells"]:
         if cell["metadata"].get("nbgrader", {}).get("solution"):
             cell["source"] = solved[cell["id"]]
-    handed_in = SubmittedFiles("my work.ipynb", json.dumps(notebook).encode())
-    verdict = judge_files(handed_in, 1, sandbox)
+    submitted_files = SubmittedFiles("my work.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(submitted_files, 1, sandbox)
     assert (verdict.lesson, verdict.score, verdict.problems) == (LESSON.name, 30, ())
-    copy = build_copy(prepare(handed_in, LESSON))
+    copy = build_copy(prepare(submitted_files, LESSON))
     assert len(graded_cells(copy)) == 4
     assert max(len(cell.source) for cell in copy.cells) < 10_000  # without the packed tools
 

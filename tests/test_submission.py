@@ -19,13 +19,13 @@ from grader.intake.submission import (
 from utils.notebooks.reading import UnreadableNotebook
 
 
-def handed_in(**parts):
+def submitted_files(**parts):
     return SubmittedFiles(**{"name": "06_filter_ground.ipynb", "data": b"{}"} | parts)
 
 
 def test_a_module_cannot_continue_a_notebook():
-    beside = handed_in(modules={"helper": "x = 1"})
-    behind = handed_in(data=b"{}\0helper\0x = 1")
+    beside = submitted_files(modules={"helper": "x = 1"})
+    behind = submitted_files(data=b"{}\0helper\0x = 1")
     assert beside.fingerprint() != behind.fingerprint()
 
 
@@ -49,13 +49,13 @@ def test_different_submissions_have_different_fingerprints(one, other):
 @given(TEXTS, TEXTS, TEXTS, TEXTS)
 def test_parts_of_different_kinds_are_distinguished(a, b, c, d):
     ways = (
-        handed_in(notes=(a, b, c, d)),
-        handed_in(notes=(a, b), modules={c: d}),
-        handed_in(modules={a: b, c: d}),
-        handed_in(complaint=a, notes=(b, c, d)),
-        handed_in(complaint=a, notes=(b,), modules={c: d}),
-        handed_in(name=a, notes=(b,), modules={c: d}),
-        handed_in(data=a.encode(), notes=(b,), modules={c: d}),
+        submitted_files(notes=(a, b, c, d)),
+        submitted_files(notes=(a, b), modules={c: d}),
+        submitted_files(modules={a: b, c: d}),
+        submitted_files(complaint=a, notes=(b, c, d)),
+        submitted_files(complaint=a, notes=(b,), modules={c: d}),
+        submitted_files(name=a, notes=(b,), modules={c: d}),
+        submitted_files(data=a.encode(), notes=(b,), modules={c: d}),
     )
     for one, other in itertools.combinations(ways, 2):
         assert (one.fingerprint() == other.fingerprint()) == (one == other)
@@ -63,7 +63,7 @@ def test_parts_of_different_kinds_are_distinguished(a, b, c, d):
 
 def test_a_file_name_that_is_not_text_has_a_fingerprint():
     names = [os.fsdecode(name) for name in (b"J\xfcrgen", b"J\xe4rgen", b"J?rgen")]
-    assert len({handed_in(notes=(name,)).fingerprint() for name in names}) == 3
+    assert len({submitted_files(notes=(name,)).fingerprint() for name in names}) == 3
 
 
 # ---- reading ------------------------------------------------------------------------------------

@@ -41,14 +41,14 @@ def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict
     verdict = read_verdict(submission.verdict_path(course))
     if verdict is None or verdict.status != JUDGED or verdict.starved:
         return None
-    handed_in = submission.read(course)
-    key = verdict_key(handed_in, submission.lesson, seed, submission.student)
-    same = (verdict.key, verdict.fingerprint) == (key, handed_in.fingerprint())
+    submitted_files = submission.read(course)
+    key = verdict_key(submitted_files, submission.lesson, seed, submission.student)
+    same = (verdict.key, verdict.fingerprint) == (key, submitted_files.fingerprint())
     return verdict if same else None
 
 
 def judge_one(
-    handed_in: SubmittedFiles,
+    submitted_files: SubmittedFiles,
     lesson: str,
     student: str,
     seed: int,
@@ -59,7 +59,7 @@ def judge_one(
 
     Parameters
     ----------
-    handed_in : grader.intake.submission.SubmittedFiles
+    submitted_files : grader.intake.submission.SubmittedFiles
     lesson, student : str
         Names of the lesson and the student.
     seed : int
@@ -68,7 +68,7 @@ def judge_one(
     is_alone : bool
         Whether nothing else is being judged, so that a time limit is reliable.
     """
-    verdict = judge_files(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
+    verdict = judge_files(submitted_files, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
     return verdict.without_starved() if is_alone else verdict
 
 
@@ -83,8 +83,8 @@ def judge_and_store(
 
 def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> tuple:
     """Read a submission and return the arguments of `judge_one`."""
-    handed_in = submission.read(course)
-    return handed_in, submission.lesson.name, submission.student, seed, sandbox.name
+    submitted_files = submission.read(course)
+    return submitted_files, submission.lesson.name, submission.student, seed, sandbox.name
 
 
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:

@@ -83,14 +83,14 @@ class Submission:
         ------
         ReplacedSubmission
         """
-        handed_in = self.read(course)
-        if handed_in.fingerprint() != fingerprint:
+        submitted_files = self.read(course)
+        if submitted_files.fingerprint() != fingerprint:
             raise ReplacedSubmission(
                 f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module beside it, "
                 "was replaced after it was judged, so nothing of this stage was entered. "
                 "Run grade again."
             )
-        return handed_in
+        return submitted_files
 
     def _notes(self, course: Course) -> Iterator[str]:
         name = f"{self.lesson.name}.ipynb"

@@ -9,7 +9,7 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 LARGEST_FILE = 64 * 2**20
 # O_NONBLOCK: opening a pipe must not wait for a writer. Windows has neither flag.
-_NOT_THROUGH_LINKS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+_OPEN_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 def read_notebook(path: Path) -> Notebook:
@@ -36,7 +36,7 @@ def read_file(path: Path) -> bytes:
         and a pipe or a device never ends.
     """
     try:
-        descriptor = os.open(path, os.O_RDONLY | _NOT_THROUGH_LINKS)
+        descriptor = os.open(path, os.O_RDONLY | _OPEN_FLAGS)
         with open(descriptor, "rb") as file:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):

@@ -101,29 +101,34 @@ class _Draft:
     """The notebook while the steps change it."""
 
     lesson: Lesson
-    handed_in: SubmittedFiles
+    submitted_files: SubmittedFiles
     notebook: Notebook
     cells: list[Cell]
     graded: dict[str, int] = field(default_factory=dict)
     answers: dict[str, WrittenAnswer] = field(default_factory=dict)
 
 
-def prepare(handed_in: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
+def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
     """Read a notebook of a lesson, and repair it if it is damaged.
 
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
     """
-    notebook = handed_in.notebook()
-    draft = _Draft(lesson, handed_in, notebook, list(notebook.cells))
+    notebook = submitted_files.notebook()
+    draft = _Draft(lesson, submitted_files, notebook, list(notebook.cells))
     notes = [sentence for step in STEPS for sentence in step(draft)]
     return PreparedNotebook(
-        lesson, tuple(draft.cells), draft.graded, draft.answers, tuple(notes), _versions(draft)
+        lesson,
+        tuple(draft.cells),
+        draft.graded,
+        draft.answers,
+        tuple(notes),
+        _duplicate_sentences(draft),
     )
 
 
-def prepare_to_judge(handed_in: SubmittedFiles, lesson: Lesson) -> JudgeInput:
+def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeInput:
     """Prepare a notebook for the judge, in a process of its own; see `prepare`.
 
     Raises
@@ -133,11 +138,11 @@ def prepare_to_judge(handed_in: SubmittedFiles, lesson: Lesson) -> JudgeInput:
     """
 
     def work() -> tuple:
-        prepared = prepare(handed_in, lesson)
+        prepared = prepare(submitted_files, lesson)
         return prepared.code, prepared.notes, prepared.versions
 
-    given_cells(lesson)  # cached here, so that each child inherits it
-    code, notes, versions = run_in_child(handed_in.name, work)
+    cells_as_released(lesson)  # cached here, so that each child inherits it
+    code, notes, versions = run_in_child(submitted_files.name, work)
     return JudgeInput(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
 
 
@@ -147,88 +152,92 @@ def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
     The first cell loads the tools, and differs in the standalone form. Anything else that it
     defines is overwritten by the stubs below it.
     """
-    given = [cell.source.strip() for cell in given_cells(lesson) if cell.kind == "code"]
+    given = [cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"]
     return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
-def lesson_name_in(handed_in: SubmittedFiles) -> str:
+def lesson_name_in(submitted_files: SubmittedFiles) -> str:
     """Return the lesson that a notebook states, read in a process of its own."""
-    return run_in_child(handed_in.name, lambda: handed_in.notebook().lesson_name)
+    return run_in_child(submitted_files.name, lambda: submitted_files.notebook().lesson_name)
 
 
-def prepare_to_show(handed_in: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
+def prepare_to_show(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
     """Prepare a notebook for display; an unreadable file becomes a notebook without answers."""
     try:
-        return prepare(handed_in, lesson)
+        return prepare(submitted_files, lesson)
     except UnreadableNotebook as error:
-        return _with_answers(lesson, WrittenAnswer(""), error)
+        return _notebook_with_answers(lesson, WrittenAnswer(""), error)
 
 
-def prepare_without(
-    handed_in: SubmittedFiles, lesson: Lesson, error: TooCostly
+def prepare_too_costly(
+    submitted_files: SubmittedFiles, lesson: Lesson, error: TooCostly
 ) -> PreparedNotebook:
     """Return a notebook without answers, for one that took too much time or memory.
 
     A person has to look for the written answers in the file.
     """
-    file = hashlib.sha256(handed_in.data).hexdigest()[:12]  # a mark belongs to this content
+    file = hashlib.sha256(submitted_files.data).hexdigest()[:12]  # a mark belongs to this content
     text = f"*This notebook is too much to show. Look for the answer in the file itself ({file}).*"
-    return _with_answers(lesson, WrittenAnswer(text), error)
+    return _notebook_with_answers(lesson, WrittenAnswer(text), error)
 
 
-def _with_answers(
+def _notebook_with_answers(
     lesson: Lesson, answer: WrittenAnswer, error: UnreadableNotebook
 ) -> PreparedNotebook:
-    return PreparedNotebook(lesson, (), {}, dict.fromkeys(_by_hand(lesson), answer), (str(error),))
+    return PreparedNotebook(
+        lesson, (), {}, dict.fromkeys(_hand_graded_cells(lesson), answer), (str(error),)
+    )
 
 
-def _reading(draft: _Draft) -> Iterator[str]:
+def _report_file_problems(draft: _Draft) -> Iterator[str]:
     """Report problems of the file: its name, its encoding, text after its end, a missing end."""
-    yield from draft.handed_in.notes
+    yield from draft.submitted_files.notes
     yield from draft.notebook.repairs
 
 
-def _retyped(draft: _Draft) -> Iterator[str]:
+def _restore_code_cells(draft: _Draft) -> Iterator[str]:
     """Turn solutions back into code that became Markdown or raw cells by accident.
 
     Code cells ran in the student's notebook, so they take precedence. A text cell that also
     contains some of their functions, next to functions that are nowhere else, is moved before
     them.
     """
-    names, by_hand = _functions(draft.lesson), _by_hand(draft.lesson)
-    orders: list[float] = list(
+    names, hand_graded = _exercise_names(draft.lesson), _hand_graded_cells(draft.lesson)
+    sort_keys: list[float] = list(
         range(len(draft.cells))
     )  # sort keys for the final order of the cells
     # The last cell that defines each function, in the order of the functions.
-    last = {name: all_of[-1] for name in names if (all_of := _answers_to(draft, name))}
-    turned = []
-    for place, cell in enumerate(draft.cells):
-        if cell.kind == "code" or cell.grade_id in by_hand or "```" in cell.source:
+    last = {name: found_cells[-1] for name in names if (found_cells := _answer_cells(draft, name))}
+    restored = []
+    for index, cell in enumerate(draft.cells):
+        if cell.kind == "code" or cell.grade_id in hand_graded or "```" in cell.source:
             continue
-        holds = [name for name in names if _defines(cell, name)]
+        names_in_cell = [name for name in names if _defines(cell, name)]
         wanted = [
             name
-            for name in holds
-            if name not in last or (name == cell.grade_id and last[name] < place)
+            for name in names_in_cell
+            if name not in last or (name == cell.grade_id and last[name] < index)
         ]
         if not wanted:
             continue
-        counts = [orders[last[name]] for name in holds if name not in wanted]
+        counts = [sort_keys[last[name]] for name in names_in_cell if name not in wanted]
         just_before = [math.nextafter(order, -math.inf) for order in counts]
-        orders[place] = min([orders[place], *just_before])
-        for name in holds:
-            last[name] = max(place, last.get(name, place), key=orders.__getitem__)
-        draft.cells[place] = dataclasses.replace(cell, kind="code")
-        turned.append((cell.kind, place, holds))
-    in_order = sorted(range(len(orders)), key=orders.__getitem__)
-    draft.cells = [draft.cells[place] for place in in_order]
-    for kind, place, holds in turned:
-        judged = [name for name in holds if last[name] == place]
+        sort_keys[index] = min([sort_keys[index], *just_before])
+        for name in names_in_cell:
+            last[name] = max(index, last.get(name, index), key=sort_keys.__getitem__)
+        draft.cells[index] = dataclasses.replace(cell, kind="code")
+        restored.append((cell.kind, index, names_in_cell))
+    in_order = sorted(range(len(sort_keys)), key=sort_keys.__getitem__)
+    draft.cells = [draft.cells[index] for index in in_order]
+    for kind, index, names_in_cell in restored:
+        judged = [name for name in names_in_cell if last[name] == index]
         if judged:
-            yield _on_retyped(kind, judged, [name for name in holds if name not in judged])
+            yield _restored_sentence(
+                kind, judged, [name for name in names_in_cell if name not in judged]
+            )
 
 
-def _on_retyped(kind: str, judged: list[str], others: list[str]) -> str:
+def _restored_sentence(kind: str, judged: list[str], others: list[str]) -> str:
     """Return the sentence on a text cell of whose functions only some were judged."""
     cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
     it, was = ("it", "It was") if len(judged) == 1 else ("them", "They were")
@@ -242,59 +251,59 @@ def _on_retyped(kind: str, judged: list[str], others: list[str]) -> str:
     )
 
 
-def _stubs_behind(draft: _Draft) -> Iterator[str]:
+def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
     """Remove a released cell that was pasted again after the answer, which it would overwrite."""
-    for name in _functions(draft.lesson):
-        places, answers = _cells_that_define(draft, name), _answers_to(draft, name)
-        if answers and places[-1] > answers[-1]:
-            for place in (place for place in places if place > answers[-1]):
-                draft.cells[place] = Cell("code", "# Left out: the cell as it was given out.")
+    for name in _exercise_names(draft.lesson):
+        indices, answers = _cells_that_define(draft, name), _answer_cells(draft, name)
+        if answers and indices[-1] > answers[-1]:
+            for index in (index for index in indices if index > answers[-1]):
+                draft.cells[index] = Cell("code", "# Left out: the cell as it was given out.")
             yield (
                 f"Below your {name} stands the cell as it was given out, which undoes it when the "
                 f"notebook runs. Your {name} was judged, and that cell left out. Delete it."
             )
 
 
-def _graded_cells(draft: _Draft) -> Iterator[str]:
+def _find_graded_cells(draft: _Draft) -> Iterator[str]:
     """Find each graded cell, even if it was copied, moved, split or lost its metadata."""
-    for name in _functions(draft.lesson):
+    for name in _exercise_names(draft.lesson):
         marked = {
-            place: cell
-            for place, cell in enumerate(draft.cells)
+            index: cell
+            for index, cell in enumerate(draft.cells)
             if cell.kind == "code" and cell.grade_id == name
         }
         written = _cells_that_define(draft, name)
-        both = [place for place in written if place in marked]
+        both = [index for index in written if index in marked]
         found = both or written or [*marked]
         if found:
             draft.graded[name] = found[-1]
     return ()
 
 
-def _another_lesson(draft: _Draft) -> Iterator[str]:
+def _report_other_lesson(draft: _Draft) -> Iterator[str]:
     """Report a notebook of another lesson under this lesson's name, or one without any code."""
     lesson = draft.lesson
-    if any(_cells_that_define(draft, name) for name in _functions(lesson)):
+    if any(_cells_that_define(draft, name) for name in _exercise_names(lesson)):
         return
     claimed = draft.notebook.lesson_name
     if claimed and claimed != lesson.name:
         yield (
-            f"{draft.handed_in.name} holds the notebook of {claimed[:60]}, and nothing of "
+            f"{draft.submitted_files.name} holds the notebook of {claimed[:60]}, and nothing of "
             f"{lesson.name}. Hand in {lesson.name}.ipynb."
         )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
-            f"There is no code in {draft.handed_in.name}. Open the notebook you worked in, save "
-            "it, and hand that file in."
+            f"There is no code in {draft.submitted_files.name}. Open the notebook you worked in, "
+            "save it, and hand that file in."
         )
 
 
-def _modules(draft: _Draft) -> Iterator[str]:
+def _report_modules(draft: _Draft) -> Iterator[str]:
     """Report submitted modules that the notebook imports."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
     used = [
         name
-        for name in draft.handed_in.modules
+        for name in draft.submitted_files.modules
         if re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
     ]
     if used:
@@ -302,26 +311,26 @@ def _modules(draft: _Draft) -> Iterator[str]:
         yield f"{files}, handed in beside the notebook, {'was' if len(used) == 1 else 'were'} used."
 
 
-def _written_answers(draft: _Draft) -> Iterator[str]:
+def _collect_written_answers(draft: _Draft) -> Iterator[str]:
     """Collect the written answers, from their cells or from new cells below these."""
-    released = [cell.source.split() for cell in given_cells(draft.lesson)]
+    released = [cell.source.split() for cell in cells_as_released(draft.lesson)]
     moved = set()
-    for name in _by_hand(draft.lesson):
-        stub = _given(draft.lesson)[name]
-        own = [place for place, cell in enumerate(draft.cells) if cell.grade_id == name]
-        before = _place_before(draft, name)
-        if not own and before is not None and _is_like(draft, before + 1, stub):
+    for name in _hand_graded_cells(draft.lesson):
+        stub = _released_cells_by_id(draft.lesson)[name]
+        own = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
+        before = _index_before(draft, name)
+        if not own and before is not None and _has_same_source(draft, before + 1, stub):
             own = [before + 1]  # unchanged apart from its metadata
         filled = [
-            place
-            for place in own
-            if draft.cells[place].source.split() not in ([], stub.source.split())
+            index
+            for index in own
+            if draft.cells[index].source.split() not in ([], stub.source.split())
         ]
         if filled:
             draft.graded[name] = filled[0]
-            texts = [_as_text(draft.cells[place]) for place in filled]
+            texts = [_as_text(draft.cells[index]) for index in filled]
             moved.update(filled[1:])
-            if any(draft.cells[place].kind == "code" for place in filled):
+            if any(draft.cells[index].kind == "code" for index in filled):
                 yield (
                     f"The answer for {name} stood in a code cell. It was taken for text. In "
                     "Jupyter, select the cell and press M to make it text again."
@@ -329,7 +338,7 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
         else:
             begin = own[0] if own else before
             below = [] if begin is None else list(_new_text(draft, begin, released))
-            texts = [draft.cells[place] for place in below]
+            texts = [draft.cells[index] for index in below]
             if own:
                 draft.graded[name] = own[0]
                 moved.update(below)
@@ -344,14 +353,14 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
                 )
         text = "\n\n".join(cell.source for cell in texts)
         pictures = {key: value for cell in texts for key, value in cell.attachments.items()}
-        certain = bool(text) or bool(own) or not _stray_text(draft, released)
+        certain = bool(text) or bool(own) or not _has_stray_text(draft, released)
         if not certain:
             yield (
                 f"The cell for {name} is missing, and there is text elsewhere that may be the "
                 "answer. Somebody will look for it."
             )
         draft.answers[name] = WrittenAnswer(text, certain, pictures)
-    _drop(draft, moved)
+    _remove_cells(draft, moved)
 
 
 def _as_text(cell: Cell) -> Cell:
@@ -365,31 +374,31 @@ def _as_text(cell: Cell) -> Cell:
 
 # The steps, in order: code cells must be known before written answers are collected.
 STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
-    _reading,
-    _retyped,
-    _stubs_behind,
-    _another_lesson,
-    _modules,
-    _graded_cells,
-    _written_answers,
+    _report_file_problems,
+    _restore_code_cells,
+    _remove_later_stubs,
+    _report_other_lesson,
+    _report_modules,
+    _find_graded_cells,
+    _collect_written_answers,
 )
 
 
-def _versions(draft: _Draft) -> dict[str, str]:
+def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
     """Return a sentence on each exercise that is written more than once."""
     found = {}
     numbers = list(itertools.accumulate(int(cell.kind == "code") for cell in draft.cells))
-    for name in _functions(draft.lesson):
-        places = _cells_that_define(draft, name)
-        stub = _given(draft.lesson).get(name)
-        texts = {draft.cells[place].source for place in places}
+    for name in _exercise_names(draft.lesson):
+        indices = _cells_that_define(draft, name)
+        stub = _released_cells_by_id(draft.lesson).get(name)
+        texts = {draft.cells[index].source for index in indices}
         if stub is not None:
             texts.discard(stub.source)
         if len(texts) > 1:
-            *some, last = (numbers[place] for place in places)
+            *some, last = (numbers[index] for index in indices)
             listed = ", ".join(map(str, some[:4])) + (", …" if len(some) > 4 else "")
             found[name] = (
-                f"{name} is written {len(places)} times, in code cells {listed} and {last}. The "
+                f"{name} is written {len(indices)} times, in code cells {listed} and {last}. The "
                 "last one counts, as it does when the notebook runs from top to bottom. Keep one."
             )
     return found
@@ -397,39 +406,39 @@ def _versions(draft: _Draft) -> dict[str, str]:
 
 def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
     """Return the indices of the student's own text cells up to the next released cell."""
-    for place in range(begin + 1, len(draft.cells)):
-        cell = draft.cells[place]
+    for index in range(begin + 1, len(draft.cells)):
+        cell = draft.cells[index]
         if cell.grade_id or (cell.source.split() in released and cell.source.strip()):
             return
         if cell.kind != "code" and cell.source.strip():
-            yield place
+            yield index
 
 
-def _place_before(draft: _Draft, name: str) -> int | None:
+def _index_before(draft: _Draft, name: str) -> int | None:
     """Return the index, in the student's notebook, of the released cell before a graded one."""
-    given = given_cells(draft.lesson)
-    at = next(place for place, cell in enumerate(given) if cell.grade_id == name)
-    prompt = given[at - 1].source.split() if at else None
-    places = [place for place, cell in enumerate(draft.cells) if cell.source.split() == prompt]
-    return places[-1] if places else None
+    given = cells_as_released(draft.lesson)
+    position = next(index for index, cell in enumerate(given) if cell.grade_id == name)
+    prompt = given[position - 1].source.split() if position else None
+    indices = [index for index, cell in enumerate(draft.cells) if cell.source.split() == prompt]
+    return indices[-1] if indices else None
 
 
-def _is_like(draft: _Draft, place: int, cell: Cell) -> bool:
-    return place < len(draft.cells) and draft.cells[place].source.split() == cell.source.split()
+def _has_same_source(draft: _Draft, index: int, cell: Cell) -> bool:
+    return index < len(draft.cells) and draft.cells[index].source.split() == cell.source.split()
 
 
-def _stray_text(draft: _Draft, released: list[list[str]]) -> bool:
+def _has_stray_text(draft: _Draft, released: list[list[str]]) -> bool:
     return any(
         cell.kind != "code" and cell.source.split() not in [[], *released] for cell in draft.cells
     )
 
 
-def _drop(draft: _Draft, places: set[int]) -> None:
+def _remove_cells(draft: _Draft, indices: set[int]) -> None:
     """Remove cells, and update the indices of the others."""
-    kept = [place for place in range(len(draft.cells)) if place not in places]
-    draft.cells = [draft.cells[place] for place in kept]
-    new = {old: place for place, old in enumerate(kept)}
-    draft.graded = {name: new[place] for name, place in draft.graded.items()}
+    kept = [index for index in range(len(draft.cells)) if index not in indices]
+    draft.cells = [draft.cells[index] for index in kept]
+    new = {old: index for index, old in enumerate(kept)}
+    draft.graded = {name: new[index] for name, index in draft.graded.items()}
 
 
 def _defines(cell: Cell, name: str) -> bool:
@@ -442,30 +451,30 @@ def _defines(cell: Cell, name: str) -> bool:
 
 def _cells_that_define(draft: _Draft, name: str) -> list[int]:
     return [
-        place
-        for place, cell in enumerate(draft.cells)
+        index
+        for index, cell in enumerate(draft.cells)
         if cell.kind == "code" and _defines(cell, name)
     ]
 
 
-def _answers_to(draft: _Draft, name: str) -> list[int]:
+def _answer_cells(draft: _Draft, name: str) -> list[int]:
     """Return the cells that define a function, without unchanged released cells."""
-    given = _given(draft.lesson).get(name)
+    given = _released_cells_by_id(draft.lesson).get(name)
     stub = given.source.split() if given else None
-    places = _cells_that_define(draft, name)
-    return [place for place in places if draft.cells[place].source.split() != stub]
+    indices = _cells_that_define(draft, name)
+    return [index for index in indices if draft.cells[index].source.split() != stub]
 
 
-def _functions(lesson: Lesson) -> list[str]:
+def _exercise_names(lesson: Lesson) -> list[str]:
     return [exercise.name for exercise in lesson.machine_graded]
 
 
-def _by_hand(lesson: Lesson) -> list[str]:
+def _hand_graded_cells(lesson: Lesson) -> list[str]:
     return [exercise.cell for exercise in lesson.exercises if exercise.by_hand]
 
 
 @functools.cache
-def given_cells(lesson: Lesson) -> tuple[Cell, ...]:
+def cells_as_released(lesson: Lesson) -> tuple[Cell, ...]:
     """Return the cells of a lesson as it was released."""
     return tuple(
         Cell(
@@ -477,5 +486,5 @@ def given_cells(lesson: Lesson) -> tuple[Cell, ...]:
     )
 
 
-def _given(lesson: Lesson) -> dict[str, Cell]:
-    return {cell.grade_id: cell for cell in given_cells(lesson) if cell.grade_id}
+def _released_cells_by_id(lesson: Lesson) -> dict[str, Cell]:
+    return {cell.grade_id: cell for cell in cells_as_released(lesson) if cell.grade_id}

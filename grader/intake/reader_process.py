@@ -27,11 +27,11 @@ with contextlib.suppress(ImportError):  # Windows has none
     import resource
 
 # Processor seconds: five times what the largest honest file takes, full of numbers or pictures.
-SECONDS = 10
+CPU_SECONDS = 10
 MEGABYTES = 768
 # Seconds of wall-clock time, for a busy machine: a process that reaches it got less than a
 # sixtieth of a processor. In practice it ends only a process that waits.
-PATIENCE = 600
+LONGEST_WAIT = 600
 LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 
@@ -69,29 +69,29 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     """
     if not hasattr(os, "fork"):  # Windows, where there is no sandbox either
         return json.loads(json.dumps(work()))
-    reading, writing = os.pipe()
+    read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
-        _work_and_end(work, writing)
-    os.close(writing)
+        _work_and_end(work, write_end)
+    os.close(write_end)
     try:
-        reply = _read(reading, time.monotonic() + PATIENCE)
+        reply = _read(read_end, time.monotonic() + LONGEST_WAIT)
     finally:
-        os.close(reading)
+        os.close(read_end)
         os.kill(child, signal.SIGKILL)  # it may still be running
         _, status = os.waitpid(child, 0)
-    how = _excess(os.waitstatus_to_exitcode(status), reply)
-    if how:
+    excess = _excess(os.waitstatus_to_exitcode(status), reply)
+    if excess:
         raise TooCostly(
-            f"Reading {name} takes {how}. Clear its outputs (in JupyterLab: Edit, Clear Outputs "
+            f"Reading {name} takes {excess}. Clear its outputs (in JupyterLab: Edit, Clear Outputs "
             "of All Cells), delete text that does not belong to it, save, and hand it in again."
         )
     try:
         kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
-            f"The process that read {name} gave no answer within {PATIENCE} seconds, or was ended "
-            "from outside. Is this machine very busy, or short of memory?"
+            f"The process that read {name} gave no answer within {LONGEST_WAIT} seconds, or was "
+            "ended from outside. Is this machine very busy, or short of memory?"
         ) from None
     if kind == "unreadable":
         raise UnreadableNotebook(content)
@@ -103,18 +103,18 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
 def _excess(code: int, reply: bytes) -> str:
     """Return which limit was exceeded, in words; empty if none was."""
     if code == -signal.SIGXCPU:
-        return f"more than {SECONDS} seconds"
+        return f"more than {CPU_SECONDS} seconds"
     if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
         return f"more than {MEGABYTES} MB of memory"
     return ""
 
 
-def _read(pipe: int, until: float) -> bytes:
+def _read(pipe: int, deadline: float) -> bytes:
     """Read a pipe until it closes, the reply is too large, or the time is over."""
     parts, size = [], 0
     ready = select.poll()
     ready.register(pipe, select.POLLIN)
-    while size <= LARGEST_REPLY and ready.poll(max(0.0, 1000 * (until - time.monotonic()))):
+    while size <= LARGEST_REPLY and ready.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
         part = os.read(pipe, 2**20)
         if not part:
             break
@@ -131,7 +131,7 @@ def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)
-        _limit()
+        _set_limits()
         reply = memoryview(_reply(work))
         while reply:
             reply = reply[os.write(pipe, reply) :]
@@ -163,8 +163,8 @@ def _close_all_but(pipe: int) -> None:
                     os.close(number)
 
 
-def _limit() -> None:
-    limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": SECONDS}
+def _set_limits() -> None:
+    limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": CPU_SECONDS}
     with contextlib.suppress(OSError):  # without /proc the size of this process is unknown
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         limits["RLIMIT_AS"] = pages * resource.getpagesize() + MEGABYTES * 2**20

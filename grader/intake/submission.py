@@ -70,10 +70,10 @@ def read_submitted_files(path: Path) -> SubmittedFiles:
         data, complaint = read_file(path), ""
     except UnreadableNotebook as error:
         data, complaint = b"", str(error)
-    return SubmittedFiles(path.name, data, complaint, _modules_beside(path))
+    return SubmittedFiles(path.name, data, complaint, _modules_next_to(path))
 
 
-def _modules_beside(path: Path) -> dict[str, str]:
+def _modules_next_to(path: Path) -> dict[str, str]:
     modules = {}
     for file in sorted(path.parent.glob("*.py"))[:MOST_MODULES]:
         if not file.stem.isidentifier():

@@ -78,7 +78,7 @@ def judge(
 
 
 def judge_files(
-    handed_in: SubmittedFiles,
+    submitted_files: SubmittedFiles,
     seed: int,
     sandbox: Sandbox,
     lesson: Lesson | None = None,
@@ -87,16 +87,16 @@ def judge_files(
 ) -> Verdict:
     """Judge a submission that has been read; see `judge`."""
     begin = time.perf_counter()
-    lesson = lesson or find_lesson(Path(handed_in.name).stem) or _lesson_in(handed_in)
+    lesson = lesson or find_lesson(Path(submitted_files.name).stem) or _lesson_in(submitted_files)
     try:
-        to_judge = prepare_to_judge(handed_in, lesson)
+        to_judge = prepare_to_judge(submitted_files, lesson)
     except UnreadableNotebook as error:
         reached = _Decision(unjudged_results(lesson), (str(error),))
     except ReadingFailed as error:
         reached = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
-        reached = _decide_cached(setting, to_judge, handed_in.modules)
+        reached = _decide_cached(setting, to_judge, submitted_files.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -106,22 +106,22 @@ def judge_files(
         exercises=reached.exercises,
         problems=reached.problems,
         seconds=round(time.perf_counter() - begin, 3),
-        key=verdict_key(handed_in, lesson, seed, student),
+        key=verdict_key(submitted_files, lesson, seed, student),
         faults=reached.faults,
         starved=reached.starved,
-        fingerprint=handed_in.fingerprint(),
+        fingerprint=submitted_files.fingerprint(),
     )
 
 
-def _lesson_in(handed_in: SubmittedFiles) -> Lesson:
+def _lesson_in(submitted_files: SubmittedFiles) -> Lesson:
     """Return the lesson that the notebook's name or metadata states."""
     try:
-        lesson = find_lesson(lesson_name_in(handed_in))
+        lesson = find_lesson(lesson_name_in(submitted_files))
     except (UnreadableNotebook, ReadingFailed) as error:
         raise UnknownLesson(str(error)) from None
     if lesson is None:
         raise UnknownLesson(
-            f"{handed_in.name}: cannot tell which lesson this is. Give the file the name it "
+            f"{submitted_files.name}: cannot tell which lesson this is. Give the file the name it "
             "was released under, such as 06_filter_ground.ipynb."
         )
     return lesson

@@ -43,9 +43,11 @@ def versions() -> dict[str, str]:
     return {"Python": python} | {name: metadata.version(name) for name in LIBRARIES}
 
 
-def verdict_key(handed_in: SubmittedFiles, lesson: Lesson, seed: int, student: str = "") -> str:
+def verdict_key(
+    submitted_files: SubmittedFiles, lesson: Lesson, seed: int, student: str = ""
+) -> str:
     """Return the fingerprint of a submission and of the rules that it is judged by."""
-    about = (str(seed), student, rules_key(lesson), handed_in.fingerprint())
+    about = (str(seed), student, rules_key(lesson), submitted_files.fingerprint())
     return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
 
 

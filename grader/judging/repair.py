@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
-from grader.intake.preflight import given_cells
+from grader.intake.preflight import cells_as_released
 from grader.judging.error_carried_forward import CarriedForward
 from grader.judging.mistake_diagnosis import explains
 from grader.judging.program_run import RunResults, Setting, run_program
@@ -172,7 +172,7 @@ def _in_order(
 
 def _as_given(lesson: Lesson, program: Program) -> frozenset[int]:
     """Return the numbers of the cells that are unchanged since the release."""
-    given = {cell.source.strip() for cell in given_cells(lesson)}
+    given = {cell.source.strip() for cell in cells_as_released(lesson)}
     cells = enumerate(program.cells, start=1)
     return frozenset(number for number, cell in cells if cell.strip() in given)
 

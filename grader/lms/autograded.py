@@ -25,7 +25,7 @@ from grader.intake.preflight import (
     PreparedNotebook,
     WrittenAnswer,
     prepare_to_show,
-    prepare_without,
+    prepare_too_costly,
 )
 from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import SubmittedFiles
@@ -44,7 +44,7 @@ MISSING_ANSWER_NOTE = (
 
 
 def build_judged_copy(
-    handed_in: SubmittedFiles, lesson: Lesson, verdict: Verdict
+    submitted_files: SubmittedFiles, lesson: Lesson, verdict: Verdict
 ) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a judged submission, with its scores and messages.
 
@@ -54,7 +54,7 @@ def build_judged_copy(
         The copy, and the reason why it contains nothing of the student's work. The reason is empty
         if the work is included, or if the verdict already states the reason.
     """
-    copy, complaint = build_copy_in_process(handed_in, lesson)
+    copy, complaint = build_copy_in_process(submitted_files, lesson)
     if complaint in verdict.problems:
         complaint = ""
     problems = (*verdict.problems, complaint) if complaint else verdict.problems
@@ -62,7 +62,9 @@ def build_judged_copy(
     return copy, complaint
 
 
-def build_copy_in_process(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[NotebookNode, str]:
+def build_copy_in_process(
+    submitted_files: SubmittedFiles, lesson: Lesson
+) -> tuple[NotebookNode, str]:
     """Build the autograded copy of a submission in a separate process.
 
     Returns
@@ -78,15 +80,15 @@ def build_copy_in_process(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[No
     """
 
     def work() -> NotebookNode:
-        copy = build_copy(prepare_to_show(handed_in, lesson))
+        copy = build_copy(prepare_to_show(submitted_files, lesson))
         _render_if_long(copy, lesson)
         return copy
 
     _released_notebook(lesson)  # fill the cache in this process, for the next copies
     try:
-        copy = run_in_child(handed_in.name, work)
+        copy = run_in_child(submitted_files.name, work)
     except TooCostly as error:
-        return build_copy(prepare_without(handed_in, lesson, error)), str(error)
+        return build_copy(prepare_too_costly(submitted_files, lesson, error)), str(error)
     return nbformat.from_dict(copy), ""
 
 

@@ -127,15 +127,15 @@ def _enter_one(
     """
     copies, modules, trouble = {}, {}, []
     for submission, verdict in entry.judged:
-        handed_in = submission.read_again(course, verdict.fingerprint)
-        copy, complaint = build_judged_copy(handed_in, submission.lesson, verdict)
+        submitted_files = submission.read_again(course, verdict.fingerprint)
+        copy, complaint = build_judged_copy(submitted_files, submission.lesson, verdict)
         copies[submission.lesson.name] = copy
         if complaint:
             trouble.append(
                 f"{entry.name}: its points are entered, and its copy in autograded/ shows nothing "
                 f"of the student's. {complaint}"
             )
-        for name, source in handed_in.modules.items():
+        for name, source in submitted_files.modules.items():
             path = submission.path.with_name(f"{name}.py").relative_to(
                 submission.stage_folder(course)
             )

@@ -75,8 +75,8 @@ class Judge(NbGraderPreprocessor):
         )
         if verdict.status != JUDGED:  # no mark is better than a wrong one
             raise RuntimeError(verdict.problems[0])
-        handed_in = submission.read_again(course, verdict.fingerprint)
-        copy, complaint = build_judged_copy(handed_in, lesson, verdict)
+        submitted_files = submission.read_again(course, verdict.fingerprint)
+        copy, complaint = build_judged_copy(submitted_files, lesson, verdict)
         if complaint:
             self.log.warning(complaint)
         return copy, resources

@@ -109,13 +109,13 @@ def from_json(text: str) -> Driven:
 
 
 def drive_one(
-    handed_in: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
+    submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> Driven:
     """Drive one street; takes and returns plain data, so any machine with the course can run it.
 
     Parameters
     ----------
-    handed_in : grader.intake.submission.SubmittedFiles or None
+    submitted_files : grader.intake.submission.SubmittedFiles or None
         The submission; None drives on the true boxes.
     lesson : str
         Name of the submission's lesson.
@@ -127,17 +127,17 @@ def drive_one(
         A name in `grader.sandbox.SANDBOXES`.
     """
     street = streets_of(seed)[number - 1]
-    key = key_of(handed_in, street, find_lesson(lesson))
-    if handed_in is None:
+    key = key_of(submitted_files, street, find_lesson(lesson))
+    if submitted_files is None:
         return _measured(drive(street), key)
     try:
-        to_judge = prepare_to_judge(handed_in, find_lesson(lesson))
+        to_judge = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
         # The verdict gives the reason, which may contain a file name that the student chose.
         return Driven(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return Driven(number, fault=str(error))
-    program = program_for(find_lesson(lesson), to_judge.code, handed_in.modules)
+    program = program_for(find_lesson(lesson), to_judge.code, submitted_files.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_behind_walls(street, student, key)
 
@@ -251,9 +251,9 @@ def _unpack(text: str) -> Iterator[np.ndarray]:
     return iter(np.split(boxes, np.cumsum(counts)[:-1]))
 
 
-def key_of(handed_in: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
+def key_of(submitted_files: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
     """Return a fingerprint of everything that a drive depends on."""
-    submission = handed_in.fingerprint() if handed_in else "true boxes"
+    submission = submitted_files.fingerprint() if submitted_files else "true boxes"
     parts = (str(street.seed), _rules(lesson), submission)
     return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 

@@ -52,7 +52,7 @@ def fail():
 @pytest.fixture
 def small_limits(monkeypatch):
     """Set small limits, so that the tests reach them soon."""
-    monkeypatch.setattr(reader_process, "SECONDS", 1)
+    monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
 

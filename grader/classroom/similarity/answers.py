@@ -66,7 +66,7 @@ class NotebookParts:
     problems: tuple[str, ...]
 
 
-def read_notebook_parts(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookParts:
+def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> NotebookParts:
     """Read a submission in a process of its own, without running its code.
 
     Raises
@@ -79,10 +79,10 @@ def read_notebook_parts(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookPa
     def work() -> dict:
         # The compared code is the judged code. The digest is of the submitted cells, because a
         # repair in one notebook but not in the other would make equal ones differ.
-        code = prepare(handed_in, lesson).code
-        cells = [(cell.kind, cell.source.rstrip()) for cell in handed_in.notebook().cells]
+        code = prepare(submitted_files, lesson).code
+        cells = [(cell.kind, cell.source.rstrip()) for cell in submitted_files.notebook().cells]
         own = Counter(cells) - Counter(released_cells(lesson))
-        answers, problems = answers_in([*handed_in.modules.values(), *code], lesson)
+        answers, problems = answers_in([*submitted_files.modules.values(), *code], lesson)
         return {
             "answers": {name: dataclasses.asdict(answer) for name, answer in answers.items()},
             "cells": _digest(json.dumps(cells)) if own else "",
@@ -91,7 +91,7 @@ def read_notebook_parts(handed_in: SubmittedFiles, lesson: Lesson) -> NotebookPa
             "problems": problems,
         }
 
-    read = run_in_child(handed_in.name, work)
+    read = run_in_child(submitted_files.name, work)
     answers = {name: _from_json(answer) for name, answer in read["answers"].items()}
     return NotebookParts(**{**read, "answers": answers, "problems": tuple(read["problems"])})
 

@@ -112,14 +112,14 @@ def compare_stage(
     for number, submission in enumerate(submissions):
         advance(number, len(submissions), None)
         student, lesson = printable(submission.student), submission.lesson.name
-        handed_in = submission.read(course)
+        submitted_files = submission.read(course)
         try:
-            parts = read_notebook_parts(handed_in, submission.lesson)
+            parts = read_notebook_parts(submitted_files, submission.lesson)
         except (UnreadableNotebook, ReadingFailed) as error:
             problems.append((student, lesson, str(error).splitlines()[0]))
             continue
         problems += [(student, lesson, sentence) for sentence in parts.problems]
-        read.append((submission, hashlib.sha256(handed_in.data).hexdigest(), parts))
+        read.append((submission, hashlib.sha256(submitted_files.data).hexdigest(), parts))
     advance(len(submissions), len(submissions), None)
     answers = {
         (exercise, printable(submission.student)): answer

@@ -111,19 +111,19 @@ def _judge(
 ) -> JudgedLesson:
     if submission is None:
         return JudgedLesson(lesson)
-    handed_in = submission.read(course)
-    arguments = handed_in, lesson.name, "", seed, sandbox.name
+    submitted_files = submission.read(course)
+    arguments = submitted_files, lesson.name, "", seed, sandbox.name
     verdict = judge_one(*arguments)
     if verdict.starved:  # nothing else runs here, so a second timeout is the submission's own
         verdict = judge_one(*arguments, is_alone=True)
     if verdict.status != JUDGED:
         raise JudgeFailed("\n".join((f"{lesson.name}:", *verdict.faults)))
-    return JudgedLesson(lesson, verdict, _notes(handed_in, lesson))
+    return JudgedLesson(lesson, verdict, _notes(submitted_files, lesson))
 
 
-def _notes(handed_in: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
+def _notes(submitted_files: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
     try:
-        return tuple(prepare_to_judge(handed_in, lesson).notes)
+        return tuple(prepare_to_judge(submitted_files, lesson).notes)
     except (UnreadableNotebook, ReadingFailed) as error:
         return (str(error),)
 
