@@ -10,7 +10,7 @@ import functools
 import numpy as np
 
 from grader.course.paths import PROJECT
-from grader.judging.hidden_tests import remembered
+from grader.judging.hidden_tests import cached_by_content
 from utils.checks.assertions import frozen
 from utils.clouds import read_cloud
 
@@ -48,7 +48,7 @@ def obstacles_of_street(seed: int, n: int) -> np.ndarray:
     return frozen(cloud[rng.choice(rows, min(n, len(rows)), replace=False)])
 
 
-@remembered
+@cached_by_content
 def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Return right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
     from sklearn.cluster import DBSCAN
@@ -61,7 +61,7 @@ def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
-@remembered
+@cached_by_content
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
     """Return rows of a cloud so that no two are within `margin` metres of the threshold distance.
 
@@ -77,7 +77,7 @@ def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> n
     return frozen(np.delete(cloud, np.unique(doubtful[:, 1]), axis=0))
 
 
-@remembered
+@cached_by_content
 def voxel_centroids(cloud: np.ndarray, voxel_size: float) -> np.ndarray:
     """Return the right answer for `voxel_grid`, by plain Python per cell; shape (m, columns)."""
     cells = {}

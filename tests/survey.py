@@ -32,7 +32,7 @@ from grader.course.lessons import Lesson, lesson_of, load_reference
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
 from grader.judging.program_run import Setting, run_program
-from grader.judging.repair import slips_in
+from grader.judging.repair import find_slips
 from grader.judging.results import result_of
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from grader.sandbox import choose_sandbox
@@ -496,7 +496,7 @@ def share_lost(mutant, sandbox):
         setting, program, lambda check: check.exercise == exercise.name, explain=True
     )
     assert not asked.fault
-    slip = slips_in(setting, program, asked, {}).get(exercise.name)
+    slip = find_slips(setting, program, asked, {}).get(exercise.name)
     return 1 - result_of(exercise, asked, None, slip).score / exercise.points
 
 

@@ -26,7 +26,7 @@ from grader.judging.verdict import (
     JUDGED,
     CheckResult,
     ExerciseResult,
-    Kind,
+    MessageKind,
     Slip,
     Verdict,
     write_verdict,
@@ -57,7 +57,7 @@ MISTAKE = (
 )
 
 
-def check(name, message="", visible=True, title="", kind=Kind.OWN, subject=""):
+def check(name, message="", visible=True, title="", kind=MessageKind.OWN, subject=""):
     passed, hint = not message, next((m for m in message.split("\n") if "Hint:" in m), "")
     title = title or f"It {name}"
     fields = (kind, subject, hint)
@@ -71,8 +71,11 @@ WRONG = ExerciseResult(
     (
         check("joins"),
         check("parts", MISTAKE),
-        check("keeps", "For the reason of “It parts”.", kind=Kind.SAME_REASON),
-        *(check(f"waits {n}", "Later: parts are apart.", kind=Kind.WAITING) for n in range(12)),
+        check("keeps", "For the reason of “It parts”.", kind=MessageKind.SAME_REASON),
+        *(
+            check(f"waits {n}", "Later: parts are apart.", kind=MessageKind.WAITING)
+            for n in range(12)
+        ),
         check("hidden[1]", "… rows too many.", False, "Right elsewhere"),
         check("hidden[2]", "… rows too many.", False, "Right elsewhere"),
         check("hastens", "It took `1` minute.", False),
@@ -128,7 +131,7 @@ def test_different_messages_are_not_folded_together():
     [
         ((), "", "nothing could be checked", True),
         ((check("a"), check("b")), "", "all 2 checks hold", True),
-        ((check("a", "Begin.", kind=Kind.NOT_STARTED),), "", "none of 1 checks hold", False),
+        ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "none of 1 checks hold", False),
     ],
 )
 def test_number_of_passed_checks_in_words(tests, first, words, started):
@@ -140,7 +143,7 @@ def test_number_of_passed_checks_in_words(tests, first, words, started):
     ("stub", "says"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
 )
 def test_a_stub_is_named(stub, says):
-    tests = (check("a", "f calls g. Write g first.", kind=Kind.NOT_STARTED, subject=stub),)
+    tests = (check("a", "f calls g. Write g first.", kind=MessageKind.NOT_STARTED, subject=stub),)
     assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
 
 

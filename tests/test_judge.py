@@ -336,13 +336,13 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
         for wanted in (True, False)
     )
 
-    def reach(*about):
+    def counted_decide(*about):
         calls.append(about)
-        return judging_reach(*about)
+        return original_decide(*about)
 
-    judging_reach = judging._decide
-    monkeypatch.setattr(judging, "_decide", reach)
-    monkeypatch.setattr(judging, "_RIGHT", {})
+    original_decide = judging._decide
+    monkeypatch.setattr(judging, "_decide", counted_decide)
+    monkeypatch.setattr(judging, "_FULL_MARKS", {})
 
     def judge_notebook(answer, seed=1, student="", module=None):
         folder = tmp_path / str(len(list(tmp_path.iterdir())))
@@ -357,7 +357,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
 
     first, runs = judge_notebook(right, student="ada")
     assert (first.score, runs) == (first.max_score, 1)
-    (stored,) = judging._RIGHT.values()
+    (stored,) = judging._FULL_MARKS.values()
     second, runs = judge_notebook(right, student="bob")
     assert (second.exercises, second.student, runs) == (first.exercises, "bob", 0)
     assert second.key != first.key
@@ -365,7 +365,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
     # The cache stores only one more key for another notebook; it shares the first results.
     assert all(
         exercise is stored.exercises[0]
-        for others in judging._RIGHT.values()
+        for others in judging._FULL_MARKS.values()
         for exercise in others.exercises
     )
     assert judge_notebook(right, seed=2)[1] == 1

@@ -15,7 +15,7 @@ from grader.judging.messages import (
     without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
-from grader.judging.verdict import Kind
+from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.quotation import LONGEST_LINE, sentence_on, sentence_on_cell
 from utils.checks import Check, CheckFailed
@@ -268,21 +268,21 @@ def test_one_cause_is_shown_once_and_others_in_full():
             "It is upside down.\nno array\nHint: Turn it round.", hint="Hint: Turn it round."
         ),
         "2": Message("another"),
-        "3": Message("For the same reason as “First”.", Kind.SAME_REASON, "First"),
-        "4": Message("Cannot be judged yet. First: First.", Kind.WAITING, "First"),
+        "3": Message("For the same reason as “First”.", MessageKind.SAME_REASON, "First"),
+        "4": Message("Cannot be judged yet. First: First.", MessageKind.WAITING, "First"),
     }
 
 
 @pytest.mark.parametrize(
     ("failure", "kind", "subject"),
     [
-        (CheckFailed("no"), Kind.OWN, ""),
-        (Raised("no", kind="ValueError", place=None), Kind.OWN, ""),
-        (NotStarted("f", "f"), Kind.NOT_STARTED, "f"),
-        (NotStarted("f", "g"), Kind.NOT_STARTED, "g"),
-        (NotYet("it is sorted"), Kind.WAITING, "it is sorted"),
-        (Stopped("no"), Kind.OWN, ""),
-        (Stopped("no", out_of_time=True), Kind.OUT_OF_TIME, ""),
+        (CheckFailed("no"), MessageKind.OWN, ""),
+        (Raised("no", kind="ValueError", place=None), MessageKind.OWN, ""),
+        (NotStarted("f", "f"), MessageKind.NOT_STARTED, "f"),
+        (NotStarted("f", "g"), MessageKind.NOT_STARTED, "g"),
+        (NotYet("it is sorted"), MessageKind.WAITING, "it is sorted"),
+        (Stopped("no"), MessageKind.OWN, ""),
+        (Stopped("no", out_of_time=True), MessageKind.OUT_OF_TIME, ""),
     ],
 )
 def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):

@@ -53,14 +53,14 @@ FAILED = outcomes_of("line_through", FAIL)
 
 @pytest.fixture
 def tried(monkeypatch):
-    """List of the calls of `repair_of`, which is replaced and never finds a repair."""
+    """List of the calls of `find_repair`, which is replaced and never finds a repair."""
     found = []
 
-    def repair_of(setting, program, exercise, failed):
+    def find_repair(setting, program, exercise, failed):
         assert all(outcome.failure for outcome in failed)
         found.append((program, exercise, [outcome.check.name for outcome in failed]))
 
-    monkeypatch.setattr(repair, "repair_of", repair_of)
+    monkeypatch.setattr(repair, "find_repair", find_repair)
     monkeypatch.setattr(repair, "explains", lambda *about: False)
     return found
 
@@ -69,7 +69,7 @@ def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(tried):
     run = RunResults(
         (*outcomes_of("line_through", None, FAIL, FAIL), *outcomes_of("ransac_line", None))
     )
-    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {}
+    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {}
     assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
 
 
@@ -78,24 +78,24 @@ def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
     carried = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
     }
-    repair.slips_in(SETTING, HANDED_IN, run, carried)
+    repair.find_slips(SETTING, HANDED_IN, run, carried)
     assert tried == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
     right = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
     }
-    repair.slips_in(SETTING, HANDED_IN, run, right)
+    repair.find_slips(SETTING, HANDED_IN, run, right)
     assert len(tried) == 1
 
 
 @pytest.mark.parametrize("name", ["NotImplementedError", "ImportError", "ModuleNotFoundError"])
 def test_stubs_and_forbidden_imports_are_not_tried(tried, name):
     stub = StudentError("line_through", name)
-    repair.slips_in(
+    repair.find_slips(
         SETTING, HANDED_IN, RunResults(outcomes_of("line_through", None, stub, FAIL)), {}
     )
     assert tried == []
     wrong = StudentError("line_through", "KeyError")
-    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
+    repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
     assert len(tried) == 1
 
 
@@ -108,7 +108,7 @@ def test_a_mistake_about_the_task_itself_is_not_tried(tried):
         (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL)),
         mistakes={"line_through": slip(is_the_task=True), "ransac_line": slip()},
     )
-    repair.slips_in(SETTING, HANDED_IN, run, {})
+    repair.find_slips(SETTING, HANDED_IN, run, {})
     assert [exercise for _, exercise, _ in tried] == ["ransac_line"]
 
 
@@ -117,13 +117,13 @@ def test_a_cheap_mistake_is_a_slip_only_if_an_edit_proves_it(tried, monkeypatch)
     named, cheap = slip(), slip(is_cheap=True)
     outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
-    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"ransac_line": named}
+    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"ransac_line": named}
     assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
 
 
 def test_a_course_may_switch_slips_off(tried, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
-    repair.slips_in(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", FAIL)), {})
+    repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", FAIL)), {})
     assert tried == []
 
 
@@ -138,21 +138,21 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
     named, other = slip(), slip()
     outcomes = (*outcomes_of("line_through", FAIL, None, FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
-    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"line_through": named}
+    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"line_through": named}
     assert calls == [
         (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
         (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
     ]
     # Answers given with a wrong helper do not explain answers given with a right one.
     carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
-    assert repair.slips_in(SETTING, HANDED_IN, run, carried) == {}
+    assert repair.find_slips(SETTING, HANDED_IN, run, carried) == {}
 
 
 def test_an_edit_is_preferred_to_a_named_mistake(monkeypatch):
     found = repair.Repair(1, 2, "a", "b")
-    monkeypatch.setattr(repair, "repair_of", lambda *about: found)
+    monkeypatch.setattr(repair, "find_repair", lambda *about: found)
     run = RunResults(outcomes_of("line_through", FAIL), mistakes={"line_through": slip()})
-    assert repair.slips_in(SETTING, HANDED_IN, run, {}) == {"line_through": found}
+    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"line_through": found}
     assert repair.Repair.__dataclass_params__.frozen
 
 
@@ -249,7 +249,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
         found = []
-        for edit in repair._passing(setting, HANDED_IN, "line_through", failed):
+        for edit in repair._passing_edits(setting, HANDED_IN, "line_through", failed):
             found.append(edit)
             meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -362,12 +362,12 @@ def test_raising_lines_include_the_line_of_the_call():
     )
     without_place = StudentError("f", "ValueError")
     outcomes = outcomes_of("line_through", inside, called, without_place, FAIL, None)
-    assert repair._raised_at(outcomes) == {(3, 12), (1, 2), (3, 5)}
+    assert repair._raising_lines(outcomes) == {(3, 12), (1, 2), (3, 5)}
 
 
 def test_edits_of_an_exercise_share_one_second(passing):
     student = Edited(["abxy"] * 200, 0.02)  # plus the same time in the judge
-    assert passing(student) == [] and student.tried == 2 * repair.LOOK_AFTER
+    assert passing(student) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     student = Edited(["abxy"] * 100, 0.001)
     assert passing(student) == [] and student.tried == 99
 
@@ -381,7 +381,7 @@ def test_the_time_is_checked_after_each_slow_edit(passing):
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
     student = Edited(["abxy", ""])
     passing(student)
-    limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_THAT_HANG)
+    limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_RESTARTS)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
     passing(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
@@ -390,9 +390,9 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
     student = Edited(["abxy"] * 100, slept=0.07)  # over a second between the first two time checks
-    assert passing(student, budget=budget) == [] and student.tried == repair.LOOK_AFTER
+    assert passing(student, budget=budget) == [] and student.tried == repair.EDITS_PER_LOOK
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.07 * repair.LOOK_AFTER)
+    assert budget.seconds == pytest.approx(180 - 0.07 * repair.EDITS_PER_LOOK)
     # Time that is spent between edits, such as judging one completely, does not count.
     student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
 
@@ -419,10 +419,10 @@ def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
     run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
     setting = Setting(LINE, 1, None, None, budget)
-    repair.slips_in(setting, HANDED_IN, run, {})
+    repair.find_slips(setting, HANDED_IN, run, {})
     assert len(tried) == 1
     budget.begins = False
-    assert repair.slips_in(setting, HANDED_IN, run, {}) == {} and len(tried) == 1
+    assert repair.find_slips(setting, HANDED_IN, run, {}) == {} and len(tried) == 1
 
 
 def test_a_notebook_that_does_not_start_has_no_edits(passing):
@@ -433,18 +433,18 @@ def test_edits_that_end_a_loop_come_first_after_a_hang():
     texts = ("x = 1", "x = 1\n        return", "pass", "break", "return x", "return")
     edits = [(1, 1, 1, text) for text in texts]
     hangs = outcomes_of("line_through", FAIL, StudentStopped("It did not answer."))
-    assert [number for number, _ in repair._in_order(edits, hangs)] == [1, 3, 5, 0, 2, 4]
+    assert [number for number, _ in repair._likeliest_first(edits, hangs)] == [1, 3, 5, 0, 2, 4]
     fails = outcomes_of("line_through", FAIL)
-    assert [number for number, _ in repair._in_order(edits, fails)] == [0, 1, 2, 3, 4, 5]
+    assert [number for number, _ in repair._likeliest_first(edits, fails)] == [0, 1, 2, 3, 4, 5]
 
 
 def test_edits_that_return_a_value_come_first_after_none_was_returned():
     texts = ("x = 1", "    return x", "return", "y = 1\nreturn y", "return y")
     edits = [(1, 1, 1, text) for text in texts]
     nothing = outcomes_of("line_through", FAIL, WrongForm("It returned None.", yours="None"))
-    assert [number for number, _ in repair._in_order(edits, nothing)] == [1, 4, 0, 2, 3]
+    assert [number for number, _ in repair._likeliest_first(edits, nothing)] == [1, 4, 0, 2, 3]
     something = outcomes_of("line_through", FAIL, WrongForm("It is a list.", yours="[None]"))
-    assert [number for number, _ in repair._in_order(edits, something)] == [0, 1, 2, 3, 4]
+    assert [number for number, _ in repair._likeliest_first(edits, something)] == [0, 1, 2, 3, 4]
 
 
 def test_edits_of_a_line_that_raised_come_first():
@@ -452,7 +452,7 @@ def test_edits_of_a_line_that_raised_come_first():
     raising = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
     edits = [(*lines, "text") for pair in zip(elsewhere, raising, strict=True) for lines in pair]
     errors = (StudentError("f", "E", place=f"code cell {lines}") for lines in ("2, line 3", "7"))
-    ordered = repair._in_order(edits, outcomes_of("line_through", FAIL, *errors))
+    ordered = repair._likeliest_first(edits, outcomes_of("line_through", FAIL, *errors))
     assert [number for number, _ in ordered] == [1, 3, 5, 7, 0, 2, 4, 6]
     assert all(edits[number] == edit for number, edit in ordered)
 
@@ -473,8 +473,8 @@ def judged_as(monkeypatch):
     def judged_as(*tries):
         asked, waiting = [], list(tries)
 
-        def ask(setting, program, wanted, to_the_end):
-            assert not to_the_end  # the first failure already disproves an edit
+        def ask(setting, program, wanted, keep_going):
+            assert not keep_going  # the first failure already disproves an edit
             names = ("line", "line_through", "ransac_line")
             checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
             asked.append((program.cells, [check.exercise for check in checks if wanted(check)]))
@@ -482,8 +482,8 @@ def judged_as(monkeypatch):
 
         edits = [(2, 2, 3, "mended"), (2, 1, 1, "1st\nhalf"), (2, 4, 4, "4th"), (3, 2, 2, "6th")]
         monkeypatch.setattr(repair, "run_program", ask)
-        monkeypatch.setattr(repair, "_passing", lambda *about: iter(edits))
-        return repair.repair_of(SETTING, PROGRAM, "".join(["line_", "through"]), ()), asked
+        monkeypatch.setattr(repair, "_passing_edits", lambda *about: iter(edits))
+        return repair.find_repair(SETTING, PROGRAM, "".join(["line_", "through"]), ()), asked
 
     return judged_as
 

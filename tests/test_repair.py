@@ -184,7 +184,7 @@ def test_a_random_answer_earns_no_more_than_its_wrong_half(sandbox, otherwise):
 
 def test_no_repair_is_searched_for_a_stub(sandbox, monkeypatch):
     searched = []
-    monkeypatch.setattr(repair, "repair_of", lambda *about: searched.append(about[2]))
+    monkeypatch.setattr(repair, "find_repair", lambda *about: searched.append(about[2]))
     text = LINE.released.read_bytes()
     judge_files(SubmittedFiles(f"{LINE.name}.ipynb", text), SEED, sandbox, LINE)
     assert searched == []

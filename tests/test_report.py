@@ -16,7 +16,15 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import SubmittedFiles
-from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Kind, Slip, Verdict
+from grader.judging.verdict import (
+    FAILED,
+    JUDGED,
+    CheckResult,
+    ExerciseResult,
+    MessageKind,
+    Slip,
+    Verdict,
+)
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
 from grader.lms.report import MIN_SUBMISSIONS, GradingRun, write_report
@@ -222,7 +230,7 @@ def test_the_page_names_the_sandbox(tmp_path):
     assert "sandbox" not in on_a_cluster
 
 
-UNTOUCHED = check(False, kind=Kind.NOT_STARTED, subject="filter_ground")
+UNTOUCHED = check(False, kind=MessageKind.NOT_STARTED, subject="filter_ground")
 
 
 def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
@@ -236,7 +244,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
         for name in ("ada", "bo", "cy")
     ]
     wrong = verdict("dee", [check(False)], "`<` stands where `>=` is asked for.")
-    calls_a_stub = verdict("ed", [check(False, kind=Kind.NOT_STARTED, subject="voxel_grid")])
+    calls_a_stub = verdict("ed", [check(False, kind=MessageKind.NOT_STARTED, subject="voxel_grid")])
     assert not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
     other_verdicts = [
@@ -289,7 +297,7 @@ def test_the_page_says_if_a_class_is_too_small_for_discrimination(tmp_path):
 
 
 def test_damaged_files_and_timeouts_are_listed(tmp_path):
-    slow = check(False, message="It takes ages.", kind=Kind.OUT_OF_TIME)
+    slow = check(False, message="It takes ages.", kind=MessageKind.OUT_OF_TIME)
     damaged = dataclasses.replace(verdict("bo", []), problems=("It is cut off.",))
     page = report(tmp_path, [verdict("ada", [slow], "It takes ages."), damaged])
     assert "<h2>Out of time</h2>" in page and "<h2>Mended, noticed or unreadable</h2>" in page

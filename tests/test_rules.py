@@ -120,7 +120,7 @@ STOP = StudentStopped("it did not answer")
 def test_which_of_three_tries_counts(first, once_more, with_right, counts):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
-    assert error_carried_forward.outcome_that_counts(*tries).failure is counts
+    assert error_carried_forward.decisive_outcome(*tries).failure is counts
 
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
@@ -136,10 +136,10 @@ def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
                 stop = stops if may_stop else 0.0
                 answer = chance if failure is None else 1 - chance
                 likely *= stop if failure is STOP else (1 - stop) * answer
-            outcome_that_counts = error_carried_forward.outcome_that_counts(
+            decisive_outcome = error_carried_forward.decisive_outcome(
                 *(Outcome(check, failure) for failure in tries)
             )
-            expected += likely * (outcome_that_counts.failure is None)
+            expected += likely * (decisive_outcome.failure is None)
         assert expected <= chance + 1e-12
 
 

@@ -136,12 +136,12 @@ def test_the_rest_is_skipped_if_one_failure_decides(made):
     """Calls of a slow answer may take seconds each."""
     student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
     checks = [shown("holds", "g", lambda function: function("shown"))]
-    outcomes = run_checks(made(hidden, checks), student, SEED, to_the_end=False)
+    outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
     assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
     assert student.asked == [("g", "g", "shown"), ("g", "g", "second")]
     checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
     student.asked.clear()
-    outcomes = run_checks(made(hidden, checks), student, SEED, to_the_end=False)
+    outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
     assert [outcome.check.name for outcome in outcomes if not outcome.failure] == []
     assert student.asked == []
 

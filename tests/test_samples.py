@@ -11,7 +11,7 @@ from scipy.spatial.distance import pdist, squareform
 
 from grader.course.paths import PROJECT
 from grader.judging import hidden_tests
-from grader.judging.hidden_tests import generator_for_students, remembered
+from grader.judging.hidden_tests import cached_by_content, generator_for_students
 from solutions import samples
 
 
@@ -20,7 +20,7 @@ def counted():
     """Return a cached oracle, and a list of its calls."""
     asked = []
 
-    @remembered
+    @cached_by_content
     def doubled(cloud, *settings):
         """Twice as much."""
         asked.append((cloud.shape, settings))
@@ -48,8 +48,8 @@ def test_an_oracle_runs_once_for_each_content(counted):
 
 
 def test_the_cache_of_an_oracle_is_bounded(counted, monkeypatch):
-    assert 100 <= hidden_tests.MOST_REMEMBERED <= 1000
-    monkeypatch.setattr(hidden_tests, "MOST_REMEMBERED", 3)
+    assert 100 <= hidden_tests.MOST_CACHED <= 1000
+    monkeypatch.setattr(hidden_tests, "MOST_CACHED", 3)
     doubled, asked = counted
     clouds = [np.full((2, 3), float(number)) for number in range(4)]
     for cloud in clouds[:3] * 2:

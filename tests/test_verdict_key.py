@@ -258,7 +258,7 @@ def made_up(tmp_path, monkeypatch):
         (tmp_path / name).write_text(text)
     entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
     monkeypatch.setattr(key, "PROJECT", tmp_path)
-    monkeypatch.setattr(key, "ENTRIES", tuple(tmp_path / name for name in entries))
+    monkeypatch.setattr(key, "ENTRY_MODULES", tuple(tmp_path / name for name in entries))
     monkeypatch.setattr(key, "ARRAYS", (tmp_path / "data" / "truth.npz",))
     monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
     forget()

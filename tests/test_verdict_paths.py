@@ -72,10 +72,10 @@ def judge_made_of(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "run_program", ask)
-        monkeypatch.setattr(judging, "_RIGHT", {})  # forget which submissions were right
+        monkeypatch.setattr(judging, "_FULL_MARKS", {})  # forget which submissions were right
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
-        monkeypatch.setattr(judging, "slips_in", lambda *about: {})
+        monkeypatch.setattr(judging, "find_slips", lambda *about: {})
         data = (text or fill_in(FILTER, WRITTEN)).encode()
         verdict = judging.judge_files(SubmittedFiles("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.judging.messages import common_text, without_numbers
-from grader.judging.verdict import ExerciseResult, Kind, Verdict
+from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
 # With fewer students, chance alone gives a discrimination of 0.4.
 LEAST_STUDENTS = 20
@@ -108,7 +108,7 @@ def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
 
 def is_not_started(exercise: ExerciseResult) -> bool:
     """Return whether the stub of an exercise is unchanged."""
-    stubs = {test.subject for test in exercise.tests if test.kind == Kind.NOT_STARTED}
+    stubs = {test.subject for test in exercise.tests if test.kind == MessageKind.NOT_STARTED}
     return not exercise.first and exercise.name in stubs
 
 
@@ -143,5 +143,5 @@ def out_of_time(verdict: Verdict) -> list[str]:
     return [
         exercise.name
         for exercise in verdict.exercises
-        if any(test.kind == Kind.OUT_OF_TIME for test in exercise.tests)
+        if any(test.kind == MessageKind.OUT_OF_TIME for test in exercise.tests)
     ]

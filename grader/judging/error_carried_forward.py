@@ -26,7 +26,7 @@ from grader.sandbox.program import Given, Program
 from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
-_FICKLE = (
+_INCONSISTENT = (
     "{name} was asked once more, as it calls a function that is wrong: what held the first time "
     "and not the second does not count. Does it answer by chance?"
 )
@@ -72,60 +72,59 @@ def carry_forward(
         Whether code reached a time limit because it hardly got a processor.
     """
     exercises = setting.lesson.machine_graded
-    lost = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
-    better, starved = {}, False
+    failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
+    improved, starved = {}, False
     for number, exercise in enumerate(exercises):
         # Later functions may be derived from this one, so a right one could give them the answer.
         earlier = [before.name for before in exercises[:number]]
-        called = lost.intersection(results.uses.get(exercise.name, ()))
+        called = failing.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
         if not helpers:
             continue
-        codes = [program]
-        if exercise.name in lost:
-            codes.append(_with_right(setting.lesson, program, exercise, helpers))
-        tries = [
+        programs = [program]
+        if exercise.name in failing:
+            programs.append(_with_right_helpers(setting.lesson, program, exercise, helpers))
+        runs = [
             run_program(setting, code, lambda check, e=exercise: check.exercise == e.name)
-            for code in codes
+            for code in programs
         ]
-        if any(attempt.fault for attempt in tries):  # the first run reported it, and counts
+        if any(run.fault for run in runs):  # the first run reported it, and counts
             continue
-        starved |= any(attempt.starved for attempt in tries)
+        starved |= any(run.starved for run in runs)
         first = results.outcomes_of(exercise.name)
-        by_check = [{one.check: one for one in again.outcomes} for again in tries]
+        by_check = [{one.check: one for one in again.outcomes} for again in runs]
         # If every check passed, there is nothing to correct: they pass again, or it was luck.
         outcomes = tuple(
-            outcome_that_counts(one, by_check[0][one.check], by_check[-1][one.check])
-            for one in first
+            decisive_outcome(one, by_check[0][one.check], by_check[-1][one.check]) for one in first
         )
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             sentence = _sentence(exercise, helpers, before, after)
-            better[exercise.name] = CarriedForward(outcomes, sentence, codes[-1])
+            improved[exercise.name] = CarriedForward(outcomes, sentence, programs[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
-            sentence = _FICKLE.format(name=exercise.name)
-            better[exercise.name] = CarriedForward(outcomes, sentence, program)
-    return better, starved
+            sentence = _INCONSISTENT.format(name=exercise.name)
+            improved[exercise.name] = CarriedForward(outcomes, sentence, program)
+    return improved, starved
 
 
-def outcome_that_counts(first: Outcome, once_more: Outcome, with_right: Outcome) -> Outcome:
+def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outcome) -> Outcome:
     """Decide how a check counts that ran twice with the student's helpers and once with right ones.
 
     A process that had to be stopped did not answer. It neither spoils an answer that was right
     nor confirms one that was wrong.
     """
     if not first.failure:
-        wrong = once_more.failure and not _is_stop(once_more)
-        return once_more if wrong else first
-    alike = once_more.failure and _is_stop(first) == _is_stop(once_more)
-    return with_right if alike else first
+        wrong = repeated.failure and not _is_stop(repeated)
+        return repeated if wrong else first
+    alike = repeated.failure and _is_stop(first) == _is_stop(repeated)
+    return with_right_helpers if alike else first
 
 
 def _is_stop(outcome: Outcome) -> bool:
     return isinstance(outcome.failure, StudentStopped)
 
 
-def _with_right(
+def _with_right_helpers(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
     """Return the notebook with the lesson's own helpers in place of the student's.

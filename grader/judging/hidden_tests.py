@@ -11,7 +11,7 @@ import pytest
 from utils.checks import Check
 from utils.checks.assertions import frozen
 
-MOST_REMEMBERED = 256
+MOST_CACHED = 256
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
@@ -36,24 +36,24 @@ def check_of(item: pytest.Item) -> Check:
     return dataclasses.replace(check, name=item.name, title=title)
 
 
-def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
     """Decorate a slow oracle, so that it caches its answers by the content of an array.
 
     The answers are read-only. All arguments after the array must be hashable.
     """
-    known = {}
+    cache = {}
 
     @functools.wraps(oracle)
-    def remember(array: np.ndarray, *settings: object) -> np.ndarray:
+    def cached_oracle(array: np.ndarray, *settings: object) -> np.ndarray:
         array = np.ascontiguousarray(array)
         key = hashlib.blake2b(array).digest(), array.dtype.str, array.shape, settings
-        if key not in known:
-            if len(known) >= MOST_REMEMBERED:
-                known.pop(next(iter(known)))
-            known[key] = frozen(oracle(array, *settings))
-        return known[key]
+        if key not in cache:
+            if len(cache) >= MOST_CACHED:
+                cache.pop(next(iter(cache)))
+            cache[key] = frozen(oracle(array, *settings))
+        return cache[key]
 
-    return remember
+    return cached_oracle
 
 
 def generator_for_students(seed: int, label: str) -> np.random.Generator:

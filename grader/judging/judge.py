@@ -18,7 +18,7 @@ from grader.judging.error_carried_forward import carry_forward
 from grader.judging.key import verdict_key
 from grader.judging.points import total
 from grader.judging.program_run import RunResults, Setting, run_program, untouched_results
-from grader.judging.repair import slips_in
+from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
@@ -31,7 +31,7 @@ from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook
 
 # Exceptions that a wrong answer causes in a test. Any other may be a fault of the test.
-_FINE = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
+_EXPECTED_FAILURES = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 JUDGE_FAILED_NOTE = (
     "The judge failed on this notebook; this is not the student's fault, and no points were "
     "given or taken. Whoever grades finds the reason in the verdict's file."
@@ -89,26 +89,26 @@ def judge_files(
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(submitted_files.name).stem) or _lesson_in(submitted_files)
     try:
-        to_judge = prepare_to_judge(submitted_files, lesson)
+        judge_input = prepare_to_judge(submitted_files, lesson)
     except UnreadableNotebook as error:
-        reached = _Decision(unjudged_results(lesson), (str(error),))
+        decision = _Decision(unjudged_results(lesson), (str(error),))
     except ReadingFailed as error:
-        reached = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
+        decision = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
-        reached = _decide_cached(setting, to_judge, submitted_files.modules)
+        decision = _decide_cached(setting, judge_input, submitted_files.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,
-        status=FAILED if reached.faults else JUDGED,
-        score=total([exercise.score for exercise in reached.exercises]),
-        max_score=total([exercise.max_score for exercise in reached.exercises]),
-        exercises=reached.exercises,
-        problems=reached.problems,
+        status=FAILED if decision.faults else JUDGED,
+        score=total([exercise.score for exercise in decision.exercises]),
+        max_score=total([exercise.max_score for exercise in decision.exercises]),
+        exercises=decision.exercises,
+        problems=decision.problems,
         seconds=round(time.perf_counter() - begin, 3),
         key=verdict_key(submitted_files, lesson, seed, student),
-        faults=reached.faults,
-        starved=reached.starved,
+        faults=decision.faults,
+        starved=decision.starved,
         fingerprint=submitted_files.fingerprint(),
     )
 
@@ -138,82 +138,88 @@ class _Decision:
 
 
 # Results of notebooks with full marks, by everything that such a result depends on.
-_RIGHT: dict[tuple, _Decision] = {}
+_FULL_MARKS: dict[tuple, _Decision] = {}
 
 
-def _decide_cached(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Decision:
+def _decide_cached(setting: Setting, judge_input: JudgeInput, modules: dict[str, str]) -> _Decision:
     """Call `_decide`, or return the cached result of identical code with full marks.
 
     Only full marks are cached: a failure may be the machine's fault, and must not spread to an
     identical notebook.
     """
-    text = json.dumps([to_judge.code, to_judge.notes, modules], sort_keys=True).encode()
-    about = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
-    key = (*about, hashlib.sha256(text).digest())
-    if key in _RIGHT:
-        return _RIGHT[key]
-    reached = _decide(setting, to_judge, modules)
-    if not reached.faults and all(
-        exercise.score == exercise.max_score for exercise in reached.exercises
+    text = json.dumps([judge_input.code, judge_input.notes, modules], sort_keys=True).encode()
+    rules = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
+    key = (*rules, hashlib.sha256(text).digest())
+    if key in _FULL_MARKS:
+        return _FULL_MARKS[key]
+    decision = _decide(setting, judge_input, modules)
+    if not decision.faults and all(
+        exercise.score == exercise.max_score for exercise in decision.exercises
     ):
         # A class may have ten thousand students, and the results of right notebooks are identical.
-        _RIGHT[key] = replace(reached, exercises=tuple(map(with_shared_parts, reached.exercises)))
-    return reached
+        _FULL_MARKS[key] = replace(
+            decision, exercises=tuple(map(with_shared_parts, decision.exercises))
+        )
+    return decision
 
 
-def _decide(setting: Setting, to_judge: JudgeInput, modules: dict[str, str]) -> _Decision:
+def _decide(setting: Setting, judge_input: JudgeInput, modules: dict[str, str]) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
-    program = program_for(lesson, to_judge.code, modules)
-    if to_judge.is_as_released and not modules:
-        asked = untouched_results(lesson)
+    program = program_for(lesson, judge_input.code, modules)
+    if judge_input.is_as_released and not modules:
+        results = untouched_results(lesson)
     else:
-        asked = _with_retries(setting, program, run_program(setting, program, explain=True))
-    if faults := _faults(setting, asked):
-        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, asked.starved)
-    followed, starved = carry_forward(setting, program, asked)
-    slips = slips_in(setting, program, asked, followed)
+        results = _with_retries(setting, program, run_program(setting, program, explain=True))
+    if faults := _faults(setting, results):
+        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
+    carried, starved = carry_forward(setting, program, results)
+    slips = find_slips(setting, program, results, carried)
     exercises = tuple(
-        result_of(exercise, asked, followed.get(exercise.name), slips.get(exercise.name))
+        result_of(exercise, results, carried.get(exercise.name), slips.get(exercise.name))
         for exercise in lesson.machine_graded
     )
-    lost = [result.name for result in exercises if result.score < result.max_score]
+    incomplete = [result.name for result in exercises if result.score < result.max_score]
     problems = (
-        *to_judge.notes,
-        *asked.problems,
-        *(better.sentence for better in followed.values()),
-        *(to_judge.versions[name] for name in lost if name in to_judge.versions),
+        *judge_input.notes,
+        *results.problems,
+        *(better.sentence for better in carried.values()),
+        *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
     # With full marks there is nothing to gain by another try.
-    return _Decision(exercises, problems, (), bool(lost) and (asked.starved or starved))
+    return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
-def _with_retries(setting: Setting, program: Program, asked: RunResults) -> RunResults:
+def _with_retries(setting: Setting, program: Program, results: RunResults) -> RunResults:
     """Run suspicious checks again and return all outcomes, with the new ones in their place.
 
     A failure that does not recur costs no points.
     """
-    suspicious = {outcome.check for outcome in _suspicious(asked)}
+    suspicious = {outcome.check for outcome in _suspicious(results)}
     if not suspicious:
-        return asked
+        return results
     again = run_program(setting, program, suspicious.__contains__)
     if again.fault:  # then the first try counts
-        return asked
+        return results
     better = {outcome.check: outcome for outcome in again.outcomes}
-    outcomes = tuple(better.get(outcome.check, outcome) for outcome in asked.outcomes)
-    return replace(asked, outcomes=outcomes, starved=asked.starved or again.starved)
+    outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
+    return replace(results, outcomes=outcomes, starved=results.starved or again.starved)
 
 
-def _suspicious(asked: RunResults) -> list[Outcome]:
+def _suspicious(results: RunResults) -> list[Outcome]:
     """Return the outcomes with an exception that a wrong answer does not cause."""
-    return [outcome for outcome in asked.outcomes if not isinstance(outcome.failure, _FINE)]
+    return [
+        outcome
+        for outcome in results.outcomes
+        if not isinstance(outcome.failure, _EXPECTED_FAILURES)
+    ]
 
 
-def _faults(setting: Setting, asked: RunResults) -> tuple[str, ...]:
+def _faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
     """Return what went wrong in the judge itself, so that the student cannot be judged."""
-    if asked.fault:
-        return (asked.fault,)
-    suspicious = _suspicious(asked)
+    if results.fault:
+        return (results.fault,)
+    suspicious = _suspicious(results)
     if suspicious and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
         return tuple("".join(traceback.format_exception(outcome.failure)) for outcome in suspicious)
     return ()
@@ -250,11 +256,11 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
 
 def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
-    asked = run_program(Setting(lesson, seed, sandbox), program)
-    if asked.fault:
-        return (asked.fault,)
-    failed = [outcome for outcome in asked.outcomes if outcome.failure]
-    return (*map(_complaint, failed), *asked.problems)
+    results = run_program(Setting(lesson, seed, sandbox), program)
+    if results.fault:
+        return (results.fault,)
+    failed = [outcome for outcome in results.outcomes if outcome.failure]
+    return (*map(_complaint, failed), *results.problems)
 
 
 def _complaint(outcome: Outcome) -> str:

@@ -21,12 +21,12 @@ from grader.intake.submission import SubmittedFiles
 from grader.sandbox.boundary import SHOWN
 
 # Modules in which judging begins: the judge, and the process that student code is forked from.
-ENTRIES = (
+ENTRY_MODULES = (
     PROJECT / "grader" / "judging" / "judge.py",
     PROJECT / "grader" / "sandbox" / "fork_server.py",
 )
 # Modules that only display results and are imported on demand; judging never reads them.
-SHOWS = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
+DISPLAY_MODULES = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 # Arrays that checks read.
 ARRAYS = tuple((PROJECT / "data").glob("*.npz"))
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
@@ -47,8 +47,8 @@ def verdict_key(
     submitted_files: SubmittedFiles, lesson: Lesson, seed: int, student: str = ""
 ) -> str:
     """Return the fingerprint of a submission and of the rules that it is judged by."""
-    about = (str(seed), student, rules_key(lesson), submitted_files.fingerprint())
-    return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
+    parts = (str(seed), student, rules_key(lesson), submitted_files.fingerprint())
+    return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
@@ -57,9 +57,9 @@ def rules_key(lesson: Lesson) -> str:
     return key_of_files(lesson.name, files_that_decide(lesson))
 
 
-def key_of_files(about: str, files: Iterable[Path]) -> str:
+def key_of_files(subject: str, files: Iterable[Path]) -> str:
     """Return the fingerprint of some files, the libraries, and the name of their subject."""
-    digest = hashlib.sha256(about.encode())
+    digest = hashlib.sha256(subject.encode())
     for name, version in versions().items():
         digest.update(f"{name} {version}\0".encode())
     for path in sorted(files):
@@ -69,7 +69,7 @@ def key_of_files(about: str, files: Iterable[Path]) -> str:
 
 def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
-    entries = {*ENTRIES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
+    entries = {*ENTRY_MODULES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
     # The source says what is forbidden; the solution contains the right helpers.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return frozenset(with_imports(entries) | notebooks | {*ARRAYS})
@@ -96,7 +96,7 @@ def _imported_by(file: Path) -> set[Path]:
     # Importing a module also runs the packages that contain it.
     parts = [module.split(".") for module in modules]
     modules = {".".join(part[:end]) for part in parts for end in range(1, len(part) + 1)}
-    modules = {module for module in modules if not f"{module}.".startswith(SHOWS)}
+    modules = {module for module in modules if not f"{module}.".startswith(DISPLAY_MODULES)}
     return {file for module in modules if (file := _file_of(module))}
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from grader.judging.runner import JudgeTimeout
-from grader.judging.verdict import Kind
+from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.quotation import sentence_on
 from utils.checks import CheckFailed
@@ -58,7 +58,7 @@ class Message:
     """The message on a failed check; the attributes are those of `CheckResult`."""
 
     text: str
-    kind: Kind = Kind.OWN
+    kind: MessageKind = MessageKind.OWN
     subject: str = ""
     hint: str = ""
 
@@ -76,11 +76,11 @@ def messages_of(story: Story) -> dict[Outcome, Message]:
         **{one: message_of(one, hinted=False) for one in (*story.others, *story.waiting)},
     }
     for one, message in in_full.items():
-        if pointer := _where_to_see_more(one):
+        if pointer := _notebook_pointer(one):
             in_full[one] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
             break
     title = story.first.check.title
-    same = Message(f"For the same reason as “{title}”.", Kind.SAME_REASON, title)
+    same = Message(f"For the same reason as “{title}”.", MessageKind.SAME_REASON, title)
     return in_full | dict.fromkeys(story.same, same)
 
 
@@ -94,15 +94,15 @@ def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = 
     return Message("\n".join(line for line in lines if line), kind, subject, hint)
 
 
-def _kind_and_subject(failure: CheckFailed) -> tuple[Kind, str]:
+def _kind_and_subject(failure: CheckFailed) -> tuple[MessageKind, str]:
     match failure:
         case NotStarted():
-            return Kind.NOT_STARTED, failure.stub
+            return MessageKind.NOT_STARTED, failure.stub
         case NotYet():
-            return Kind.WAITING, failure.basic
+            return MessageKind.WAITING, failure.basic
         case Stopped(out_of_time=True):
-            return Kind.OUT_OF_TIME, ""
-    return Kind.OWN, ""
+            return MessageKind.OUT_OF_TIME, ""
+    return MessageKind.OWN, ""
 
 
 def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
@@ -114,10 +114,10 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        said = sentence_on(error) if visible else error.without_words
+        sentence = sentence_on(error) if visible else error.without_words
         tip = tip_for(error.type_name, error.message, error.line)
         place = error.place if visible else error.shown_place
-        return Raised(said, kind=error.shown_type, place=place, tip=tip)
+        return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
         return error
     if isinstance(error, CheckFailed):
@@ -143,10 +143,10 @@ def without_numbers(message: str, few: int = 0) -> str:
     """
     whole = iter(range(few))
 
-    def is_told(number: str) -> bool:
+    def is_kept(number: str) -> bool:
         return bool(re.fullmatch(SMALL_NUMBER, number)) and next(whole, None) is not None
 
-    return _with_some_numbers(message, is_told)
+    return _with_some_numbers(message, is_kept)
 
 
 def common_text(messages: Sequence[str]) -> str:
@@ -154,8 +154,8 @@ def common_text(messages: Sequence[str]) -> str:
     bare, numbers = zip(*map(_split_numbers, messages), strict=True)
     if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
         return without_numbers(messages[0])
-    agree = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
-    return _with_some_numbers(messages[0], lambda number: next(agree))
+    are_equal = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
+    return _with_some_numbers(messages[0], lambda number: next(are_equal))
 
 
 def _split_numbers(message: str) -> tuple[str, list[str]]:
@@ -170,16 +170,16 @@ def _split_numbers(message: str) -> tuple[str, list[str]]:
     return bare.replace("… row ", "… rows "), numbers
 
 
-def _with_some_numbers(message: str, is_told: Callable[[str], bool]) -> str:
+def _with_some_numbers(message: str, is_kept: Callable[[str], bool]) -> str:
     message = _EXAMPLE.sub("", message)
-    message = with_numbers(message, lambda number: number if is_told(number) else "…")
+    message = with_numbers(message, lambda number: number if is_kept(number) else "…")
     return re.sub(r"\(…(, …)*,?\)", "(…)", message).replace("… row ", "… rows ")
 
 
 with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
 
 
-def _where_to_see_more(outcome: Outcome) -> str:
+def _notebook_pointer(outcome: Outcome) -> str:
     """Return a sentence on what the notebook shows in addition; empty if nothing."""
     if outcome.check.is_shown and outcome.failure.is_about_an_answer:
         return "The check in the notebook shows your answer beside the right one."

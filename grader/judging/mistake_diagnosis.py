@@ -26,10 +26,10 @@ from utils.notebooks import slicing
 def _solution(lesson: Lesson, exercise: str) -> Callable:
     """Return the lesson's own function, as its rehearsal has judged it."""
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
-    space = {"__name__": lesson.name}
+    namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for((exercise,), statements):
-        exec(slicing.compile_statement(statement, str(lesson.solved)), space)
-    return space[exercise]
+        exec(slicing.compile_statement(statement, str(lesson.solved)), namespace)
+    return namespace[exercise]
 
 
 class _ComparingProxy:
@@ -55,7 +55,7 @@ class _ComparingProxy:
 
 
 def explains(
-    setting: Setting, program: Program, exercise: str, mistake: Mistake, lost: frozenset[Check]
+    setting: Setting, program: Program, exercise: str, mistake: Mistake, failed: frozenset[Check]
 ) -> bool:
     """Return whether one mistake alone explains the failed checks of an exercise.
 
@@ -66,35 +66,35 @@ def explains(
         The notebook.
     exercise : str
     mistake : utils.checks.diagnosis.Mistake
-    lost : frozenset of utils.checks.Check
+    failed : frozenset of utils.checks.Check
     """
     player = player_of(exercise, mistake, _solution(setting.lesson, exercise))
     if player is None:
         return False
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
-        alone = _lost_by(setting, student, exercise, player.plays)
-        if alone != lost:
+        alone = _failed_by(setting, student, exercise, player.plays)
+        if alone != failed:
             return False
         student.exercise = exercise
-        theirs, asked, alike = getattr(student, exercise), [], []
+        student_function, calls, equal_answers = getattr(student, exercise), [], []
 
         def compared(*arguments: object, **keywords: object) -> object:
-            asked.append(True)
-            answer = theirs(*arguments, **keywords)
+            calls.append(True)
+            answer = student_function(*arguments, **keywords)
             if player.same(answer, player.plays(*arguments, **keywords)):
-                alike.append(True)
+                equal_answers.append(True)
             return answer
 
-        again = _lost_by(setting, student, exercise, compared)
-        return again == lost and len(alike) == len(asked)
+        again = _failed_by(setting, student, exercise, compared)
+        return again == failed and len(equal_answers) == len(calls)
 
 
-def _lost_by(
+def _failed_by(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
     """Return the checks that a function fails in place of the student's."""
-    beside = _ComparingProxy(student, exercise, function)
+    proxy = _ComparingProxy(student, exercise, function)
     outcomes = run_checks(
-        setting.lesson, beside, setting.seed, lambda check: check.exercise == exercise
+        setting.lesson, proxy, setting.seed, lambda check: check.exercise == exercise
     )
     return frozenset(outcome.check for outcome in outcomes if outcome.failure)

@@ -27,11 +27,11 @@ def shares(points: float, weights: Sequence[float]) -> list[float]:
     """
     cents, whole = round(100 * points), sum(weights)
     exact = [cents * weight / whole for weight in weights]
-    given = [int(share) for share in exact]
-    order = sorted(range(len(exact)), key=lambda row: (round(given[row] - exact[row], 9), row))
-    for row in order[: cents - sum(given)]:
-        given[row] += 1
-    return [share / 100 for share in given]
+    rounded = [int(share) for share in exact]
+    order = sorted(range(len(exact)), key=lambda row: (round(rounded[row] - exact[row], 9), row))
+    for row in order[: cents - sum(rounded)]:
+        rounded[row] += 1
+    return [share / 100 for share in rounded]
 
 
 def total(points: Sequence[float]) -> float:
@@ -49,5 +49,5 @@ def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
     outcomes : sequence of Outcome
         Outcomes of all its checks.
     """
-    most = shares(points, [outcome.check.weight for outcome in outcomes])
-    return total([share for share, one in zip(most, outcomes, strict=True) if not one.failure])
+    maxima = shares(points, [outcome.check.weight for outcome in outcomes])
+    return total([share for share, one in zip(maxima, outcomes, strict=True) if not one.failure])

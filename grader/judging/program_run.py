@@ -75,7 +75,7 @@ def run_program(
     program: Program,
     selected: Callable[[Check], bool] = every_check,
     explain: bool = False,
-    to_the_end: bool = True,
+    keep_going: bool = True,
 ) -> RunResults:
     """Run the checks of a lesson on one program.
 
@@ -87,7 +87,7 @@ def run_program(
         Takes a check and returns whether to run it.
     explain : bool
         Whether to look for mistakes that explain wrong answers.
-    to_the_end : bool
+    keep_going : bool
         Whether to go on after a failure; if not, all later checks fail without being run.
 
     Raises
@@ -97,7 +97,7 @@ def run_program(
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
-            outcomes = run_checks(setting.lesson, student, setting.seed, selected, to_the_end)
+            outcomes = run_checks(setting.lesson, student, setting.seed, selected, keep_going)
         except JudgeFault as error:
             fault = str(error)
         if explain:

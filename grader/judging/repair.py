@@ -34,19 +34,19 @@ from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
 # Processor seconds for the edits of one exercise, in the judge and in the sandbox.
-SECONDS = 1.0
+CPU_SECONDS = 1.0
 # Seconds of wall-clock time, for code that sleeps a little in each call.
 MOST_SECONDS = 60.0
 # A right answer needs less for the first checks, and an edit may create an endless loop.
 SECONDS_OF_A_CALL = 0.25
 SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # once an edit has hung
 # Processes that may end because of an edit; the time limit usually comes first.
-MOST_THAT_HANG = 100
+MOST_RESTARTS = 100
 # After so many edits that pass the failed checks but not everything, the search stops.
 MOST_JUDGED = 3
-NO_SLIPS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
-LOOK_AFTER = 16  # edits, because reading the processor's clock takes longer than most edits
-LOOK_SOON = 0.1  # seconds, because one edit that hangs takes as long as many others
+UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
+EDITS_PER_LOOK = 16  # edits, because reading the processor's clock takes longer than most edits
+SECONDS_BETWEEN_LOOKS = 0.1  # seconds, because one edit that hangs takes as long as many others
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ class Repair:
     after: str
 
 
-def slips_in(
-    setting: Setting, program: Program, asked: RunResults, followed: dict[str, CarriedForward]
+def find_slips(
+    setting: Setting, program: Program, results: RunResults, carried: dict[str, CarriedForward]
 ) -> dict[str, Repair | Mistake]:
     """Return the proven slip of each exercise that lost points, by the exercise's name.
 
@@ -82,43 +82,43 @@ def slips_in(
     if setting.budget and not setting.budget.begins:
         return found
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
-        mistake = asked.mistakes.get(exercise.name)
+        mistake = results.mistakes.get(exercise.name)
         if mistake and mistake.is_the_task:
             continue
-        better = followed.get(exercise.name)
-        outcomes = better.outcomes if better else asked.outcomes_of(exercise.name)
+        improved = carried.get(exercise.name)
+        outcomes = improved.outcomes if improved else results.outcomes_of(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)
-        if failed and not any(map(_is_no_slip, failed)):
-            its = better.program if better else program
-            lost = frozenset(outcome.check for outcome in failed)
-            if repair := repair_of(setting, its, exercise.name, failed):
+        if failed and not any(map(_is_unrepairable, failed)):
+            judged_program = improved.program if improved else program
+            failed_checks = frozenset(outcome.check for outcome in failed)
+            if repair := find_repair(setting, judged_program, exercise.name, failed):
                 found[exercise.name] = repair
             elif (
                 mistake
-                and not (mistake.is_cheap or better)
-                and explains(setting, program, exercise.name, mistake, lost)
+                and not (mistake.is_cheap or improved)
+                and explains(setting, program, exercise.name, mistake, failed_checks)
             ):
                 found[exercise.name] = mistake
     return found
 
 
-def _is_no_slip(outcome: Outcome) -> bool:
+def _is_unrepairable(outcome: Outcome) -> bool:
     """Return whether a check met an unwritten function, or one that the lesson forbids.
 
     A forbidden import is not a slip: the function would not work without that line.
     """
     failure = outcome.failure
-    return isinstance(failure, StudentError) and failure.type_name in NO_SLIPS
+    return isinstance(failure, StudentError) and failure.type_name in UNREPAIRABLE_ERRORS
 
 
-def _raised_at(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
+def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
     """Return the cells and lines at which the student's code raised, or called code that did."""
     errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
     places = [place for error in errors for place in (error.place, error.calling) if place]
     return frozenset(filter(None, map(cell_and_line, places)))
 
 
-def repair_of(
+def find_repair(
     setting: Setting,
     program: Program,
     exercise: str,
@@ -135,18 +135,18 @@ def repair_of(
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
     """
-    for cell, first, last, text in _passing(setting, program, exercise, failed):
+    for cell, first, last, text in _passing_edits(setting, program, exercise, failed):
         program_with_edit = program.edited(cell, first, last, text)
-        asked = run_program(
-            setting, program_with_edit, lambda check: check.exercise == exercise, to_the_end=False
+        results = run_program(
+            setting, program_with_edit, lambda check: check.exercise == exercise, keep_going=False
         )
-        if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
+        if not results.fault and not any(outcome.failure for outcome in results.outcomes):
             before = program.cells[cell - 1].split("\n")[first - 1 : last]
             return Repair(cell, first, "\n".join(before), text)
     return None
 
 
-def _in_order(
+def _likeliest_first(
     edits: Sequence[tuple[int, int, int, str]], failed: tuple[Outcome, ...]
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
     """Return numbered edits in the order in which to try them.
@@ -154,7 +154,7 @@ def _in_order(
     Edits of lines that raised come first, and edits that supply what was missing: an end if the
     function had to be stopped, a return value if it returned nothing.
     """
-    raised_at = _raised_at(failed)
+    raised_at = _raising_lines(failed)
     hangs = any(_hangs(outcome.failure) for outcome in failed)
     gave_nothing = any(getattr(outcome.failure, "yours", "") == "None" for outcome in failed)
 
@@ -170,7 +170,7 @@ def _in_order(
     return sorted(enumerate(edits), key=is_unlikely)
 
 
-def _as_given(lesson: Lesson, program: Program) -> frozenset[int]:
+def _unchanged_cells(lesson: Lesson, program: Program) -> frozenset[int]:
     """Return the numbers of the cells that are unchanged since the release."""
     given = {cell.source.strip() for cell in cells_as_released(lesson)}
     cells = enumerate(program.cells, start=1)
@@ -228,16 +228,16 @@ class _FailedChecks:
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
         with one_run():  # answers of another edit must not be reused
-            for place, question in enumerate(self):
-                failure = _failure_of(question) if place else None
+            for index, call in enumerate(self):
+                failure = _failure_of(call) if index else None
                 if failure is not None:
-                    return place >= len(self._shown) and _hangs(failure)
+                    return index >= len(self._shown) and _hangs(failure)
         return True
 
 
-def _failure_of(question: Callable[[], object]) -> Exception | None:
+def _failure_of(call: Callable[[], object]) -> Exception | None:
     try:
-        question()
+        call()
     except Exception as error:  # a wrong answer may cause any exception in a check
         return error
     return None
@@ -248,15 +248,15 @@ def _hangs(failure: Exception | None) -> bool:
 
     A check may wrap the original exception in one of its own.
     """
-    told_first = failure and failure.__context__
+    original = failure and failure.__context__
     return any(
         isinstance(one, StudentStopped)
         or (isinstance(one, StudentError) and one.type_name == TOOK_TOO_LONG)
-        for one in (failure, told_first)
+        for one in (failure, original)
     )
 
 
-def _passing(
+def _passing_edits(
     setting: Setting,
     program: Program,
     exercise: str,
@@ -265,7 +265,7 @@ def _passing(
     """Yield the first few edits that pass the checks that the answer failed."""
     limits = setting.limits or Limits()
     seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
-    limits = replace(limits, call_seconds=seconds, restarts=MOST_THAT_HANG)
+    limits = replace(limits, call_seconds=seconds, restarts=MOST_RESTARTS)
     budget = setting.budget or Budget(limits)
     with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
         # A name of its own, because the student's own answer did not hang.
@@ -274,22 +274,22 @@ def _passing(
             student.start()
         except StudentStopped:
             return
-        begin, slept, found, look_at = time.process_time(), 0.0, 0, 0.0
+        begin, slept, found, next_look = time.process_time(), 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
-        questions = _FailedChecks(setting, student, budget, failed)
-        if not questions.first_fails():  # an answer that guesses must not get another try
+        failed_checks = _FailedChecks(setting, student, budget, failed)
+        if not failed_checks.first_fails():  # an answer that guesses must not get another try
             return
-        given = _as_given(setting.lesson, program)
-        edits = [one for one in _in_order(student.edits, failed) if one[1][0] not in given]
+        given = _unchanged_cells(setting.lesson, program)
+        edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]
         for tried, (number, edit) in enumerate(edits):
-            if tried % LOOK_AFTER == 0 or time.monotonic() > look_at:
-                look_at = time.monotonic() + LOOK_SOON
+            if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
+                next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
                 worked = time.process_time() - begin + student.cpu_seconds
-                if max(worked, slept) > SECONDS or time.monotonic() > until:
+                if max(worked, slept) > CPU_SECONDS or time.monotonic() > until:
                     return
-            left = budget.seconds
-            passes = questions.pass_with(number)
-            slept += left - budget.seconds
+            seconds_left = budget.seconds
+            passes = failed_checks.pass_with(number)
+            slept += seconds_left - budget.seconds
             if passes:
                 yield edit
                 found += 1

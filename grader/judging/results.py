@@ -25,8 +25,8 @@ def unjudged_results(lesson: Lesson) -> tuple[ExerciseResult, ...]:
 
 def result_of(
     exercise: Exercise,
-    asked: RunResults,
-    followed: CarriedForward | None,
+    run_results: RunResults,
+    carried: CarriedForward | None,
     proven: Repair | Mistake | None = None,
 ) -> ExerciseResult:
     """Return the result of an exercise.
@@ -34,31 +34,31 @@ def result_of(
     Parameters
     ----------
     exercise : grader.course.lessons.Exercise
-    asked : grader.judging.program_run.RunResults
+    run_results : grader.judging.program_run.RunResults
         The results of running the checks on the notebook.
-    followed : grader.judging.error_carried_forward.CarriedForward or None
+    carried : grader.judging.error_carried_forward.CarriedForward or None
         The result with right helpers, if that is better.
     proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
         The proven slip, if there is one.
     """
-    said, mistake = [], asked.mistakes.get(exercise.name)
-    outcomes = asked.outcomes_of(exercise.name)
-    if followed:
-        said, mistake, outcomes = [followed.sentence], None, followed.outcomes
-    tellable = [shareable(outcome, open_to_all=followed is None) for outcome in outcomes]
-    story = resolve(tellable, mistake=mistake, alone=proven is not None)
+    sentences, mistake = [], run_results.mistakes.get(exercise.name)
+    outcomes = run_results.outcomes_of(exercise.name)
+    if carried:
+        sentences, mistake, outcomes = [carried.sentence], None, carried.outcomes
+    shareable_outcomes = [shareable(outcome, open_to_all=carried is None) for outcome in outcomes]
+    story = resolve(shareable_outcomes, mistake=mistake, alone=proven is not None)
     messages = messages_of(story)
-    most = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
+    maxima = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(
         _result(outcome, points, messages.get(outcome, Message("")))
-        for outcome, points in zip(tellable, most, strict=True)
+        for outcome, points in zip(shareable_outcomes, maxima, strict=True)
     )
-    said += [message_of(story.first, story.mistake).text] if story.first else []
+    sentences += [message_of(story.first, story.mistake).text] if story.first else []
     first = story.first.check.name if story.first and not story.not_started else ""
     score = total([result.score for result in checks])
     slip = _slip(proven, exercise.points, score) if proven else None
     score = total([score, slip.score]) if slip else score
-    cause = "\n".join(said)
+    cause = "\n".join(sentences)
     return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
 
 

@@ -70,14 +70,14 @@ class _Runner:
         student: StudentProxy,
         seed: int,
         selected: Callable[[Check], bool],
-        to_the_end: bool = True,
+        keep_going: bool = True,
     ) -> None:
         self.proxy, self.course_seed, self.selected = student, seed, selected
-        self.continues, self.to_the_end = True, to_the_end
+        self.continues, self.keep_going = True, keep_going
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
-        self.broken = self.interrupted = None
+        self.sandbox_error = self.interrupted = None
         self.complaints: list[str] = []
 
     def run_visible(self, check: Check) -> None:
@@ -101,15 +101,15 @@ class _Runner:
                 f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
                 "than any right one."
             )
-        with _own_time(SECONDS_OF_A_TEST):
+        with _limited_cpu_time(SECONDS_OF_A_TEST):
             yield
 
     def record(self, check: Check, error: Exception | None) -> None:
         """Record how a check ended."""
         self.too_large[check.exercise] += isinstance(error, FarTooMuch)
-        self.continues &= self.to_the_end or error is None
+        self.continues &= self.keep_going or error is None
         if isinstance(error, SandboxUnavailable):
-            self.broken = error
+            self.sandbox_error = error
         if isinstance(error, JudgeTimeout):
             self.proxy.close()  # the conversation may have been interrupted half-way
         self.outcomes[check] = Outcome(check, error)
@@ -215,7 +215,7 @@ def run_checks(
     student: StudentProxy,
     seed: int,
     selected: Callable[[Check], bool] = every_check,
-    to_the_end: bool = True,
+    keep_going: bool = True,
 ) -> list[Outcome]:
     """Run the checks of a lesson.
 
@@ -230,7 +230,7 @@ def run_checks(
         The course's secret.
     selected : callable
         Takes a check and returns whether to run it.
-    to_the_end : bool
+    keep_going : bool
         Whether to go on after a failure; if not, all later checks fail without being run.
 
     Returns
@@ -246,7 +246,7 @@ def run_checks(
     KeyboardInterrupt
         Raised again here, because pytest catches it.
     """
-    return _run(lesson, _Runner(student, seed, selected, to_the_end))
+    return _run(lesson, _Runner(student, seed, selected, keep_going))
 
 
 @functools.cache
@@ -262,8 +262,8 @@ def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
             for check in filter(runner.selected, checks_of(exercise.name)):
                 runner.run_visible(check)
         code = _run_hidden_tests(lesson, runner)
-    if runner.broken:
-        raise runner.broken
+    if runner.sandbox_error:
+        raise runner.sandbox_error
     if runner.interrupted:
         raise KeyboardInterrupt
     missing = [check.name for check, outcome in runner.outcomes.items() if outcome is None]
@@ -299,7 +299,7 @@ def _plain_environment() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _own_time(seconds: float) -> Iterator[None]:
+def _limited_cpu_time(seconds: float) -> Iterator[None]:
     """Raise `JudgeTimeout` once this process has used so many seconds; waiting does not count."""
     if threading.current_thread() is not threading.main_thread():
         yield  # Python can be interrupted only in the main thread

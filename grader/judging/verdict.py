@@ -16,7 +16,7 @@ LONGEST_LINE = 100
 JUDGED, FAILED = "judged", "judge_failed"
 
 
-class Kind(enum.StrEnum):
+class MessageKind(enum.StrEnum):
     """The kind of a check's message. Layout and folding use it, never the words."""
 
     OWN = "own"  # says something of its own; also an empty message
@@ -54,7 +54,7 @@ class CheckResult:
     max_score: float
     message: str
     visible: bool
-    kind: Kind = Kind.OWN
+    kind: MessageKind = MessageKind.OWN
     subject: str = ""
     hint: str = ""
 

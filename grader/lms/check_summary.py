@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.judging.messages import common_text, without_numbers
-from grader.judging.verdict import CheckResult, ExerciseResult, Kind
+from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 
 # Kinds of messages that are grouped, with the words for one check and for several.
 GROUPED_OPENINGS = {
-    Kind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
-    Kind.WAITING: ("cannot be judged before this is right",) * 2,
+    MessageKind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
+    MessageKind.WAITING: ("cannot be judged before this is right",) * 2,
 }
 SAME_FAILURE = ("fails in the same way", "fail in the same way")
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from grader.judging.hidden_tests import hidden, remembered
+from grader.judging.hidden_tests import cached_by_content, hidden
 from solutions import samples
 from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import (
@@ -14,7 +14,7 @@ from utils.checks.lesson_01 import (
 )
 
 
-@remembered
+@cached_by_content
 def distances_by_hand(cloud):
     return np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
 
@@ -101,7 +101,7 @@ def is_good(row):
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
-@remembered
+@cached_by_content
 def kept_by_hand(cloud):
     return np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.judging.hidden_tests import hidden, remembered
+from grader.judging.hidden_tests import cached_by_content, hidden
 from solutions import samples
 from utils.checks.assertions import (
     as_array,
@@ -32,7 +32,7 @@ from utils.checks.lesson_07 import (
 MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives the same answer.
 
 
-@remembered
+@cached_by_content
 def distances_by_hand(cloud):
     return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
 
@@ -218,7 +218,7 @@ def boxes_of(seed, tall):
         yield tuple((middle - half).tolist()), tuple((middle + half).tolist())
 
 
-@remembered
+@cached_by_content
 def gaps_by_hand(cloud, minimum, maximum):
     """Return the smallest distance of each row from a box's faces, and its depth inside, (n, 2)."""
     found = []

@@ -8,7 +8,7 @@ import functools
 
 import numpy as np
 
-from grader.judging.hidden_tests import hidden, remembered
+from grader.judging.hidden_tests import cached_by_content, hidden
 from solutions import samples
 from utils.checks import CheckFailed
 from utils.checks.assertions import frozen, needs
@@ -39,7 +39,7 @@ def axes_by_svd(points):
     return np.linalg.svd(xyz - xyz.mean(axis=0), full_matrices=False)[2].T
 
 
-@remembered
+@cached_by_content
 def smallest_area(points):
     """Return the area of the smallest rectangle around points from above, to half a degree."""
     angles = np.radians(np.arange(0, 90, 0.5))
