@@ -10,7 +10,7 @@ from grader import commands
 from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
 from grader.course.deadlines import DeadlinesError
-from grader.course.extension import of_course
+from grader.course.extension import course_constant
 from grader.course.paths import PROJECT
 from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
@@ -74,7 +74,7 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
     kinds = top.add_subparsers(metavar="COMMAND", required=True)
-    for add in (*COMMANDS, *of_course("COMMANDS")):
+    for add in (*COMMANDS, *course_constant("COMMANDS")):
         add(kinds)
     return top
 

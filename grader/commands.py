@@ -98,7 +98,7 @@ def run_build(options: argparse.Namespace) -> int:
 def run_release(options: argparse.Namespace) -> int:
     """Run ``release [--standalone | --solutions] [STAGE ...]``."""
     from grader.course.release import write_zips
-    from grader.course.standalone import NotReleased, write_standalone
+    from grader.course.standalone import ReleaseError, write_standalone
 
     if not are_stages(options.stages):
         return WRONG_CALL
@@ -108,7 +108,7 @@ def run_release(options: argparse.Namespace) -> int:
         write = write_standalone if options.standalone else write_zips
         for path in write(options.to, options.stages):
             print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
-    except NotReleased as error:
+    except ReleaseError as error:
         print(error, file=sys.stderr)
         return FAULT
     return GOOD
@@ -118,7 +118,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     from grader.classroom.executors import processors
     from grader.course.deadlines import Deadlines, read_deadlines
     from grader.course.lessons import all_lessons
-    from grader.course.solutions import still_open, write_solutions
+    from grader.course.solutions import reason_still_open, write_solutions
     from grader.lms.dates import gradebook_extensions
     from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
@@ -127,7 +127,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     deadlines = read_deadlines(course) or Deadlines({})
     granted = gradebook_extensions(course, wanted, deadlines)
     now = datetime.now(UTC)
-    early = [still_open(deadlines, stage, now, granted[stage]) for stage in wanted]
+    early = [reason_still_open(deadlines, stage, now, granted[stage]) for stage in wanted]
     if any(early):
         print(*filter(None, early), sep="\n", file=sys.stderr)
         if not options.anyway:
@@ -146,7 +146,7 @@ def run_site(options: argparse.Namespace) -> int:
     """Run ``site [--to DIR] [--live]``."""
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons, optional_lessons
-    from grader.course.standalone import NotReleased
+    from grader.course.standalone import ReleaseError
     from grader.site.builder import ready, write_site
     from grader.site.errors import SiteError
     from grader.site.runs import missing_packages, solved_runs
@@ -158,7 +158,7 @@ def run_site(options: argparse.Namespace) -> int:
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
         write_site(options.to, ran, read_origin(), options.live)
-    except (NotReleased, SiteError) as error:
+    except (ReleaseError, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
     for lesson, packages in missing.items():

@@ -70,8 +70,8 @@ def write_solutions(folder):
 def test_released_files_are_complete_or_unchanged(tmp_path, monkeypatch, full_disk, write):
     content = random.Random(1).randbytes(5000)  # random, so that a zip cannot compress it
     monkeypatch.setattr(release, "student_files", lambda stage: {"a": content})
-    monkeypatch.setattr(standalone, "standalone", lambda notebook: content)
-    monkeypatch.setattr(standalone, "refuse_to_give_away", lambda *about: None)
+    monkeypatch.setattr(standalone, "make_standalone", lambda notebook: content)
+    monkeypatch.setattr(standalone, "check_no_leaks", lambda *about: None)
     monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: notebook)
     write(tmp_path / "there")
     before = {path: path.read_bytes() for path in (tmp_path / "there").iterdir()}

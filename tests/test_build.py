@@ -17,7 +17,7 @@ from traitlets.config import Config
 
 from grader.course import build, durations, earlier_lessons
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
-from grader.course.nbgrader_settings import STUB, configure, converter
+from grader.course.nbgrader_settings import STUB, configure, make_converter
 from grader.course.paths import PROJECT
 from utils.checks import checks_of
 
@@ -63,7 +63,7 @@ def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
     )
     for ours, theirs in zip(solved[:first], released[:first], strict=True):
         if earlier_lessons.TAG in ours["metadata"].get("tags", ()):
-            ours["source"] = earlier_lessons.emptied(source_of(ours))
+            ours["source"] = earlier_lessons.without_solution(source_of(ours))
         assert (ours["cell_type"], source_of(ours)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
     exec(source_of(released[first]), namespace)  # defines a stub, which raises only if called
@@ -113,7 +113,7 @@ def test_nbgrader_releases_notebooks_and_nothing_else(tmp_path):
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
-    generate = converter(GenerateAssignment, tmp_path, stage)
+    generate = make_converter(GenerateAssignment, tmp_path, stage)
     generate.no_database = True
     generate.preprocessors = generate.preprocessors[:1]
     generate.start()
@@ -146,7 +146,7 @@ PASTED = """\
 
 def test_functions_of_earlier_lessons_are_filled_in_with_their_dependencies():
     namespace = {}
-    text = earlier_lessons.filled(PASTED)
+    text = earlier_lessons.with_functions(PASTED)
     exec(text, namespace)  # imports included
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
@@ -156,7 +156,7 @@ def test_functions_of_earlier_lessons_are_filled_in_with_their_dependencies():
     assert box.tolist() == right.tolist()
     assert text.count("import numpy as np") == 1 and text.count("### ") == 2
     assert "remove_ego_returns" not in text and "plots" not in text
-    assert earlier_lessons.emptied(text) == "# Paste here.\n"
+    assert earlier_lessons.without_solution(text) == "# Paste here.\n"
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_functions_of_earlier_lessons_are_filled_in_with_their_dependencies():
 )
 def test_a_wrong_name_of_an_earlier_function_raises(line, message):
     with pytest.raises(ValueError, match=message):
-        earlier_lessons.filled(line)
+        earlier_lessons.with_functions(line)
 
 
 def test_students_get_no_function_of_an_earlier_lesson(built):
@@ -292,20 +292,20 @@ def test_minutes_are_computed(toy):
     cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
     assert durations.total_minutes(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
-    assert durations.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
+    assert durations.section_minutes(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
     unread = (
         "# %% [markdown]\n# ![what it shows](a.png) [one](https://ab.cd/ef) <details>x</details>\n"
     )
-    before = durations.sections(cells)["Long"]
+    before = durations.section_minutes(cells)["Long"]
     cells.cells += jupytext.reads(unread, fmt="py:percent").cells
-    assert durations.sections(cells)["Long"] == pytest.approx(before + 1 / 100, abs=1e-6)
+    assert durations.section_minutes(cells)["Long"] == pytest.approx(before + 1 / 100, abs=1e-6)
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
-    assert durations.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
+    assert durations.section_minutes(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
     answer = "for whoever grades " * 100
     report = f'# %% [markdown] nbgrader={{"grade": true}}\n# {answer}\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
-    assert durations.sections(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
+    assert durations.section_minutes(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
 
 
 def test_optional_sections_are_listed_but_not_counted():
@@ -315,17 +315,17 @@ def test_optional_sections_are_listed_but_not_counted():
     )
     text = f"# %% [markdown]\n# (time)\n#\n{long}\n#\n{more}\n\n# %%\nprint(1)\n"
     cells = jupytext.reads(text, fmt="py:percent")
-    assert durations.total_minutes(cells) == 15 and durations.sittings(cells) == [
+    assert durations.total_minutes(cells) == 15 and durations.sitting_minutes(cells) == [
         pytest.approx(15, abs=0.05)
     ]
-    durations.tell(cells)
+    durations.insert_durations(cells)
     assert "about 15 minutes" in cells.cells[0].source
     assert "<td>If you want more</td><td>15 on top</td>" in cells.cells[0].source
 
 
 def test_no_sitting_is_longer_than_ninety_minutes(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    assert max(durations.sittings(notebook)) <= durations.WITHOUT_A_STOP
+    assert max(durations.sitting_minutes(notebook)) <= durations.MOST_MINUTES_WITHOUT_STOP
 
 
 def test_tests_of_this_file_run_in_one_process(request):

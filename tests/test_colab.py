@@ -13,7 +13,7 @@ import pytest
 from grader.course import build
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT
-from grader.course.standalone import standalone
+from grader.course.standalone import make_standalone
 from tests.colab import (
     MARK,
     archive_of,
@@ -254,7 +254,7 @@ def run_without_network(text, folder):
 @only_like_colab
 @pytest.mark.colab
 def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel, tmp_path):
-    notebook = run_without_network(standalone(lesson.solved.read_bytes()), tmp_path)
+    notebook = run_without_network(make_standalone(lesson.solved.read_bytes()), tmp_path)
     assert errors_of(notebook) == []
     assert written(notebook, "stderr") == ""
     assert "Everything this notebook needs is here." in written(notebook, "stdout")
@@ -265,7 +265,7 @@ def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel,
 @only_like_colab
 @pytest.mark.colab
 def test_untouched_standalone_notebook_runs_to_its_end(lesson, colab_kernel, tmp_path):
-    notebook = run_without_network(standalone(lesson.released.read_bytes()), tmp_path)
+    notebook = run_without_network(make_standalone(lesson.released.read_bytes()), tmp_path)
     assert errors_beside_checks(notebook) == []
 
 

@@ -19,7 +19,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.course.nbgrader_settings import converter
+from grader.course.nbgrader_settings import make_converter
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import (
@@ -428,7 +428,7 @@ def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.end_to_end
 def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
-    generate = converter(GenerateFeedback, canvas_course.root, STAGE)
+    generate = make_converter(GenerateFeedback, canvas_course.root, STAGE)
     generate.coursedir.student_id = "bjorn"
     generate.start()
     page = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TWELVE.name}.html").read_text()

@@ -15,7 +15,7 @@ from grader.authoring.trial import broken_claims
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.course.standalone import standalone
+from grader.course.standalone import make_standalone
 from grader.intake import preflight
 from grader.intake.notebook import read_notebook
 from grader.intake.submission import read_submitted_files
@@ -160,7 +160,7 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
 @pytest.mark.slow
 def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
-    for_colab.write_bytes(standalone(lesson.released.read_bytes()))
+    for_colab.write_bytes(make_standalone(lesson.released.read_bytes()))
     # The text shows that they are untouched: no code runs, so no sandbox is needed.
     from_text = [judge(path, 1, None) for path in (lesson.released, for_colab)]
     monkeypatch.setattr(preflight, "_is_as_released", lambda *about: False)

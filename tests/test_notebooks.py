@@ -31,7 +31,7 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
     assert len(pictures) >= 5
     assert all(len(picture) < 400_000 for picture in pictures)
     computed = by_call(json.loads(recorded_answers.stored_bytes(lesson, tmp_path / "answers.json")))
-    stored = by_call(json.loads(recorded_answers.path_of(lesson).read_text("utf-8")))
+    stored = by_call(json.loads(recorded_answers.answers_path(lesson).read_text("utf-8")))
     command = f"Run: python -m grader.course.recorded_answers {lesson.number}"
     assert computed.keys() == stored.keys(), command
     for name, answer in computed.items():

@@ -21,8 +21,8 @@ from traitlets.config import Config
 
 from grader import cli, commands
 from grader.course import release, solutions, standalone
-from grader.course.archives import zipped
-from grader.course.deadlines import Dates, Deadlines
+from grader.course.archives import make_zip
+from grader.course.deadlines import Deadlines, StageDates
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.nbgrader_settings import configure
 from grader.course.paths import PROJECT, Course
@@ -57,8 +57,8 @@ def names_in(path):
 
 def test_a_zip_does_not_depend_on_the_order_of_files():
     files = {"b/two.txt": b"2" * 999, "a.txt": b"1", "b/one.txt": b""}
-    packed = zipped(files)
-    assert packed == zipped(dict(reversed(files.items())))
+    packed = make_zip(files)
+    assert packed == make_zip(dict(reversed(files.items())))
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert archive.testzip() is None
         assert archive.namelist() == ["a.txt", "b/one.txt", "b/two.txt"]
@@ -198,13 +198,13 @@ def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
 
 
 def deadlines(**dates):
-    return Deadlines({STAGE: Dates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
+    return Deadlines({STAGE: StageDates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
 
 
 def test_the_message_lists_the_students_who_may_still_submit():
     late, over = NOW + HOUR, NOW - HOUR
-    assert solutions.still_open(deadlines(due=over), STAGE, NOW, {}) == ""
-    message = solutions.still_open(
+    assert solutions.reason_still_open(deadlines(due=over), STAGE, NOW, {}) == ""
+    message = solutions.reason_still_open(
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
@@ -214,18 +214,22 @@ def test_the_message_lists_the_students_who_may_still_submit():
         "stage3_obstacles is open: for section B until 12 October 2026, 15:00 CEST, "
         "anna until 12 October 2026, 15:00 CEST."
     )
-    assert "for everybody until" in solutions.still_open(deadlines(due=late), STAGE, NOW, {})
-    granted = solutions.still_open(deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over})
+    assert "for everybody until" in solutions.reason_still_open(deadlines(due=late), STAGE, NOW, {})
+    granted = solutions.reason_still_open(
+        deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over}
+    )
     assert granted == "stage3_obstacles is open: for cy until 12 October 2026, 15:00 CEST."
 
 
 def test_a_stage_without_a_due_date_may_be_open():
     late, over = NOW + HOUR, NOW - HOUR
     for dates in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
-        assert "nothing says when it is due" in solutions.still_open(dates, STAGE, NOW, {})
-        assert solutions.still_open(dates, STAGE, NOW, {"": over, "anna": over}) == ""
-        assert "for everybody until" in solutions.still_open(dates, STAGE, NOW, {"": late})
-        assert "for anna until" in solutions.still_open(dates, STAGE, NOW, {"": over, "anna": late})
+        assert "nothing says when it is due" in solutions.reason_still_open(dates, STAGE, NOW, {})
+        assert solutions.reason_still_open(dates, STAGE, NOW, {"": over, "anna": over}) == ""
+        assert "for everybody until" in solutions.reason_still_open(dates, STAGE, NOW, {"": late})
+        assert "for anna until" in solutions.reason_still_open(
+            dates, STAGE, NOW, {"": over, "anna": late}
+        )
 
 
 @pytest.fixture
@@ -334,7 +338,7 @@ def test_a_solution_is_run_once_and_shows_its_output(tmp_path, monkeypatch):
 
 def test_a_solution_that_fails_is_reported(tmp_path, monkeypatch):
     lesson = tiny_lesson(tmp_path, monkeypatch, "1 / 0")
-    with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
+    with pytest.raises(standalone.ReleaseError, match=r"(?s)tiny: .*ZeroDivisionError"):
         solutions.executed_notebook(lesson, tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
@@ -351,7 +355,7 @@ def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error,
         raise error
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
-    with pytest.raises(standalone.NotReleased, match=says):
+    with pytest.raises(standalone.ReleaseError, match=says):
         solutions.executed_notebook(tiny_lesson(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 

@@ -93,8 +93,8 @@ def test_an_invalid_roster_is_reported_with_line_and_remedy(course, written, say
 
 def test_two_ids_may_differ_only_in_case(course):
     roster = read(course, "id\nyan\nYan\n")
-    assert roster.person("Yan").id == roster.owner("Yan").id == "Yan"
-    assert roster.owner("YAN") is None and len(roster.like("YAN")) == 2
+    assert roster.person("Yan").id == roster.owner_of("Yan").id == "Yan"
+    assert roster.owner_of("YAN") is None and len(roster.find_people("YAN")) == 2
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_two_ids_may_differ_only_in_case(course):
     ],
 )
 def test_people_are_found_by_id_name_email_or_login(course, text, ids):
-    assert [person.id for person in read(course, CLASS).like(text)] == ids
+    assert [person.id for person in read(course, CLASS).find_people(text)] == ids
 
 
 @pytest.mark.parametrize(
@@ -139,9 +139,9 @@ def test_people_are_found_by_id_name_email_or_login(course, text, ids):
     ],
 )
 def test_only_an_id_identifies_the_owner_of_a_folder(course, folder, id):
-    owner = read(course, CLASS).owner(folder)
+    owner = read(course, CLASS).owner_of(folder)
     assert (owner and owner.id) == id
 
 
 def test_an_empty_roster_matches_no_person():
-    assert Roster(()).like("") == () and Roster(()).person("a") is None
+    assert Roster(()).find_people("") == () and Roster(()).person("a") is None

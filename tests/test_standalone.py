@@ -130,7 +130,7 @@ def test_a_damaged_setup_cell_is_reported(tmp_path):
 
 
 def test_a_standalone_submission_is_judged_like_any_other(sandbox):
-    notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
+    notebook = json.loads(standalone.make_standalone(LESSON.released.read_bytes()))
     answers = {
         name: next(answer.source for answer in answers_to(name) if answer.right)
         for name in ("filter_ground", "voxel_grid")
@@ -161,7 +161,7 @@ def test_judged_code_is_always_shown_to_the_instructor(hidden):
     """Only an exact copy of the course's tools is left out of the instructor's copy."""
     setup = standalone.setup_cell(LESSON.name)
     source = hidden(setup) + "\ndef filter_ground(cloud): return 'code that nobody sees'"
-    notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
+    notebook = json.loads(standalone.make_standalone(LESSON.released.read_bytes()))
     cell = {"cell_type": "code", "metadata": {}, "source": source, "outputs": []}
     notebook["cells"].append(cell | {"execution_count": None})
     prepared = prepare(SubmittedFiles("my work.ipynb", json.dumps(notebook).encode()), LESSON)
@@ -173,7 +173,7 @@ def test_judged_code_is_always_shown_to_the_instructor(hidden):
 def test_functions_of_a_neighbouring_standalone_notebook_load(tmp_path):
     here = tmp_path / "downloads"
     here.mkdir()
-    notebook = standalone.standalone(LESSON.solved.read_bytes())
+    notebook = standalone.make_standalone(LESSON.solved.read_bytes())
     (here / "06_filter_ground.ipynb").write_bytes(notebook)
     program = standalone.setup_cell(LESSON.name) + (
         "\nfrom utils import load_my_functions"

@@ -23,8 +23,8 @@ import distributed
 
 from grader.classroom import worker_plugin
 from grader.classroom.protocol import DEFAULT_CAPACITY, ExecutorLost
-from grader.course.archives import zipped
-from grader.course.portable_files import files_to_judge_with
+from grader.course.archives import make_zip
+from grader.course.portable_files import files_for_judging
 from grader.judging.key import versions
 
 LONGEST_WAIT = 15 * 60
@@ -99,7 +99,7 @@ def _client(address: str) -> distributed.Client:
 
 def packed_course() -> bytes:
     """Return the files that judging reads as a zip file; the same files give the same bytes."""
-    return zipped(files_to_judge_with())
+    return make_zip(files_for_judging())
 
 
 class Cluster(Executor):

@@ -210,7 +210,7 @@ def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
         by_stage.setdefault(submission.lesson.stage, set()).add(submission.student)
     for stage, students in sorted(by_stage.items()):
         absent = [person.id for person in roster.people if person.id not in students]
-        excused = [id for id in absent if deadlines.excused(id, stage)]
+        excused = [id for id in absent if deadlines.is_excused(id, stage)]
         missing = [id for id in absent if id not in excused]
         texts = [f"{len(roster.people) - len(absent)} of {len(roster.people)} handed in"]
         texts += [f"missing: {', '.join(missing)}"] if missing else []
@@ -233,11 +233,11 @@ def _deadlines(course: Course) -> Finding:
         parts += [
             f"section {name} {_local_time(deadlines, due)}" for name, due in dates.sections.items()
         ]
-        parts += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
+        parts += [f"{len(deadlines.extensions(stage))} later"] * bool(deadlines.extensions(stage))
         parts += [f"{len(dates.excused)} excused"] * bool(dates.excused)
         texts.append(f"{stage} {', '.join(parts)}")
     return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")
 
 
 def _local_time(deadlines: Deadlines, due: datetime) -> str:
-    return f"{deadlines.local(due):%Y-%m-%d %H:%M %Z}"
+    return f"{deadlines.to_local_time(due):%Y-%m-%d %H:%M %Z}"

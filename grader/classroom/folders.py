@@ -29,9 +29,9 @@ def find_student(course: Course, text: str) -> str:
     UnknownStudent
     """
     roster = read_roster(course)
-    people = roster.like(text) if roster else ()
+    people = roster.find_people(text) if roster else ()
     if len(people) > 1:
-        names = " or ".join(person.called for person in people)
+        names = " or ".join(person.display_name for person in people)
         raise UnknownStudent(f"{text!r} may be {names}: name the id.")
     if people:
         return people[0].id
@@ -50,7 +50,7 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     return {
         folder: _question(course, roster, folder)
         for folder in _folders(course)
-        if roster.owner(folder) is None
+        if roster.owner_of(folder) is None
     }
 
 
@@ -58,10 +58,13 @@ def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     """Return a sentence on each folder whose name is a student's id in another spelling."""
     folders = _folders(course)
     for folder in folders:
-        owner = roster.owner(folder)
+        owner = roster.owner_of(folder)
         if owner and owner.id != folder:
             addition = " beside what lies in the folder of that name" if owner.id in folders else ""
-            yield f"{folder!r} in {course.submitted.name}/ is taken for {owner.called}{addition}."
+            yield (
+                f"{folder!r} in {course.submitted.name}/ is taken for "
+                f"{owner.display_name}{addition}."
+            )
 
 
 def _folders(course: Course) -> list[str]:
@@ -73,14 +76,14 @@ def _folders(course: Course) -> list[str]:
 def _question(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
     beginning = f"{folder!r} is not on the roster, so that its marks are not entered."
-    people = roster.like(folder)
+    people = roster.find_people(folder)
     if not people:
         return f"{beginning} Either {add}, or rename the folder to the id of whoever it is."
     if len(people) > 1:
-        names = " or ".join(person.called for person in people)
+        names = " or ".join(person.display_name for person in people)
         return f"{beginning} It may be of {names}: rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, people[0]))
-    return f"{beginning} If it is of {people[0].called}: {commands}; else {add}."
+    return f"{beginning} If it is of {people[0].display_name}: {commands}; else {add}."
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:

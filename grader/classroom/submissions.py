@@ -135,7 +135,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
         if stages and stage not in stages:
             continue
         for folder in course.submitted.glob(f"*/{stage}"):
-            owner = roster.owner(folder.parent.name) if roster else None
+            owner = roster.owner_of(folder.parent.name) if roster else None
             student = owner.id if owner else folder.parent.name
             for path in _files_below(folder):
                 lesson = _lesson_of_file(path)

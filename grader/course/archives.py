@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time in a zip
 
 
-def zipped(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
+def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
     """Return the bytes of a zip with these files.
 
     Parameters

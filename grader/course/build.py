@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
-CELLS = PROJECT / "utils" / "lent" / "cells.json"
+CELL_KEYS = PROJECT / "utils" / "lent" / "cells.json"
 # A stripped line this short, or of this kind, does not reveal a solution.
 LEAK_LENGTH = 12
 # Metadata that folds code in JupyterLab, as a form in Colab, and in Kaggle.
@@ -39,7 +39,7 @@ HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-inpu
 # Address and revision become part of links and of a command, so unusual characters are refused.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
-NEXT = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
+NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
@@ -68,7 +68,7 @@ def build() -> list[tuple[str, Path]]:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(text)
             done.append(("wrote", path))
-    for path in _strays():
+    for path in _stray_notebooks():
         path.unlink()
         done.append(("removed", path))
     return done
@@ -92,7 +92,7 @@ def check() -> list[str]:
     ]
     faults += [
         f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
-        for path in _strays()
+        for path in _stray_notebooks()
     ]
     for lesson in every_lesson():
         others = [built[other.released] for other in every_lesson() if other != lesson]
@@ -109,11 +109,11 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     """Return the bytes of every generated file by path; `origin` defaults to pyproject.toml's."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
-    released = _released(solved)
-    return {**solved, **released, FORBIDDEN: _forbidden(), CELLS: _cells(released)}
+    released = _released_notebooks(solved)
+    return {**solved, **released, FORBIDDEN: _forbidden_modules(), CELL_KEYS: _cell_keys(released)}
 
 
-def _forbidden() -> bytes:
+def _forbidden_modules() -> bytes:
     """Return what each lesson's header forbids, for `check`, which cannot read the headers."""
     rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (
@@ -121,7 +121,7 @@ def _forbidden() -> bytes:
     ).encode()
 
 
-def _cells(released: dict[Path, bytes]) -> bytes:
+def _cell_keys(released: dict[Path, bytes]) -> bytes:
     """Return fingerprints of the code cells that students get, by lesson."""
     from utils.lent.rerun import key_of_cell
 
@@ -148,19 +148,19 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     seen = {}
-    durations.tell(notebook)
+    durations.insert_durations(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier_lessons.filled(cell.source)
+            cell.source = earlier_lessons.with_functions(cell.source)
         if cell.cell_type == "markdown":
-            cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
+            cell.source = NEXT_LINE.sub(functools.partial(_next_lesson_link, lesson), cell.source)
             _attach_pictures(cell, lesson.folder)
         else:
-            _show_as_meant(cell)
+            _fold_tagged_cell(cell)
         cell.id = _stable_id(cell, seen)
-    _let_run_all_go_on(notebook)
+    _allow_errors_after_answers(notebook)
     return notebook
 
 
@@ -259,11 +259,11 @@ def read_origin() -> Origin:
     return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
 
 
-def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
+def _released_notebooks(solved: dict[Path, bytes]) -> dict[Path, bytes]:
     """Return the student notebooks, which nbgrader makes in a temporary folder."""
     from nbgrader.converters import GenerateAssignment
 
-    from grader.course.nbgrader_settings import converter
+    from grader.course.nbgrader_settings import make_converter
 
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder).resolve()
@@ -272,7 +272,7 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(text)
         for stage in dict.fromkeys(lesson.stage for lesson in every_lesson()):
-            generate = converter(GenerateAssignment, root, stage)
+            generate = make_converter(GenerateAssignment, root, stage)
             generate.no_database = True
             generate.preprocessors = [
                 step for step in generate.preprocessors if not step.endswith(".SaveCells")
@@ -287,7 +287,7 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
         }
 
 
-def _strays() -> list[Path]:
+def _stray_notebooks() -> list[Path]:
     known = {path for lesson in every_lesson() for path in (lesson.solved, lesson.released)}
     found = [*(PROJECT / "solutions").glob("*/*.ipynb"), *(PROJECT / "notebooks").glob("*/*.ipynb")]
     return sorted(set(found) - known)
@@ -319,7 +319,7 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
     )
 
 
-def _linked(lesson: Lesson, found: re.Match) -> str:
+def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
     """Return the line that names the next lesson, with a link to it."""
     lessons = {lesson.number: lesson for lesson in every_lesson()}
     following = lessons.get(found["number"])
@@ -329,27 +329,27 @@ def _linked(lesson: Lesson, found: re.Match) -> str:
     return f"**Next:** [{found['title']}]({folder}{following.name}.ipynb)"
 
 
-def _show_as_meant(cell: NotebookNode) -> None:
+def _fold_tagged_cell(cell: NotebookNode) -> None:
     """Fold a code cell with the tag `folded`."""
     if "folded" in cell.metadata.get("tags", ()):
         cell.metadata.update(HIDDEN)
 
 
-def _let_run_all_go_on(notebook: NotebookNode) -> None:
+def _allow_errors_after_answers(notebook: NotebookNode) -> None:
     """Let Run All go on after an answer that raises, so that the check can explain it."""
-    tried = None  # the cells since the last answer
+    cells_since_answer = None  # the cells since the last answer
     for cell in notebook.cells:
         if cell.cell_type != "code":
             continue
         if cell.metadata.get("nbgrader", {}).get("solution"):
-            tried = []
-        elif tried is not None:
-            tried.append(cell)
+            cells_since_answer = []
+        elif cells_since_answer is not None:
+            cells_since_answer.append(cell)
             if cell.source.startswith("check("):
-                for one in tried:
+                for one in cells_since_answer:
                     tags = {*one.metadata.get("tags", ()), "raises-exception"}
                     one.metadata["tags"] = sorted(tags)
-                tried = None
+                cells_since_answer = None
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:

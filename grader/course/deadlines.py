@@ -34,7 +34,7 @@ class DeadlinesError(Exception):
 
 
 @dataclass(frozen=True)
-class Dates:
+class StageDates:
     """When one stage is due.
 
     Attributes
@@ -67,34 +67,34 @@ class Deadlines:
         Zone of times that do not state one; None for this machine's.
     """
 
-    stages: dict[str, Dates]
+    stages: dict[str, StageDates]
     roster: Roster | None = None
     zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
         """Return when a stage is due for a student, in UTC, or None without a date."""
-        dates = self.stages.get(stage, Dates())
+        dates = self.stages.get(stage, StageDates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
 
-    def local(self, time: datetime) -> datetime:
+    def to_local_time(self, time: datetime) -> datetime:
         """Return a time in the zone of the course."""
         return time.astimezone(self.zone)
 
-    def excused(self, id: str, stage: str) -> bool:
+    def is_excused(self, id: str, stage: str) -> bool:
         """Return whether a student is excused from a stage."""
-        return id in self.stages.get(stage, Dates()).excused
+        return id in self.stages.get(stage, StageDates()).excused
 
-    def extended(self, stage: str) -> dict[str, datetime]:
+    def extensions(self, stage: str) -> dict[str, datetime]:
         """Return the students with a later date than their section or the stage, with the date."""
-        dates = self.stages.get(stage, Dates())
+        dates = self.stages.get(stage, StageDates())
         return {
             id: due
             for id, due in dates.students.items()
             if due > self._due_without_extension(id, dates)
         }
 
-    def _due_without_extension(self, id: str, dates: Dates) -> datetime | None:
+    def _due_without_extension(self, id: str, dates: StageDates) -> datetime | None:
         person = self.roster.person(id) if self.roster else None
         return dates.sections.get(person.section, dates.due) if person else dates.due
 
@@ -132,12 +132,14 @@ def read_deadlines(course: Course) -> Deadlines | None:
             f'between quotation marks, such as "mary jane"; dates stand without.'
         ) from error
     zone = _zone(path.name, table.pop("timezone", None))
-    _expect(path.name, table, lessons.stages(), "stage")
+    _check_keys(path.name, table, lessons.stages(), "stage")
     roster = read_roster(course)
-    read = {stage: _dates(f"{path.name}, [{stage}", value, zone) for stage, value in table.items()}
-    for stage, dates in read.items():
+    all_dates = {
+        stage: _dates(f"{path.name}, [{stage}", value, zone) for stage, value in table.items()
+    }
+    for stage, dates in all_dates.items():
         _check_names(f"{path.name}, [{stage}", dates, roster)
-    return Deadlines(read, roster, zone)
+    return Deadlines(all_dates, roster, zone)
 
 
 def _zone(file: str, name: object) -> tzinfo | None:
@@ -152,11 +154,11 @@ def _zone(file: str, name: object) -> tzinfo | None:
         ) from error
 
 
-def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
+def _dates(where: str, table: object, zone: tzinfo | None) -> StageDates:
     """Return the dates of a stage; `where` is the beginning of its heading."""
     if not isinstance(table, dict):
         raise DeadlinesError(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
-    _expect(f"{where}]", table, ("due", "sections", "students"), "entry")
+    _check_keys(f"{where}]", table, ("due", "sections", "students"), "entry")
     groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
     for kind, group in groups.items():
         if not isinstance(group, dict):
@@ -166,7 +168,7 @@ def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
             )
     excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
     due = table.get("due")
-    read = Dates(
+    read = StageDates(
         None if due is None else _date(f"{where}], due", due, zone),
         {
             name: _date(f"{where}.sections], {name}", value, zone)
@@ -206,7 +208,7 @@ def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = Fal
         ) from error
 
 
-def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:
+def _check_keys(where: str, table: dict, known: Iterable[str], what: str) -> None:
     for name in table:
         if name not in known:
             raise DeadlinesError(
@@ -214,7 +216,7 @@ def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:
             )
 
 
-def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
+def _check_names(where: str, dates: StageDates, roster: Roster | None) -> None:
     """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
@@ -232,8 +234,12 @@ def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
             )
     for id in (*dates.students, *dates.excused):
         if roster.person(id) is None:
-            meant = " or ".join(person.id for person in roster.like(id))
+            suggestions = " or ".join(person.id for person in roster.find_people(id))
             raise DeadlinesError(
                 f"{where}.students], {id}: nobody on the roster has this id. "
-                + (f"Write {meant}." if meant else "Correct it, or add a line to roster.csv.")
+                + (
+                    f"Write {suggestions}."
+                    if suggestions
+                    else "Correct it, or add a line to roster.csv."
+                )
             )

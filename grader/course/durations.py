@@ -16,20 +16,20 @@ from grader.course import earlier_lessons
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-PLACE = "(time)"
+TIME_MARK = "(time)"
 WORDS_A_MINUTE = 100
 LINES_A_MINUTE = 8  # of code that students read
 MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that students write
 MINUTES_A_NOTEBOOK = 0.5  # to find the functions of an earlier notebook and paste them
 MINUTES_A_REPORT = 15  # to write an answer that a person grades
-WITHOUT_A_STOP = 90  # minutes
+MOST_MINUTES_WITHOUT_STOP = 90  # minutes
 # Folded hints, descriptions of pictures and addresses of links are not read.
 UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
-STOP = "**A good place to stop.**"
+STOP_MARK = "**A good place to stop.**"
 OPTIONAL = "If you want more"
 
 
-def sections(notebook: NotebookNode) -> dict[str, float]:
+def section_minutes(notebook: NotebookNode) -> dict[str, float]:
     """Return the minutes of each section of a solved notebook, by the section's title.
 
     Returns
@@ -61,11 +61,11 @@ def _minutes_of_code(cell: NotebookNode) -> float:
     lines = sum(1 for line in text.splitlines() if line.strip())
     own = re.search(r"# roughly (\d+) lines?", text)
     writing = MINUTES_AN_EXERCISE + MINUTES_A_LINE * int(own[1]) if own else 0
-    pasting = MINUTES_A_NOTEBOOK * len(earlier_lessons.LINE.findall(cell.source))
+    pasting = MINUTES_A_NOTEBOOK * len(earlier_lessons.REFERENCE.findall(cell.source))
     return lines / LINES_A_MINUTE + writing + pasting
 
 
-def tell(notebook: NotebookNode) -> None:
+def insert_durations(notebook: NotebookNode) -> None:
     """Insert the minutes of a lesson at their mark, with a list of its sections to unfold.
 
     Parameters
@@ -73,14 +73,14 @@ def tell(notebook: NotebookNode) -> None:
     notebook : nbformat.NotebookNode
         Changed in place.
     """
-    in_short, by_section = f"about {total_minutes(notebook)} minutes", _table(notebook)
+    total, by_section = f"about {total_minutes(notebook)} minutes", _table(notebook)
     for cell in notebook.cells:
-        if cell.cell_type == "markdown" and PLACE in cell.source:
-            cell.source = f"{cell.source.replace(PLACE, in_short)}\n\n{by_section}"
+        if cell.cell_type == "markdown" and TIME_MARK in cell.source:
+            cell.source = f"{cell.source.replace(TIME_MARK, total)}\n\n{by_section}"
 
 
 def _table(notebook: NotebookNode) -> str:
-    minutes = sections(notebook)
+    minutes = section_minutes(notebook)
     rows = "".join(
         f"<tr><td>{title}</td><td>{round(part)}{' on top' * (title == OPTIONAL)}</td></tr>"
         for title, part in minutes.items()
@@ -91,20 +91,20 @@ def _table(notebook: NotebookNode) -> str:
 
 def total_minutes(notebook: NotebookNode) -> int:
     """Return the minutes of a lesson without optional sections, to five minutes."""
-    return 5 * round(_asked_for(sections(notebook)) / 5)
+    return 5 * round(_required_minutes(section_minutes(notebook)) / 5)
 
 
-def _asked_for(minutes: dict[str, float]) -> float:
+def _required_minutes(minutes: dict[str, float]) -> float:
     return sum(part for title, part in minutes.items() if title != OPTIONAL)
 
 
-def sittings(notebook: NotebookNode) -> list[float]:
+def sitting_minutes(notebook: NotebookNode) -> list[float]:
     """Return the minutes between the marked places to stop of a solved notebook."""
     from nbformat.v4 import new_notebook
 
     parts: list[list] = [[]]
     for cell in notebook.cells:
         parts[-1].append(cell)
-        if cell.cell_type == "markdown" and STOP in cell.source:
+        if cell.cell_type == "markdown" and STOP_MARK in cell.source:
             parts.append([])
-    return [_asked_for(sections(new_notebook(cells=cells))) for cells in parts]
+    return [_required_minutes(section_minutes(new_notebook(cells=cells))) for cells in parts]

@@ -20,12 +20,12 @@ from grader.course.paths import PROJECT
 from utils.notebooks import pasting
 
 TAG = "earlier"
-LINE = re.compile(r"^# from (\d\d_\w+): (\w+(?:, \w+)*)$", re.M)
+REFERENCE = re.compile(r"^# from (\d\d_\w+): (\w+(?:, \w+)*)$", re.M)
 MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
-REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
+SOLUTION_REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
 
 
-def filled(text: str) -> str:
+def with_functions(text: str) -> str:
     """Replace references to functions of earlier lessons by the code of these functions.
 
     Parameters
@@ -39,7 +39,8 @@ def filled(text: str) -> str:
         If there is no such lesson, or the lesson does not define such a function.
     """
     parts: dict[str, list[str]] = {
-        found[0]: statements_of(found[1], found[2].split(", ")) for found in LINE.finditer(text)
+        found[0]: statements_of(found[1], found[2].split(", "))
+        for found in REFERENCE.finditer(text)
     }
     imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
     copied: set[str] = set()
@@ -47,15 +48,15 @@ def filled(text: str) -> str:
         # Code that two lessons share is copied once.
         definitions = [part for part in code if not pasting.is_import(part) and part not in copied]
         copied.update(definitions)
-        above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
+        header = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
         imports = []  # placed before the functions of the first lesson
-        text = text.replace(line, f"{above}{line}\n" + "\n\n\n".join(definitions) + "\n\n")
+        text = text.replace(line, f"{header}{line}\n" + "\n\n\n".join(definitions) + "\n\n")
     return text
 
 
-def emptied(text: str) -> str:
+def without_solution(text: str) -> str:
     """Return the cell in the form that students get."""
-    return REGION.sub("", text)
+    return SOLUTION_REGION.sub("", text)
 
 
 def statements_of(lesson: str, names: list[str]) -> list[str]:

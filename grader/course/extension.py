@@ -6,7 +6,7 @@ from collections.abc import Collection
 from grader.course.paths import PROJECT
 
 
-def of_course(name: str) -> Collection:
+def course_constant(name: str) -> Collection:
     """Return a constant of the course's own module, or an empty tuple.
 
     Parameters

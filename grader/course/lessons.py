@@ -67,7 +67,7 @@ class Lesson:
     @property
     def text(self) -> str:
         """The source, with references to functions of earlier lessons replaced by their code."""
-        return earlier_lessons.filled(self.source.read_text("utf-8"))
+        return earlier_lessons.with_functions(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:

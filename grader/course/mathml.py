@@ -16,7 +16,7 @@ from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-LONGEST = 2_000  # characters; a longer text is not converted
+LONGEST_FORMULA = 2_000  # characters; a longer text is not converted
 _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
@@ -30,7 +30,7 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
 # Commands that latex2mathml does not know under the names of MathJax and the lessons.
-SAME_AS = {"aligned": "split", "gathered": "matrix"}
+ENVIRONMENT_ALIASES = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""
 """For a page with formulas: what the standard leaves to style sheets."""
@@ -60,21 +60,23 @@ def formula(latex: str, display: bool) -> str:
     display : bool
         Whether the formula is on a line of its own.
     """
-    if len(latex) <= LONGEST:
-        known = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _same_as, latex)
+    if len(latex) <= LONGEST_FORMULA:
+        translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _known_environment, latex)
         try:
-            drawn = ElementTree.fromstring(convert(known, display="block" if display else "inline"))
+            element = ElementTree.fromstring(
+                convert(translated, display="block" if display else "inline")
+            )
         except Exception:  # latex2mathml raises many kinds, including RecursionError
-            drawn = None
-        if drawn is not None and _is_mathematics(drawn):
+            element = None
+        if element is not None and _is_mathematics(element):
             ElementTree.register_namespace("", NAMESPACE)
-            return ElementTree.tostring(drawn, encoding="unicode")
+            return ElementTree.tostring(element, encoding="unicode")
     mark = "$$" if display else "$"
     return f"<code>{escape(f'{mark}{latex}{mark}')}</code>"
 
 
-def _same_as(environment: re.Match) -> str:
-    return SAME_AS.get(environment[0], environment[0])
+def _known_environment(environment: re.Match) -> str:
+    return ENVIRONMENT_ALIASES.get(environment[0], environment[0])
 
 
 def _is_mathematics(drawn: ElementTree.Element) -> bool:

@@ -107,7 +107,9 @@ def course_settings(root: Path) -> Config:
     return settings
 
 
-def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:
+def make_converter(
+    kind: type[BaseConverter], root: Path, stage: str, **settings: dict
+) -> BaseConverter:
     """Return one of nbgrader's converters for a stage of a course.
 
     Parameters
@@ -127,8 +129,8 @@ def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dic
     config[kind.__name__].force = True
     for name, traits in settings.items():
         config[name].update(traits)
-    made = kind(coursedir=CourseDirectory(config=config), config=config)
-    made.coursedir.assignment_id = stage
-    made.log = logging.getLogger("grader.nbgrader")
-    made.log.setLevel(logging.CRITICAL)
-    return made
+    instance = kind(coursedir=CourseDirectory(config=config), config=config)
+    instance.coursedir.assignment_id = stage
+    instance.log = logging.getLogger("grader.nbgrader")
+    instance.log.setLevel(logging.CRITICAL)
+    return instance

@@ -5,10 +5,10 @@ from pathlib import Path
 from grader.course.paths import PROJECT
 
 FOLDERS = ("grader", "utils", "solutions", "notebooks", "data")
-OF_A_LESSON = ("lesson.py", "hidden_tests.py")
+LESSON_FILES = ("lesson.py", "hidden_tests.py")
 
 
-def files_to_judge_with() -> dict[str, bytes]:
+def files_for_judging() -> dict[str, bytes]:
     """Content by name, in order."""
     found = {}
     for folder in FOLDERS:
@@ -23,4 +23,4 @@ def _is_read(name: Path) -> bool:
     if "__pycache__" in name.parts or any(part.startswith(".") for part in name.parts):
         return False
     folder, *below = name.parts
-    return folder != "solutions" or len(below) < 3 or below[2] in OF_A_LESSON
+    return folder != "solutions" or len(below) < 3 or below[2] in LESSON_FILES

@@ -34,8 +34,8 @@ def main(numbers: Sequence[str]) -> None:
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
         with Image.open(path) as drawn:
-            few = drawn.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        few.save(path, optimize=True)
+            reduced = drawn.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        reduced.save(path, optimize=True)
         print(f"drew {path.name}")
 
 

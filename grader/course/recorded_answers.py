@@ -18,11 +18,11 @@ from grader.course.paths import PROJECT
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-STORED = PROJECT / "utils" / "lent"
+ANSWERS_FOLDER = PROJECT / "utils" / "lent"
 LARGEST = 45_000  # bytes
 
 
-class NotStorable(Exception):
+class UnstorableAnswers(Exception):
     """The answers of a lesson cannot be stored; `str()` is the sentence to show."""
 
 
@@ -32,11 +32,11 @@ def record(lesson: Lesson) -> bytes:
     Returns
     -------
     bytes
-        New content of the file `path_of`.
+        New content of the file `answers_path`.
 
     Raises
     ------
-    NotStorable
+    UnstorableAnswers
         If a cell fails, an answer cannot be stored, or the file would be too large.
     """
     import nbclient
@@ -56,7 +56,7 @@ def record(lesson: Lesson) -> bytes:
         try:
             client.execute()
         except nbclient.exceptions.CellExecutionError as error:
-            raise NotStorable(f"{lesson.name}: {str(error)[-2000:]}") from None
+            raise UnstorableAnswers(f"{lesson.name}: {str(error)[-2000:]}") from None
         return stored_bytes(lesson, path)
 
 
@@ -97,12 +97,12 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
 
     Raises
     ------
-    NotStorable
+    UnstorableAnswers
         As in `record`.
     """
     recorded = json.loads(path.read_text("utf-8"))
     if faults := recorded.pop("faults"):
-        raise NotStorable(f"{lesson.name}: {faults[0]}")
+        raise UnstorableAnswers(f"{lesson.name}: {faults[0]}")
     text = json.dumps(recorded, indent=0, sort_keys=True, separators=(",", ":")) + "\n"
     if len(text) > LARGEST:
         sizes = {
@@ -110,16 +110,16 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for functions in recorded.values()
             for name, answers in functions.items()
         }
-        raise NotStorable(
+        raise UnstorableAnswers(
             f"{lesson.name}: {len(text):,} bytes, and {LARGEST:,} may be stored. Name a function "
             f"of the notebook that sums them up in the header, `lent: [...]`. Bytes now: {sizes}"
         )
     return text.encode()
 
 
-def path_of(lesson: Lesson) -> Path:
+def answers_path(lesson: Lesson) -> Path:
     """Return the file of a lesson's stored answers."""
-    return STORED / f"lesson_{lesson.number}.json"
+    return ANSWERS_FOLDER / f"lesson_{lesson.number}.json"
 
 
 def main(numbers: Sequence[str]) -> None:
@@ -128,12 +128,12 @@ def main(numbers: Sequence[str]) -> None:
         if numbers and lesson.number not in numbers:
             continue
         content = record(lesson)
-        path_of(lesson).write_bytes(content)
-        print(f"{path_of(lesson).relative_to(PROJECT)}: {len(content):,} bytes")
+        answers_path(lesson).write_bytes(content)
+        print(f"{answers_path(lesson).relative_to(PROJECT)}: {len(content):,} bytes")
 
 
 if __name__ == "__main__":
     try:
         main(sys.argv[1:])
-    except NotStorable as fault:
+    except UnstorableAnswers as fault:
         sys.exit(str(fault))

@@ -6,13 +6,13 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from grader.course.archives import zipped
+from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT
-from grader.course.standalone import refuse_to_give_away
+from grader.course.standalone import check_no_leaks
 
-FOLDER = "lidar_obstacle_lab"
+TOP_FOLDER = "lidar_obstacle_lab"
 """In every zip, so that those of several stages become one course."""
 README = PROJECT / "solutions" / "student_readme.md"
 TOOLS = {
@@ -34,12 +34,12 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
 
     Raises
     ------
-    grader.course.standalone.NotReleased
+    grader.course.standalone.ReleaseError
         If a notebook would give a solution away.
     """
     for stage in wanted or stages():
         path = folder / f"{stage}.zip"
-        write_atomically(zipped(student_files(stage)), path)
+        write_atomically(make_zip(student_files(stage)), path)
         yield path
 
 
@@ -56,8 +56,8 @@ def student_files(stage: str) -> dict[str, bytes]:
         if lesson.stage == stage:
             name = lesson.released.relative_to(PROJECT).as_posix()
             found[name] = lesson.released.read_bytes()
-            refuse_to_give_away(lesson, found[name])
-    return {f"{FOLDER}/{name}": content for name, content in found.items()}
+            check_no_leaks(lesson, found[name])
+    return {f"{TOP_FOLDER}/{name}": content for name, content in found.items()}
 
 
 def course_tools() -> dict[str, bytes]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from grader.course.paths import Course
 
 MOST_CHARACTERS = 128  # the longest text in nbgrader's gradebook
-OTHER_NAMES = {"lms_user_id": "lms_id"}  # what `nbgrader db student import` calls it
+COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # what `nbgrader db student import` calls it
 SEPARATORS = ",;\t"
 
 
@@ -51,7 +51,7 @@ class Person:
         return f"{self.first_name} {self.last_name}".strip() or self.id
 
     @property
-    def called(self) -> str:
+    def display_name(self) -> str:
         """The id, and the name if there is one, for use in sentences."""
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
@@ -70,17 +70,17 @@ class Roster:
         """Return the student with exactly this id, or None."""
         return self._by_id.get(id)
 
-    def owner(self, folder: str) -> Person | None:
+    def owner_of(self, folder: str) -> Person | None:
         """Return the student whose id is the name of a folder.
 
         Case, blanks and the form of Unicode are ignored. Other names and numbers are not
         considered, because one student's number in the learning platform may be another student's
-        id; see `like`.
+        id; see `find_people`.
         """
         same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
-    def like(self, text: str) -> tuple[Person, ...]:
+    def find_people(self, text: str) -> tuple[Person, ...]:
         """Return the students that a folder, login, number, e-mail or name may mean.
 
         Parameters
@@ -171,8 +171,8 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
                 f"{file}, line {line}: {len(cells)} values for {len(columns)} columns. Put a value "
                 f"that holds a separator between quotation marks."
             )
-        about = dict(zip(columns, cells, strict=False))
-        person = Person(**{name: about.get(name, "") for name in COLUMNS})
+        values = dict(zip(columns, cells, strict=False))
+        person = Person(**{name: values.get(name, "") for name in COLUMNS})
         _check(person, f"{file}, line {line}")
         for name in UNIQUE:
             value = getattr(person, name)
@@ -187,7 +187,7 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
 
 def _column(cell: str) -> str:
     name = "_".join(cell.casefold().replace("-", " ").replace("_", " ").split())
-    return OTHER_NAMES.get(name, name)
+    return COLUMN_ALIASES.get(name, name)
 
 
 def _check(person: Person, where: str) -> None:

@@ -42,15 +42,15 @@ def course_seed(course: Course, given: int | None = None) -> int:
         with contextlib.suppress(FileExistsError):
             os.link(draft, course.seed_file)
         os.unlink(draft)
-    kept = int(course.seed_file.read_text("utf-8"))
-    return _long_enough(kept, f"Remove {course.seed_file.name}")
+    stored = int(course.seed_file.read_text("utf-8"))
+    return _long_enough(stored, f"Remove {course.seed_file.name}")
 
 
-def _long_enough(seed: int, leave_it_to_us: str) -> int:
+def _long_enough(seed: int, remedy: str) -> int:
     if seed < SHORTEST:
         better = secrets.randbits(127) | SHORTEST
         raise ShortSeed(
             f"A seed like {seed} can be found by trying, and with it every hidden question. "
-            f"{leave_it_to_us}, and one is drawn; or take this one: {better}"
+            f"{remedy}, and one is drawn; or take this one: {better}"
         )
     return seed

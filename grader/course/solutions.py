@@ -13,14 +13,14 @@ import nbclient
 import nbformat
 from nbformat import NotebookNode
 
-from grader.course.archives import zipped
+from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
-from grader.course.deadlines import Dates, Deadlines
+from grader.course.deadlines import Deadlines, StageDates
 from grader.course.lessons import Lesson
 from grader.course.mathml import STYLE, MathPage
 from grader.course.paths import PROJECT
-from grader.course.release import FOLDER, course_tools
-from grader.course.standalone import NotReleased
+from grader.course.release import TOP_FOLDER, course_tools
+from grader.course.standalone import ReleaseError
 
 TEMPLATES = Path(__file__).parent / "templates"
 LONGEST_CELL = 300  # seconds, on a machine with other work
@@ -28,8 +28,8 @@ MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
-def still_open(
-    deadlines: Deadlines, stage: str, now: datetime, granted: Mapping[str, datetime]
+def reason_still_open(
+    deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
     """Return a sentence on why a stage may still be submitted; empty if it may not.
 
@@ -39,21 +39,21 @@ def still_open(
     stage : str
     now : datetime.datetime
         With a time zone.
-    granted : mapping of str to datetime.datetime
+    extensions : mapping of str to datetime.datetime
         Further due dates, by student; the key `""` is for the whole class.
     """
-    dates = deadlines.stages.get(stage, Dates())
+    dates = deadlines.stages.get(stage, StageDates())
     groups = {f"section {name}": due for name, due in dates.sections.items()}
-    everybody = {"": dates.due} if dates.due else {}
-    names = {**granted, **everybody, **groups, **dates.students}
+    whole_class = {"": dates.due} if dates.due else {}
+    names = {**extensions, **whole_class, **groups, **dates.students}
     if "" not in names:
         return f"{stage} may be open: nothing says when it is due. deadlines.toml can."
-    late = [
-        f"{name or 'everybody'} until {deadlines.local(due):%d %B %Y, %H:%M %Z}"
+    open_groups = [
+        f"{name or 'everybody'} until {deadlines.to_local_time(due):%d %B %Y, %H:%M %Z}"
         for name, due in names.items()
         if due > now
     ]
-    return f"{stage} is open: for {', '.join(late)}." if late else ""
+    return f"{stage} is open: for {', '.join(open_groups)}." if open_groups else ""
 
 
 def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator[Path]:
@@ -75,19 +75,19 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
         files = {}
         for lesson, notebook in solutions.items():
             if lesson.stage == stage:
-                name = f"{FOLDER}/solutions/{stage}/{lesson.name}"
+                name = f"{TOP_FOLDER}/solutions/{stage}/{lesson.name}"
                 files[f"{name}.ipynb"] = notebook
                 files[f"{name}.html"] = as_page(notebook, lesson)
         path = folder / f"{stage}_solutions.zip"
-        write_atomically(zipped(files), path)
+        write_atomically(make_zip(files), path)
         yield path
 
 
-def all_executed(
+def run_all(
     lessons: Iterable[Lesson],
     workers: int,
     progress: Callable[[int, int, object], None],
-    show: Callable[[Lesson], bytes],
+    run: Callable[[Lesson], bytes],
 ) -> dict[Lesson, bytes]:
     """Return several executed notebooks.
 
@@ -98,42 +98,42 @@ def all_executed(
         Number of notebooks that run at a time.
     progress : callable
         Called with (done, total, lesson) after each notebook.
-    show : callable
+    run : callable
         Runs the notebook of a lesson.
     """
-    lessons, ran = tuple(lessons), {}
+    lessons, notebooks = tuple(lessons), {}
     progress(0, len(lessons), "")
     with ThreadPoolExecutor(workers) as pool:
-        running = {pool.submit(show, lesson): lesson for lesson in lessons}
+        running = {pool.submit(run, lesson): lesson for lesson in lessons}
         try:
             for future in as_completed(running):
-                ran[running[future]] = future.result()
-                progress(len(ran), len(lessons), running[future].name)
+                notebooks[running[future]] = future.result()
+                progress(len(notebooks), len(lessons), running[future].name)
         finally:
             pool.shutdown(cancel_futures=True)
-    return {lesson: ran[lesson] for lesson in lessons}
+    return {lesson: notebooks[lesson] for lesson in lessons}
 
 
-def executed_notebook(lesson: Lesson, kept: Path, before: str) -> bytes:
+def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> bytes:
     """Return the executed solved notebook of a lesson; run it only if something has changed.
 
     Parameters
     ----------
     lesson : Lesson
-    kept : pathlib.Path
+    cache_folder : pathlib.Path
         Folder of executed notebooks.
-    before : str
+    extra_code : str
         Code that runs after the setup cell and is not part of the result.
 
     Raises
     ------
-    NotReleased
+    ReleaseError
         If a cell fails.
     """
-    path = kept / f"{lesson.name}-{_fingerprint(lesson, before)}.ipynb"
+    path = cache_folder / f"{lesson.name}-{_fingerprint(lesson, extra_code)}.ipynb"
     if not path.is_file():
-        text = _run(lesson, before)
-        for old in kept.glob(f"{lesson.name}-*"):
+        text = _run(lesson, extra_code)
+        for old in cache_folder.glob(f"{lesson.name}-*"):
             old.unlink()
         write_atomically(text, path)
     return path.read_bytes()
@@ -148,21 +148,21 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
     return page.encode()
 
 
-def _fingerprint(lesson: Lesson, before: str) -> str:
+def _fingerprint(lesson: Lesson, extra_code: str) -> str:
     """Return the fingerprint of everything that a run depends on."""
-    digest = hashlib.sha256(lesson.solved.read_bytes() + before.encode())
+    digest = hashlib.sha256(lesson.solved.read_bytes() + extra_code.encode())
     for name, content in sorted(course_tools().items()):
         digest.update(name.encode() + b"\0" + content + b"\0")
     digest.update((PROJECT / "constraints.txt").read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _run(lesson: Lesson, before: str) -> bytes:
+def _run(lesson: Lesson, extra_code: str) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.source = MARKS.sub("", cell.source).rstrip("\n")
-    extra = nbformat.v4.new_code_cell(before)
+    extra = nbformat.v4.new_code_cell(extra_code)
     tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
     setup = next(number for number, names in enumerate(tags) if "setup" in names)
     notebook.cells.insert(setup + 1, extra)
@@ -178,26 +178,26 @@ def _run(lesson: Lesson, before: str) -> bytes:
     try:
         client.execute()
     except nbclient.exceptions.CellExecutionError as error:
-        raise NotReleased(
+        raise ReleaseError(
             f"{lesson.name}: its solution does not run to its end, so nothing was written. "
             f"{str(error)[-1000:]}"
         ) from None
     except nbclient.exceptions.CellTimeoutError:
-        raise NotReleased(
+        raise ReleaseError(
             f"{lesson.name}: a cell of its solution took more than {LONGEST_CELL} seconds, so "
             "nothing was written. Is the machine busy? The same command tries again."
         ) from None
     except nbclient.exceptions.DeadKernelError:
-        raise NotReleased(
+        raise ReleaseError(
             f"{lesson.name}: Python ended while its solution ran, so nothing was written. Is "
             "there memory left? The same command tries again."
         ) from None
     notebook.cells.remove(extra)
-    _settle(notebook)
+    _remove_volatile_data(notebook)
     return (nbformat.writes(notebook) + "\n").encode()
 
 
-def _settle(notebook: NotebookNode) -> None:
+def _remove_volatile_data(notebook: NotebookNode) -> None:
     """Remove data that differ from run to run and carry no information."""
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)  # contains times of day

@@ -15,14 +15,14 @@ from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
 from grader.course.build import COMMON_CELLS, HIDDEN, leaks
-from grader.course.extension import of_course
+from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
 # The first line of the setup cell, which identifies the cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
-ABOUT = (
+BADGE_TEXT = (
     "*This notebook needs no other file. Upload it to Colab or Kaggle, or open it in VS Code or "
     "JupyterLab, wherever NumPy, SciPy and matplotlib are.*"
 )
@@ -30,7 +30,7 @@ OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 450_000  # bytes
 
 
-class NotReleased(Exception):
+class ReleaseError(Exception):
     """Something must not be released; `str()` is the sentence to show."""
 
 
@@ -46,34 +46,34 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 
     Raises
     ------
-    NotReleased
+    ReleaseError
         If a notebook would be too large, or would give a solution away.
     """
     written = []
     for lesson in all_lessons():
         if stages and lesson.stage not in stages:
             continue
-        text = standalone(lesson.released.read_bytes())
-        refuse_to_give_away(lesson, text)
+        text = make_standalone(lesson.released.read_bytes())
+        check_no_leaks(lesson, text)
         if len(text) > LARGEST:
-            raise NotReleased(f"{lesson.name} has {len(text)} bytes. Nothing was written for it.")
+            raise ReleaseError(f"{lesson.name} has {len(text)} bytes. Nothing was written for it.")
         path = folder / f"{lesson.name}.ipynb"
         write_atomically(text, path)
         written.append(path)
     return written
 
 
-def refuse_to_give_away(lesson: Lesson, notebook: bytes) -> None:
-    """Raise `NotReleased` if a line of the solution is in a student's notebook."""
+def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
+    """Raise `ReleaseError` if a line of the solution is in a student's notebook."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
     given_away = leaks(lesson.solved.read_bytes(), notebook, others)
     if given_away:
-        raise NotReleased(
+        raise ReleaseError(
             f"{lesson.name} gives away {given_away[0]!r}. Nothing was written for it."
         )
 
 
-def standalone(notebook: bytes) -> bytes:
+def make_standalone(notebook: bytes) -> bytes:
     """Return a notebook with the tools of the course in its setup cell.
 
     Parameters
@@ -87,18 +87,18 @@ def standalone(notebook: bytes) -> bytes:
         Always the same bytes for the same course.
     """
     content = json.loads(notebook)
-    about = content["metadata"]["lidar_obstacle_lab"]
+    course_metadata = content["metadata"]["lidar_obstacle_lab"]
     for cell in content["cells"]:
         tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
         if "setup" in tags:
-            cell["source"] = setup_cell(about["lesson"]).splitlines(keepends=True)
+            cell["source"] = setup_cell(course_metadata["lesson"]).splitlines(keepends=True)
             cell["metadata"] |= HIDDEN
         elif "badge" in tags:
-            cell["source"] = [ABOUT]
+            cell["source"] = [BADGE_TEXT]
         elif cell["cell_type"] == "markdown":
             # Standalone notebooks are all in one folder.
             cell["source"] = [OTHER_STAGE.sub("](", line) for line in cell["source"]]
-    about["standalone"] = True
+    course_metadata["standalone"] = True
     return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
 
 
@@ -120,13 +120,17 @@ def packed_tools(lesson: str) -> bytes:
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     mine = next(one for one in every_lesson() if one.name == lesson)
     text = mine.released.read_text("utf-8")
-    left_out = [folder for folder, sign in of_course("OPTIONAL_PACKAGES") if sign not in text]
+    left_out = [folder for folder, sign in course_constant("OPTIONAL_PACKAGES") if sign not in text]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
             name = path.relative_to(PROJECT)
-            of_others = others & {name.stem, *name.parts}
-            if path.suffix not in (".py", ".html", ".json") or of_others or not path.is_file():
+            is_of_other_lesson = others & {name.stem, *name.parts}
+            if (
+                path.suffix not in (".py", ".html", ".json")
+                or is_of_other_lesson
+                or not path.is_file()
+            ):
                 continue
             if any(name.is_relative_to(folder) for folder in left_out):
                 continue

@@ -9,7 +9,7 @@ from nbgrader.exchange.default import ExchangeReleaseAssignment
 
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons
-from grader.course.standalone import standalone
+from grader.course.standalone import make_standalone
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):
@@ -23,7 +23,7 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
         super().do_copy(src, dest, log)
         for path in sorted(Path(dest).rglob("*.ipynb")):
             if _is_lesson(path):
-                write_atomically(standalone(path.read_bytes()), path)
+                write_atomically(make_standalone(path.read_bytes()), path)
 
 
 def _is_lesson(path: Path) -> bool:

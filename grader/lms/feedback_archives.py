@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.classroom.collect.record import read_record
 from grader.classroom.submissions import find_submissions
-from grader.course.archives import zipped
+from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.roster import read_roster
@@ -63,7 +63,7 @@ def build_moodle_archive(
             continue
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
-            named = roster is None or person in roster.like(name) or name.endswith(number)
+            named = roster is None or person in roster.find_people(name) or name.endswith(number)
             if owner in teams or not named:
                 skipped.append(f"{person.id}: {_TEAM.format(name)}")
                 continue
@@ -201,7 +201,7 @@ def write_feedback(
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
-        write_atomically(zipped(returned.files), archive)
+        write_atomically(make_zip(returned.files), archive)
     return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left))
 
 
@@ -247,5 +247,7 @@ def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
 def _feedback_file(feedback: Feedback, lesson: LessonFeedback, file: str) -> bytes | None:
     """Build the feedback for one submitted file, in a format that matches the file's suffix."""
     if file.lower().endswith(".zip"):
-        return zipped({f"{feedback.result.stage}_feedback.html": feedback_page(feedback).encode()})
+        return make_zip(
+            {f"{feedback.result.stage}_feedback.html": feedback_page(feedback).encode()}
+        )
     return feedback_notebook(feedback, lesson) if file.lower().endswith(".ipynb") else None

@@ -38,7 +38,7 @@ class ClearEarlier(NbGraderPreprocessor):
     ) -> tuple[NotebookNode, dict]:
         """Empty the cell if it has the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier_lessons.emptied(cell.source)
+            cell.source = earlier_lessons.without_solution(cell.source)
         return cell, resources
 
 

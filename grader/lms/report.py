@@ -28,7 +28,7 @@ from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import read_deadlines
-from grader.course.extension import of_course
+from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
@@ -208,7 +208,7 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"which answers of {stage} are alike"))
-    for more in of_course("REPORT_LINKS"):
+    for more in course_constant("REPORT_LINKS"):
         links += more(course)
     for path in sorted(course.root.glob("scores*.csv")):
         links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))

@@ -48,7 +48,7 @@ def class_results(course: Course) -> ClassResults:
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
-            excused = deadlines.excused(person.id, stage)
+            excused = deadlines.is_excused(person.id, stage)
             results = []
             for lesson in (candidate for candidate in lessons if candidate.stage == stage):
                 pair = (person.id, lesson.name)

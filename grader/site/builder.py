@@ -14,7 +14,7 @@ from pathlib import Path
 
 from grader.course.build import Origin
 from grader.course.lessons import Lesson, every_lesson
-from grader.course.standalone import refuse_to_give_away, standalone
+from grader.course.standalone import check_no_leaks, make_standalone
 from grader.site import front_page, glossary, guides, mathjax, sections, site_checks
 from grader.site.errors import SiteError
 from grader.site.lesson import links_of, page_of
@@ -118,8 +118,8 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
         links, name = links_of(lesson, origin, live), f"{lesson.stage}/{lesson.name}.ipynb"
         solved = ran.get(lesson) or lesson.solved.read_bytes()
         sources[name] = page_of(lesson, solved, links, pictures)
-        notebook = standalone(lesson.released.read_bytes())
-        refuse_to_give_away(lesson, notebook)
+        notebook = make_standalone(lesson.released.read_bytes())
+        check_no_leaks(lesson, notebook)
         sources[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
     sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from grader.course.lessons import Lesson, every_lesson
-from grader.course.standalone import standalone
+from grader.course.standalone import make_standalone
 from grader.site.errors import SiteError
 
 FOLDER = "live"
@@ -36,7 +36,7 @@ def address_of(lesson: Lesson) -> str:
 
 def notebook_of(lesson: Lesson) -> bytes:
     """Build the standalone notebook of a lesson for a kernel in the browser."""
-    content = json.loads(standalone(lesson.released.read_bytes()))
+    content = json.loads(make_standalone(lesson.released.read_bytes()))
     setup = next(
         number
         for number, cell in enumerate(content["cells"])

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
-from grader.course.solutions import all_executed, executed_notebook
+from grader.course.solutions import executed_notebook, run_all
 
 CACHE = PROJECT / ".site"
 """Cache of the executed notebooks."""
@@ -24,7 +24,7 @@ def solved_runs(
 ) -> dict[Lesson, bytes]:
     """Run solved notebooks and record what their pages show; see `grader.course.solutions`."""
     show = functools.partial(executed_notebook, kept=CACHE, before=recorder_code())
-    return all_executed(lessons, workers, progress, show)
+    return run_all(lessons, workers, progress, show)
 
 
 def missing_packages(lesson: Lesson) -> list[str]:

@@ -91,7 +91,7 @@ def _excused(
     return [
         person.id
         for person in roster.people
-        if all(deadlines.excused(person.id, stage) for stage in stages)
+        if all(deadlines.is_excused(person.id, stage) for stage in stages)
     ]
 
 

@@ -157,7 +157,7 @@ class Owners:
         suggestions = ""
         if self._roster and self._roster.person(id) is None:
             reason = "nobody on the roster has the id"
-            suggestions = " or ".join(person.id for person in self._roster.like(id))
+            suggestions = " or ".join(person.id for person in self._roster.find_people(id))
         elif self._roster is None and safe_folder(id) != id:
             reason, suggestions = "no folder can be called", safe_folder(id)
         else:
@@ -179,7 +179,7 @@ class Owners:
         for name in owner.names:
             found = found or tuple(
                 person
-                for person in self._roster.like(name)
+                for person in self._roster.find_people(name)
                 if not has_other_lms_id(person, owner.lms_id)
             )
         return found
@@ -192,7 +192,7 @@ class Owners:
 
     def _people_of(self, row: SubmissionRow) -> tuple[Person, ...]:
         for text in row.identifying:
-            found = self._roster.like(text)
+            found = self._roster.find_people(text)
             if found:
                 return found
         return ()
@@ -215,7 +215,7 @@ class Owners:
             )
         where = ""
         if owner.lms_id and (
-            others := [one for name in owner.names for one in self._roster.like(name)]
+            others := [one for name in owner.names for one in self._roster.find_people(name)]
         ):
             number = " or ".join(f"{one.lms_id} of {one.id}" for one in others)
             return (

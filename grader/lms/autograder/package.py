@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from grader.course.archives import zipped
+from grader.course.archives import make_zip
 from grader.course.paths import PROJECT
-from grader.course.portable_files import files_to_judge_with
+from grader.course.portable_files import files_for_judging
 from grader.course.release import required_for
 
 HERE = Path(__file__).parent
@@ -25,14 +25,14 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
         Secret seed of the course.
     """
     needed = required_for("What a notebook needs") + required_for("Grading")
-    return zipped(
+    return make_zip(
         {
             **{name: (HERE / name).read_bytes() for name in PROGRAMS},
             "assignment": f"{assignment}\n".encode(),
             "requirements.txt": f"-c constraints.txt\n\n{needed}".encode(),
             "constraints.txt": (PROJECT / "constraints.txt").read_bytes(),
             "course/.course_seed": f"{seed}\n".encode(),
-            **{f"course/{name}": content for name, content in files_to_judge_with().items()},
+            **{f"course/{name}": content for name, content in files_for_judging().items()},
         },
         PROGRAMS,
     )

@@ -136,7 +136,7 @@ def _notes(
     yield list_sentence("Counted as 0, because nothing was handed in", _by_lesson(zeros))
     yield list_sentence("Nothing taken off, as whether they were late is undecided", undecided)
     for standing, people in without.items():
-        yield list_sentence(UNMARKED_TITLES[standing], (person.called for person in people))
+        yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
 
 
 def list_sentence(title: str, names: Iterable[str]) -> str:

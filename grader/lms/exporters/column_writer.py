@@ -87,12 +87,12 @@ def fill_column(
             else refusal(places[place].row, points)
         )
         if reason:
-            lost.append(f"{mark.person.called}, {format_points(points)} points: {reason}.")
+            lost.append(f"{mark.person.display_name}, {format_points(points)} points: {reason}.")
         else:
             row, cell = places[place].row, format_points(points, column.decimal_mark)
             rows[place] = _with_cell(row, column, cell)
             if not _is_unchanged(row[column.place], points):
-                replaced.append(f"{mark.person.called} {row[column.place].strip()} by {cell}")
+                replaced.append(f"{mark.person.display_name} {row[column.place].strip()} by {cell}")
     placed = len(rows)
     unexcused = []
     for person in marks.without[EXCUSED] if column.excused else ():
@@ -101,14 +101,14 @@ def fill_column(
             continue
         row = places[place].row
         if reason := refusal(row, 0.0):
-            unexcused.append(f"{person.called}: {reason}")
+            unexcused.append(f"{person.display_name}: {reason}")
             continue
         rows[place] = _with_cell(row, column, column.excused)
         old = row[column.place].strip()
         if old not in ("", column.excused):
-            replaced.append(f"{person.called} {old} by {column.excused}")
+            replaced.append(f"{person.display_name} {old} by {column.excused}")
     absent = {
-        person.id: person.called
+        person.id: person.display_name
         for people in marks.without.values()
         for person in people
         if person.id not in joined.rows

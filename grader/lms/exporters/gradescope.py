@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader.classroom.submissions import ReplacedSubmission, Submission, find_submissions
-from grader.course.archives import zipped
+from grader.course.archives import make_zip
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
 from grader.lms.exporters.assignment_marks import Mark, collect_marks
@@ -54,13 +54,13 @@ def gradescope(order: ExportOptions) -> ExportResult:
                 raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
             entries[email] = _entry(order, mark, submitted.get(mark.person.id, ()))
         except _NoEntry as error:
-            lost.append(f"{mark.person.called}, {format_points(mark.points)} points: {error}")
+            lost.append(f"{mark.person.display_name}, {format_points(mark.points)} points: {error}")
     files = {
         "setup.sh": SETUP,
         "run_autograder": Path(inside_gradescope.__file__).read_text("utf-8"),
         "marks.json": json.dumps(entries, indent=1, sort_keys=True),
     }
-    content = zipped({name: text.encode() for name, text in files.items()}, EXECUTABLES)
+    content = make_zip({name: text.encode() for name, text in files.items()}, EXECUTABLES)
     return ExportResult(content, len(entries), tuple(lost), marks.notes)
 
 

@@ -97,7 +97,7 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
                 doubts.setdefault(person.id, reason)
     strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
-        f"{rows[matched[person.id]].label} for {person.called}"
+        f"{rows[matched[person.id]].label} for {person.display_name}"
         for person in people
         if person.id in matched and not _name_may_match(rows[matched[person.id]].name, person)
     )
@@ -126,21 +126,21 @@ def _passes(
         }
     yield lambda place: {
         person.id
-        for person in roster.like(rows[place].name)
+        for person in roster.find_people(rows[place].name)
         if not has_other_lms_id(person, rows[place].lms_id)
     }
 
 
 def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
     """Yield the students with the name in a row but a different number."""
-    for person in Roster(tuple(people)).like(row.name):
+    for person in Roster(tuple(people)).find_people(row.name):
         if has_other_lms_id(person, row.lms_id):
             yield person
 
 
 def _name_may_match(name: str, person: Person) -> bool:
     """Return whether a name may belong to a person; a person without a stored name matches any."""
-    return not name or person.name == person.id or bool(Roster((person,)).like(name))
+    return not name or person.name == person.id or bool(Roster((person,)).find_people(name))
 
 
 def _or(words: Iterable[str]) -> str:

@@ -59,8 +59,8 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
 
 
 def test_it_takes_two_sittings():
-    sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
-    assert len(sittings) == 2 and max(sittings) <= durations.WITHOUT_A_STOP
+    sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
+    assert len(sittings) == 2 and max(sittings) <= durations.MOST_MINUTES_WITHOUT_STOP
 
 
 def test_expected_outputs_are_right(plain):

@@ -26,7 +26,7 @@ def test_the_first_exercise_comes_within_five_minutes():
     notebook = nbformat.read(find_lesson("01_point_clouds").solved, as_version=4)
     first = next(i for i, cell in enumerate(notebook.cells) if cell.source.startswith("mine = "))
     before = nbformat.v4.new_notebook(cells=notebook.cells[:first])
-    assert sum(durations.sections(before).values()) < 5
+    assert sum(durations.section_minutes(before).values()) < 5
 
 
 def test_tiny_cases(solved):

@@ -485,7 +485,7 @@ def test_stored_answers_are_listed_and_sittings_are_marked():
 
 def test_the_lesson_takes_four_sittings():
     """The times are those at the head of the lesson, and reports take most of the last sitting."""
-    sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
+    sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 4 and max(sittings) < 60
     assert sum(sittings[:3]) < 140 and sittings[3] > 2 * durations.MINUTES_A_REPORT
 
