@@ -18,8 +18,8 @@ from grader.lms.exporters import EXPORTERS
 from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
-FULL = (errno.ENOSPC, errno.EDQUOT)
-DENIED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EEXIST, errno.ENOTDIR)
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+ACCESS_DENIED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EEXIST, errno.ENOTDIR)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit status: 0 for success, 1 if the command found a fault, 2 for a wrong call.
     """
-    options = parser().parse_args(arguments)
+    options = build_parser().parse_args(arguments)
     try:
         return options.run(options)
     except (
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         GradebookUnavailable,
     ) as error:
         print(error, file=sys.stderr)
-        return commands.WRONG_CALL
+        return commands.USAGE_ERROR
     except KeyboardInterrupt:
         print(
             "\nStopped. What has been judged is kept: the same command goes on from here.",
@@ -54,13 +54,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 130
     except OSError as error:
-        if error.errno not in (*FULL, *DENIED):
+        if error.errno not in (*DISK_FULL, *ACCESS_DENIED):
             raise
         where = error.filename or error
         print(
             f"The disk is full ({where}). What has been judged is kept: make room, and give the "
             "same command again."
-            if error.errno in FULL
+            if error.errno in DISK_FULL
             else f"{where}: {error.strerror}. Make it yours to read and write, a folder where one "
             "is needed, and give the same command again.",
             file=sys.stderr,
@@ -68,19 +68,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return commands.FAULT
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    top = argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
-    kinds = top.add_subparsers(metavar="COMMAND", required=True)
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (*COMMANDS, *course_constant("COMMANDS")):
-        add(kinds)
-    return top
+        add(subparsers)
+    return parser
 
 
-def _new(kinds: argparse._SubParsersAction) -> None:
-    new = kinds.add_parser(
+def _add_new(subparsers: argparse._SubParsersAction) -> None:
+    new = subparsers.add_parser(
         "new",
         help="write the skeleton of a lesson of your own, which builds and can be judged",
     )
@@ -93,8 +93,8 @@ def _new(kinds: argparse._SubParsersAction) -> None:
     new.set_defaults(run=commands.run_new)
 
 
-def _try(kinds: argparse._SubParsersAction) -> None:
-    attempt = kinds.add_parser(
+def _add_try(subparsers: argparse._SubParsersAction) -> None:
+    attempt = subparsers.add_parser(
         "try",
         help="build the course, judge all that is kept with one lesson, and say what is missing",
     )
@@ -103,8 +103,8 @@ def _try(kinds: argparse._SubParsersAction) -> None:
     attempt.set_defaults(run=commands.run_try)
 
 
-def _build(kinds: argparse._SubParsersAction) -> None:
-    build = kinds.add_parser("build", help="write every notebook from its source")
+def _add_build(subparsers: argparse._SubParsersAction) -> None:
+    build = subparsers.add_parser("build", help="write every notebook from its source")
     build.add_argument(
         "--check",
         action="store_true",
@@ -113,8 +113,8 @@ def _build(kinds: argparse._SubParsersAction) -> None:
     build.set_defaults(run=commands.run_build)
 
 
-def _release(kinds: argparse._SubParsersAction) -> None:
-    release = kinds.add_parser(
+def _add_release(subparsers: argparse._SubParsersAction) -> None:
+    release = subparsers.add_parser(
         "release", help="write what students get: a zip for each stage that runs when unzipped"
     )
     release.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
@@ -142,8 +142,10 @@ def _release(kinds: argparse._SubParsersAction) -> None:
     release.set_defaults(run=commands.run_release)
 
 
-def _site(kinds: argparse._SubParsersAction) -> None:
-    site = kinds.add_parser("site", help="write the course as pages, with search, for a web server")
+def _add_site(subparsers: argparse._SubParsersAction) -> None:
+    site = subparsers.add_parser(
+        "site", help="write the course as pages, with search, for a web server"
+    )
     site.add_argument(
         "--to",
         type=Path,
@@ -156,12 +158,12 @@ def _site(kinds: argparse._SubParsersAction) -> None:
         action="store_true",
         help="with pages on which lessons run in the browser, which fetches a kernel from jsDelivr",
     )
-    add_workers(site)
+    add_workers_option(site)
     site.set_defaults(run=commands.run_site)
 
 
-def _collect(kinds: argparse._SubParsersAction) -> None:
-    collect = kinds.add_parser("collect", help="put what a class handed in into submitted/")
+def _add_collect(subparsers: argparse._SubParsersAction) -> None:
+    collect = subparsers.add_parser("collect", help="put what a class handed in into submitted/")
     collect.add_argument(
         "archives",
         nargs="+",
@@ -187,7 +189,7 @@ def _collect(kinds: argparse._SubParsersAction) -> None:
         "--who",
         action="append",
         default=[],
-        type=_answer,
+        type=_parse_answer,
         metavar="NAME=ID[,ID...]",
         help="whose that is; more than one of a team",
     )
@@ -195,14 +197,14 @@ def _collect(kinds: argparse._SubParsersAction) -> None:
         "--lesson",
         action="append",
         default=[],
-        type=_answer,
+        type=_parse_answer,
         metavar="FILE=NN",
         help="which lesson a file is",
     )
     collect.set_defaults(run=commands.run_collect)
 
 
-def _answer(text: str) -> tuple[str, str]:
+def _parse_answer(text: str) -> tuple[str, str]:
     """Return the two sides of NAME=ID; a name may contain the equals sign."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
@@ -210,16 +212,16 @@ def _answer(text: str) -> tuple[str, str]:
     return name, answer
 
 
-def _judge(kinds: argparse._SubParsersAction) -> None:
-    judge = kinds.add_parser("judge", help="judge one notebook")
+def _add_judge(subparsers: argparse._SubParsersAction) -> None:
+    judge = subparsers.add_parser("judge", help="judge one notebook")
     judge.add_argument("notebook", type=Path, metavar="NOTEBOOK.ipynb")
     judge.add_argument("--json", action="store_true", help="print the verdict as one JSON object")
     add_judging_options(judge)
     judge.set_defaults(run=commands.run_judge)
 
 
-def _grade(kinds: argparse._SubParsersAction) -> None:
-    grade = kinds.add_parser("grade", help="grade the class in submitted/")
+def _add_grade(subparsers: argparse._SubParsersAction) -> None:
+    grade = subparsers.add_parser("grade", help="grade the class in submitted/")
     grade.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     grade.add_argument(
         "--student",
@@ -228,17 +230,19 @@ def _grade(kinds: argparse._SubParsersAction) -> None:
         "came to be what they are",
     )
     add_judging_options(grade)
-    add_places(grade)
+    add_executor_options(grade)
     grade.set_defaults(run=commands.run_grade, workers=None)
 
 
-def _report(kinds: argparse._SubParsersAction) -> None:
-    report = kinds.add_parser("report", help="write the report on what has been graded")
+def _add_report(subparsers: argparse._SubParsersAction) -> None:
+    report = subparsers.add_parser("report", help="write the report on what has been graded")
     report.set_defaults(run=commands.run_report)
 
 
-def _export(kinds: argparse._SubParsersAction) -> None:
-    export = kinds.add_parser("export", help="write the marks to a file, for a learning platform")
+def _add_export(subparsers: argparse._SubParsersAction) -> None:
+    export = subparsers.add_parser(
+        "export", help="write the marks to a file, for a learning platform"
+    )
     export.add_argument(
         "--format", choices=tuple(EXPORTERS), default=next(iter(EXPORTERS)), help="of the file"
     )
@@ -268,8 +272,8 @@ def _export(kinds: argparse._SubParsersAction) -> None:
     export.set_defaults(run=commands.run_export)
 
 
-def _autograder(kinds: argparse._SubParsersAction) -> None:
-    autograder = kinds.add_parser(
+def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
+    autograder = subparsers.add_parser(
         "autograder", help="write a zip with which Gradescope judges an assignment by itself"
     )
     autograder.add_argument("assignment", metavar="NAME", help="a stage or a lesson")
@@ -282,8 +286,8 @@ def _autograder(kinds: argparse._SubParsersAction) -> None:
     autograder.set_defaults(run=commands.run_autograder)
 
 
-def _feedback(kinds: argparse._SubParsersAction) -> None:
-    feedback = kinds.add_parser("feedback", help="write a page for each student: what to mend")
+def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
+    feedback = subparsers.add_parser("feedback", help="write a page for each student: what to mend")
     feedback.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     feedback.add_argument(
         "--student", action="append", default=[], metavar="X", help="only for them"
@@ -303,20 +307,20 @@ def _feedback(kinds: argparse._SubParsersAction) -> None:
     feedback.set_defaults(run=commands.run_feedback)
 
 
-def _similarity(kinds: argparse._SubParsersAction) -> None:
-    similarity = kinds.add_parser("similarity", help="which answers of a stage are alike?")
+def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
+    similarity = subparsers.add_parser("similarity", help="which answers of a stage are alike?")
     similarity.add_argument("stage", metavar="STAGE", help="such as stage3_obstacles")
     similarity.set_defaults(run=commands.run_similarity)
 
 
-def _doctor(kinds: argparse._SubParsersAction) -> None:
-    doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
-    add_workers(doctor)
+def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
+    doctor = subparsers.add_parser("doctor", help="is everything ready to grade?")
+    add_workers_option(doctor)
     doctor.set_defaults(run=commands.run_doctor)
 
 
-def _demo(kinds: argparse._SubParsersAction) -> None:
-    demo = kinds.add_parser("demo", help="grade a pretend class, end to end, in demo/")
+def _add_demo(subparsers: argparse._SubParsersAction) -> None:
+    demo = subparsers.add_parser("demo", help="grade a pretend class, end to end, in demo/")
     demo.add_argument(
         "--students",
         type=int,
@@ -330,26 +334,26 @@ def _demo(kinds: argparse._SubParsersAction) -> None:
         metavar="STAGE",
         help="what they hand in; without a name, all stages (default: stage 3)",
     )
-    add_workers(demo)
+    add_workers_option(demo)
     demo.set_defaults(run=commands.run_demo)
 
 
 COMMANDS = (
-    _new,
-    _try,
-    _build,
-    _release,
-    _site,
-    _collect,
-    _judge,
-    _grade,
-    _report,
-    _export,
-    _autograder,
-    _feedback,
-    _similarity,
-    _doctor,
-    _demo,
+    _add_new,
+    _add_try,
+    _add_build,
+    _add_release,
+    _add_site,
+    _add_collect,
+    _add_judge,
+    _add_grade,
+    _add_report,
+    _add_export,
+    _add_autograder,
+    _add_feedback,
+    _add_similarity,
+    _add_doctor,
+    _add_demo,
 )
 """Each adds a command, in the order of ``--help``; a course may have more of its own."""
 
@@ -376,27 +380,27 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _positive(text: str) -> int:
+def _parse_workers(text: str) -> int:
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError("at least one notebook is judged at a time")
     return number
 
 
-def add_workers(command: argparse.ArgumentParser) -> None:
+def add_workers_option(command: argparse.ArgumentParser) -> None:
     """Add the option for the number of notebooks that are judged at a time."""
     command.add_argument(
         "--workers",
-        type=_positive,
+        type=_parse_workers,
         default=processors(),
         metavar="N",
         help="notebooks judged at a time (default: one per core)",
     )
 
 
-def add_places(command: argparse.ArgumentParser) -> None:
+def add_executor_options(command: argparse.ArgumentParser) -> None:
     """Add the options for the place to judge: this machine or a cluster."""
-    add_workers(command)
+    add_workers_option(command)
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",

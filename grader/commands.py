@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from grader.course.lessons import Lesson
     from grader.lms.results import ClassResults
 
-GOOD, FAULT, WRONG_CALL = 0, 1, 2
+SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
 
 
 def run_new(options: argparse.Namespace) -> int:
@@ -40,12 +40,12 @@ def run_new(options: argparse.Namespace) -> int:
         written = write_skeleton(options.name, options.stage)
     except NotNew as error:
         print(error, file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     for path in written:
         print("wrote", path.relative_to(PROJECT))
     number = options.name[:2]
     print(f"Change these files as you like; python -m grader try {number} says how far you are.")
-    return GOOD
+    return SUCCESS
 
 
 def run_try(options: argparse.Namespace) -> int:
@@ -60,9 +60,9 @@ def run_try(options: argparse.Namespace) -> int:
             "writes one.",
             file=sys.stderr,
         )
-        return WRONG_CALL
+        return USAGE_ERROR
     status = run_build(argparse.Namespace(check=False))
-    if status != GOOD:
+    if status != SUCCESS:
         return status
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
@@ -72,7 +72,7 @@ def run_try(options: argparse.Namespace) -> int:
         findings.append(finding)
     left = sum(not finding.good for finding in findings)
     print(f"{lesson.name}: {left} to do." if left else f"{lesson.name} is complete.")
-    return FAULT if left else GOOD
+    return FAULT if left else SUCCESS
 
 
 def run_build(options: argparse.Namespace) -> int:
@@ -82,7 +82,7 @@ def run_build(options: argparse.Namespace) -> int:
     if options.check:
         faults = build.check()
         print("\n".join(faults) if faults else "Every notebook is what its source says.")
-        return FAULT if faults else GOOD
+        return FAULT if faults else SUCCESS
     try:
         done = build.build()
     except build.RegistryFault as error:
@@ -92,7 +92,7 @@ def run_build(options: argparse.Namespace) -> int:
         print(what, path.relative_to(PROJECT))
     if not done:
         print("Every notebook is what its source says.")
-    return GOOD
+    return SUCCESS
 
 
 def run_release(options: argparse.Namespace) -> int:
@@ -100,8 +100,8 @@ def run_release(options: argparse.Namespace) -> int:
     from grader.course.release import write_zips
     from grader.course.standalone import ReleaseError, write_standalone
 
-    if not are_stages(options.stages):
-        return WRONG_CALL
+    if not stages_exist(options.stages):
+        return USAGE_ERROR
     try:
         if options.solutions:
             return _release_solutions(options)
@@ -111,7 +111,7 @@ def run_release(options: argparse.Namespace) -> int:
     except ReleaseError as error:
         print(error, file=sys.stderr)
         return FAULT
-    return GOOD
+    return SUCCESS
 
 
 def _release_solutions(options: argparse.Namespace) -> int:
@@ -125,11 +125,11 @@ def _release_solutions(options: argparse.Namespace) -> int:
 
     wanted, course = options.stages or stages(), Course()
     deadlines = read_deadlines(course) or Deadlines({})
-    granted = gradebook_extensions(course, wanted, deadlines)
+    extensions = gradebook_extensions(course, wanted, deadlines)
     now = datetime.now(UTC)
-    early = [reason_still_open(deadlines, stage, now, granted[stage]) for stage in wanted]
-    if any(early):
-        print(*filter(None, early), sep="\n", file=sys.stderr)
+    open_stages = [reason_still_open(deadlines, stage, now, extensions[stage]) for stage in wanted]
+    if any(open_stages):
+        print(*filter(None, open_stages), sep="\n", file=sys.stderr)
         if not options.anyway:
             print("Nothing was written. --anyway gives the solutions out.", file=sys.stderr)
             return FAULT
@@ -139,7 +139,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     solutions = {lesson: as_notebook(notebook) for lesson, notebook in ran.items()}
     for path in write_solutions(options.to, solutions):
         print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
-    return GOOD
+    return SUCCESS
 
 
 def run_site(options: argparse.Namespace) -> int:
@@ -167,7 +167,7 @@ def run_site(options: argparse.Namespace) -> int:
                 f"The page of {lesson.name} shows no outputs: install {', '.join(packages)} first."
             )
     print(f"wrote {options.to / 'index.html'}")
-    return GOOD
+    return SUCCESS
 
 
 def run_collect(options: argparse.Namespace) -> int:
@@ -178,8 +178,8 @@ def run_collect(options: argparse.Namespace) -> int:
     from grader.course.deadlines import DeadlinesError
     from grader.course.roster import RosterError
 
-    if not are_stages(options.stages):
-        return WRONG_CALL
+    if not stages_exist(options.stages):
+        return USAGE_ERROR
     course = Course()
     try:
         with course_lock(course), console.progress_bar("Collecting") as advance:
@@ -194,15 +194,15 @@ def run_collect(options: argparse.Namespace) -> int:
             )
     except (CollectError, RosterError, DeadlinesError) as error:
         print(console.plain(error), file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
         return FAULT
     console.print_collected(collected)
-    return FAULT if collected.questions else GOOD
+    return FAULT if collected.questions else SUCCESS
 
 
-def are_stages(names: Sequence[str]) -> bool:
+def stages_exist(names: Sequence[str]) -> bool:
     """Return whether the course has all these stages; print its stages if not."""
     unknown = set(names) - set(stages())
     if unknown:
@@ -221,19 +221,19 @@ def run_judge(options: argparse.Namespace) -> int:
 
     if not options.notebook.is_file():
         print(f"There is no file {options.notebook}.", file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
     try:
         verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox)
     except UnknownLesson as error:
         print(error, file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     if options.json:
         print(json.dumps(verdict.as_dict(), indent=1))
     else:
         console.print_verdict(verdict)
-    return GOOD
+    return SUCCESS
 
 
 def run_grade(options: argparse.Namespace) -> int:
@@ -243,18 +243,18 @@ def run_grade(options: argparse.Namespace) -> int:
     from grader.course.deadlines import read_deadlines
     from grader.course.seed import course_seed
 
-    if not are_stages(options.stages):
-        return WRONG_CALL
-    if not is_one_place(options):
-        return WRONG_CALL
+    if not stages_exist(options.stages):
+        return USAGE_ERROR
+    if not has_one_executor(options):
+        return USAGE_ERROR
     course = Course()
     read_deadlines(course)  # reports a faulty file before hours of judging
     try:
         student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
-        return WRONG_CALL
-    sandbox = (sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
+        return USAGE_ERROR
+    sandbox = (sandbox_of_workers if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
     workers = options.workers or processors()
     seed = course_seed(course, options.seed)
@@ -269,7 +269,7 @@ def run_grade(options: argparse.Namespace) -> int:
     )
 
 
-def is_one_place(options: argparse.Namespace) -> bool:
+def has_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one place to judge is named; print a sentence if not."""
     if options.workers and options.scheduler:
         print(
@@ -281,11 +281,11 @@ def is_one_place(options: argparse.Namespace) -> bool:
     return True
 
 
-def sandbox_elsewhere(wish: str) -> Sandbox:
+def sandbox_of_workers(choice: str) -> Sandbox:
     """Return the requested sandbox, without checking it: each worker checks its own."""
-    if wish == AUTO:
+    if choice == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
-    return SANDBOXES[wish]
+    return SANDBOXES[choice]
 
 
 def run_report(options: argparse.Namespace) -> int:
@@ -298,10 +298,10 @@ def run_report(options: argparse.Namespace) -> int:
     judged = _verdicts_on_disk(course)
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     left = unaccounted_files(course)
     print(f"Report: {write_report(course, judged, class_results(course), left=left)}")
-    return GOOD
+    return SUCCESS
 
 
 def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
@@ -328,21 +328,21 @@ def run_export(options: argparse.Namespace) -> int:
             else f"--format {options.format} fills in no file: leave --into out.",
             file=sys.stderr,
         )
-        return WRONG_CALL
+        return USAGE_ERROR
     results = class_results(course)
     if not results.notebooks:
         print("The gradebook is empty. Run: python -m grader grade", file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
     try:
         exported = exporter.write(ExportOptions(course, results, *wanted))
         name = ".".join(filter(None, ("scores", options.assignment))) + exporter.ending
-        path, before = write_export(exported.content, options.to, course.root / name, options.into)
+        path, backup = write_export(exported.content, options.to, course.root / name, options.into)
     except ExportError as error:
         print(console.plain(error), file=sys.stderr)
-        return WRONG_CALL
-    console.print_exported(exported, path, before, exporter.next_step)
-    return FAULT if exported.lost else GOOD
+        return USAGE_ERROR
+    console.print_exported(exported, path, backup, exporter.next_step)
+    return FAULT if exported.lost else SUCCESS
 
 
 def run_autograder(options: argparse.Namespace) -> int:
@@ -360,12 +360,12 @@ def run_autograder(options: argparse.Namespace) -> int:
             f"{', '.join(stages())}; a lesson is named as its notebook.",
             file=sys.stderr,
         )
-        return WRONG_CALL
+        return USAGE_ERROR
     try:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
         sandbox = SANDBOXES["process"]  # the solutions are our own code
-    seed, begun = course_seed(course), itertools.count()
+    seed, counter = course_seed(course), itertools.count()
     try:
         with (
             EXECUTORS["processes"](processors()) as executor,
@@ -373,7 +373,7 @@ def run_autograder(options: argparse.Namespace) -> int:
         ):
 
             def tell(lesson: Lesson) -> None:
-                advance(next(begun), len(lessons), lesson.name)
+                advance(next(counter), len(lessons), lesson.name)
 
             Rehearsals(course, lessons, seed, sandbox, tell).finish(executor)
     except RehearsalFailed as error:
@@ -382,7 +382,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
     console.print_autograder(path, lessons)
-    return GOOD
+    return SUCCESS
 
 
 def run_feedback(options: argparse.Namespace) -> int:
@@ -390,14 +390,14 @@ def run_feedback(options: argparse.Namespace) -> int:
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
 
-    if not are_stages(options.stages):
-        return WRONG_CALL
+    if not stages_exist(options.stages):
+        return USAGE_ERROR
     course = Course()
     try:
         students = [find_student(course, text) for text in options.student]
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
         done = [
@@ -407,14 +407,14 @@ def run_feedback(options: argparse.Namespace) -> int:
     console.print_feedback(done)
     if not any(one.pages for one in done):
         print("There is nothing to hand back. Run: python -m grader grade", file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     if any(one.archive for one in done):
         print(PLATFORMS[options.platform].next_step)
     without = set(students) - {path.stem for one in done for path in one.pages}
     if without:
         names = console.plain(", ".join(sorted(without)))
         print(f"There is nothing to hand back to {names}.", file=sys.stderr)
-    return FAULT if without or any(one.left for one in done) else GOOD
+    return FAULT if without or any(one.left for one in done) else SUCCESS
 
 
 def run_similarity(options: argparse.Namespace) -> int:
@@ -422,8 +422,8 @@ def run_similarity(options: argparse.Namespace) -> int:
     from grader.classroom.similarity.page import write_similarity
     from grader.classroom.similarity.stage import compare_stage
 
-    if not are_stages([options.stage]):
-        return WRONG_CALL
+    if not stages_exist([options.stage]):
+        return USAGE_ERROR
     course = Course()
     with console.progress_bar("Comparing") as advance:
         compared = compare_stage(course, options.stage, advance)
@@ -433,11 +433,11 @@ def run_similarity(options: argparse.Namespace) -> int:
             f"{options.stage}/. Put their notebooks there, as for grade.",
             file=sys.stderr,
         )
-        return WRONG_CALL
+        return USAGE_ERROR
     path = write_similarity(course, compared)
     console.print_similarity(compared)
     print(f"Side by side: {path}")
-    return GOOD
+    return SUCCESS
 
 
 def run_doctor(options: argparse.Namespace) -> int:
@@ -452,22 +452,22 @@ def run_doctor(options: argparse.Namespace) -> int:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
         sandbox = SANDBOXES["process"]  # the solutions are our own code
-    good = True
+    all_good = True
     with EXECUTORS["processes"](options.workers) as executor:
         seed = course_seed(course)
-        about_grading = examine(course, seed, sandbox, executor, console.progress_bar)
-        for finding in itertools.chain(about_grading, check_gradebook(course)):
+        grading_findings = examine(course, seed, sandbox, executor, console.progress_bar)
+        for finding in itertools.chain(grading_findings, check_gradebook(course)):
             console.print_finding(finding)
-            good &= finding.good
-    return GOOD if good else FAULT
+            all_good &= finding.good
+    return SUCCESS if all_good else FAULT
 
 
 def run_demo(options: argparse.Namespace) -> int:
     """Run ``demo``."""
     from grader.classroom.demo import STAGE, make_class
 
-    if not are_stages(options.stages or ()):
-        return WRONG_CALL
+    if not stages_exist(options.stages or ()):
+        return USAGE_ERROR
     try:
         sandbox, warning = choose_sandbox(), ""
     except SandboxUnavailable as error:
@@ -479,7 +479,7 @@ def run_demo(options: argparse.Namespace) -> int:
         print(warning, file=sys.stderr)
     if options.students < 1:
         print("A class has at least one student.", file=sys.stderr)
-        return WRONG_CALL
+        return USAGE_ERROR
     wanted = (STAGE,) if options.stages is None else options.stages or stages()
     course = make_class(options.students, not sandbox.warning, wanted)
     return grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
@@ -524,7 +524,9 @@ def _grade_alone(
 
     begin = time.perf_counter()
     try:
-        judged, before = _judge_all(course, wanted, seed, sandbox, workers, scheduler, student)
+        judged, stored_count = _judge_all(
+            course, wanted, seed, sandbox, workers, scheduler, student
+        )
     except (RehearsalFailed, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
@@ -536,12 +538,12 @@ def _grade_alone(
             "Put submissions there, as nbgrader collect does.",
             file=sys.stderr,
         )
-        return WRONG_CALL
-    status = _enter(course, judged, wanted or stages(), student)
+        return USAGE_ERROR
+    status = _enter_marks(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
     # The submissions that were judged now are only a part of the class.
     reported = _verdicts_on_disk(course) if student or wanted else judged
-    results, now = class_results(course), len(judged) - before
+    results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
     run = GradingRun(now, len(reported) - now, seconds, label)
     path = write_report(course, reported, results, run, warning or sandbox.warning, left)
@@ -549,7 +551,7 @@ def _grade_alone(
         _print_one(course, student, judged)
     else:
         _print_all(course, judged, results, left)
-    _print_end(course, len(judged), before, seconds, label)
+    _print_end(course, len(judged), stored_count, seconds, label)
     print(f"Report: {path}")
     return status
 
@@ -580,7 +582,7 @@ def _judge_all(
     return judged, counts[0]
 
 
-def _enter(
+def _enter_marks(
     course: Course, judged: JudgedSubmissions, wanted: Sequence[str], student: str | None
 ) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
@@ -593,7 +595,7 @@ def _enter(
         except GradebookError as error:
             print(console.plain(error), file=sys.stderr)
             return FAULT
-    return GOOD
+    return SUCCESS
 
 
 def _print_all(
@@ -631,12 +633,13 @@ def _print_one(course: Course, student: str, judged: JudgedSubmissions) -> None:
     )
 
 
-def _print_end(course: Course, count: int, before: int, seconds: float, label: str) -> None:
+def _print_end(course: Course, count: int, stored_count: int, seconds: float, label: str) -> None:
     from grader.lms.gradebook import gradebook_location
 
     print(
-        f"{count} notebook{'s' * (count != 1)}: {count - before} judged in {seconds:.1f} s"
-        f"{f', {before} as before' if before else ''}. Gradebook: {gradebook_location(course)}"
+        f"{count} notebook{'s' * (count != 1)}: {count - stored_count} judged in {seconds:.1f} s"
+        f"{f', {stored_count} as before' if stored_count else ''}. "
+        f"Gradebook: {gradebook_location(course)}"
         f"{f'. Sandbox: {label}' if label else ''}"
     )
 

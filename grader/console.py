@@ -89,12 +89,12 @@ def print_verdict(verdict: Verdict) -> None:
             markup=False,
         )
         for test in exercise.tests:
-            _print_beside(console, "passed" if test.passed else "FAILED", test.title)
+            _print_with_mark(console, "passed" if test.passed else "FAILED", test.title)
             for line in test.message.splitlines():
-                _print_beside(console, "", line, "dim")
+                _print_with_mark(console, "", line, "dim")
         if exercise.slip:
             kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
-            _print_beside(console, kept, exercise.slip.sentence)
+            _print_with_mark(console, kept, exercise.slip.sentence)
     console.print(
         f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
         f"({verdict.seconds:.1f} s)",
@@ -103,7 +103,7 @@ def print_verdict(verdict: Verdict) -> None:
     )
 
 
-def _print_beside(console: Console, mark: str, text: str, style: str = "") -> None:
+def _print_with_mark(console: Console, mark: str, text: str, style: str = "") -> None:
     """Print a text with a mark next to its first line, and all lines indented alike."""
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, width=8)
@@ -128,7 +128,7 @@ def print_class(
     entered = set(students)
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
-    late = _late(results, {submission.lesson.stage for submission, _ in judged})
+    late = _late_texts(results, {submission.lesson.stage for submission, _ in judged})
     table = Table(
         title="Scores by lesson",
         title_justify="left",
@@ -149,15 +149,15 @@ def print_class(
     cells = []
     for student, verdicts in students.items():
         if student in entered:
-            scores = [_standing(results.notebook(student, lesson)) for lesson in lessons]
-            fault = _first_fault(verdicts.values())
+            scores = [_mark_text(results.notebook(student, lesson)) for lesson in lessons]
+            first_fault = _first_fault(verdicts.values())
         else:
             scores = [_score(verdicts.get(lesson)) for lesson in lessons]
-            fault = "not on the roster, so not entered" if results else ""
-            fault = fault or _first_fault(verdicts.values())
+            first_fault = "not on the roster, so not entered" if results else ""
+            first_fault = first_fault or _first_fault(verdicts.values())
         cells += scores
         when = (late.get(student, ""),) if late else ()
-        table.add_row(escape(plain(student)), *scores, *when, fault)
+        table.add_row(escape(plain(student)), *scores, *when, first_fault)
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     console.print(table)
     legend = [text for sign, text in LEGEND.items() if any(sign in cell for cell in cells)]
@@ -179,8 +179,8 @@ def print_history(changes: Sequence[MarkChange]) -> None:
         by, _, key = (
             change.by.partition(" ") if change.by.startswith("verdict") else (change.by, "", "")
         )
-        about = (change.lesson, change.exercise, *marks, f"{by} {key[:8]}".strip())
-        table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(plain(cell)) for cell in about))
+        cells = (change.lesson, change.exercise, *marks, f"{by} {key[:8]}".strip())
+        table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(plain(cell)) for cell in cells))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
@@ -227,12 +227,12 @@ def print_notes(sentences: Sequence[str]) -> None:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
 
 
-def print_exported(exported: ExportResult, path: Path, before: Path | None, next_step: str) -> None:
+def print_exported(exported: ExportResult, path: Path, backup: Path | None, next_step: str) -> None:
     """Print what an exported file contains, what is missing, and what to do with the file."""
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
-    if before:
-        lines.append(f"What lay there before is now {plain(before.name)}.")
+    if backup:
+        lines.append(f"What lay there before is now {plain(backup.name)}.")
     lines += [plain(note) for note in exported.notes]
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
     if exported.lost:
@@ -309,13 +309,13 @@ def _collected_table(report: CollectionReport) -> Table:
 
 def _collected_sentences(report: CollectionReport) -> Iterator[str]:
     counts = Counter(state for states in report.states.values() for state in states.values())
-    told = (
+    state_texts = (
         ("new", "new"),
         ("newer", "in place of an older one, which is kept in .older/ beside it"),
         ("same", "there already"),
         ("kept", "older than what is there, and left"),
     )
-    counted = [f"{counts[state]} {text}" for state, text in told if counts[state]]
+    counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
     if report.roster is None:
         yield (
@@ -323,11 +323,11 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
             "who is on it is found by name or number."
         )
     else:
-        without = [person.id for person in report.roster.people if person.id not in report.states]
-        excused = [one for one in without if one in report.excused]
-        nobody = [one for one in without if one not in report.excused]
-        if nobody:
-            yield f"Nothing from {len(nobody)} on the roster: {', '.join(nobody)}."
+        missing = [person.id for person in report.roster.people if person.id not in report.states]
+        excused = [student for student in missing if student in report.excused]
+        not_excused = [student for student in missing if student not in report.excused]
+        if not_excused:
+            yield f"Nothing from {len(not_excused)} on the roster: {', '.join(not_excused)}."
         if excused:
             yield f"Excused, and nothing from them: {', '.join(excused)}."
     if report.ignored:
@@ -356,7 +356,7 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
         )
 
 
-def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
+def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
     """Return how late each student was and the penalty, also if the lateness is unknown.
 
     With several stages each one is named: ``stage3 1.4 d -18``.
@@ -373,7 +373,7 @@ def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, st
     return {student: ", ".join(texts) for student, texts in late.items()}
 
 
-def _standing(result: NotebookResult) -> str:
+def _mark_text(result: NotebookResult) -> str:
     """Return a student's mark or sign for a lesson; `LEGEND` explains the signs."""
     if result.standing in ("missing", "excused"):
         return {"missing": "-", "excused": "ex"}[result.standing]

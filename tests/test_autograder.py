@@ -350,7 +350,7 @@ def rehearsed(monkeypatch):
 
 def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehearsed, capsys):
     path = tmp_path / "auto.zip"
-    assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.GOOD
+    assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.SUCCESS
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
     said = capsys.readouterr().out
     assert "Autograder Points: 85" in said and "write_up (10 points)" in said
@@ -358,7 +358,7 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehears
 
 def test_an_unknown_assignment_gets_a_list_of_the_known_ones(capsys, tmp_path):
     path = tmp_path / "auto.zip"
-    assert cli.main(["autograder", "stage9", "--to", str(path)]) == commands.WRONG_CALL
+    assert cli.main(["autograder", "stage9", "--to", str(path)]) == commands.USAGE_ERROR
     assert "stage3_obstacles" in capsys.readouterr().err and not path.exists()
 
 

@@ -54,7 +54,7 @@ def local(tmp_path_factory, sandbox):
         "untouched": fill_in(LESSON, {}),
     }
     made = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
-    assert commands.grade_course(made, (), SEED, sandbox, 1) == commands.GOOD
+    assert commands.grade_course(made, (), SEED, sandbox, 1) == commands.SUCCESS
     return SimpleNamespace(root=made.root, verdicts=verdicts_of(made), rows=marks(made))
 
 
@@ -170,11 +170,11 @@ def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox,
     """A worker has two threads and Dask's nanny; a second run works without the cluster."""
     address, process = start.scheduler()
     start.worker(address, threads=2)
-    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert is_complete(course, local)
     assert "5 notebooks: 5 judged" in capsys.readouterr().out
     process.kill()
-    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert "5 as before" in capsys.readouterr().out
 
 
@@ -232,8 +232,8 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
     there = make_course(tmp_path / "there" / "course", LESSON, texts, sandbox)
     address, _ = start.scheduler()
     start.worker(address, threads=2)
-    assert grade_on(address, there, sandbox) == commands.GOOD
-    assert commands.grade_course(here, (), SEED, sandbox, 1) == commands.GOOD
+    assert grade_on(address, there, sandbox) == commands.SUCCESS
+    assert commands.grade_course(here, (), SEED, sandbox, 1) == commands.SUCCESS
     assert verdicts_of(there) == verdicts_of(here)
     assert marks(there) == marks(here)
     scores = {student: verdict.score for student, verdict in verdicts_of(there).items()}
@@ -287,7 +287,7 @@ def test_a_worker_is_killed_and_another_joins_later(
         start.worker(address)
 
     after_first_verdict(replace_worker)
-    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert is_complete(course, local)
 
 
@@ -323,7 +323,7 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
 
     start.worker(address)
     wait_for_workers(address, count + 1)
-    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert is_complete(course, local)
     assert len(re.findall("judges nothing", capfd.readouterr().err)) == count
 
@@ -346,7 +346,7 @@ def test_the_scheduler_is_lost_and_nothing_is_judged_twice(
 
     address, _ = start.scheduler()
     start.worker(address)
-    assert grade_on(address, course, sandbox) == commands.GOOD
+    assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert is_complete(course, local)
     assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
 
@@ -424,7 +424,7 @@ def test_nobody_works(sandbox, monkeypatch, tmp_path):
 
 def test_workers_and_a_scheduler_exclude_each_other(capsys):
     words = ["grade", "--workers", "2", "--scheduler", "tcp://127.0.0.1:8786"]
-    assert cli.main(words) == commands.WRONG_CALL
+    assert cli.main(words) == commands.USAGE_ERROR
     assert "Name one of the two" in capsys.readouterr().err
 
 

@@ -190,7 +190,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     hand_in(course, "gina", LESSON, "not a notebook", name="06_filter_ground.py")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
 
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr().out
     assert "1 file was not judged:" in output and "06_filter_ground.py: it is no notebook" in output
     assert files(course.root / "notebooks") == released
@@ -201,7 +201,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert penalties(course) == {"carol": pytest.approx(2 * 3.0)}
     before = rows(course)
 
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert "49 as before" in capsys.readouterr().out or rows(course) == before
     assert rows(course) == before
 
@@ -209,17 +209,17 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     set_due(course, LESSON.stage, "2026-11-09 12:00:00 UTC")
     hand_in(course, "bob", LESSON, answer())
     by_hand(course, "erin", 8)
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert penalties(course) == {}
     assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
 
     # The mark stays if other text changes. If the answer changes, it must be graded again.
     hand_in(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
-    assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
+    assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, False)
     hand_in(course, "erin", WRITTEN, with_report(REPORT + " And the tram."))
-    assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
+    assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, True)
 
     # Grading restores the points of the release if they differ in the gradebook.
@@ -227,7 +227,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     base.execute("update grade_cells set max_score = 7")
     base.commit()
     base.close()
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert {row[7] for row in rows(course)[0]} == {5, 10, 20}
 
     feedback = nbgrader(course, "generate_feedback", WRITTEN.stage)
@@ -237,7 +237,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     feedback = nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
     monkeypatch.setattr(commands, "Course", lambda: course)
-    assert cli.main(["export"]) == commands.GOOD
+    assert cli.main(["export"]) == commands.SUCCESS
     with (course.root / "scores.csv").open(newline="") as file:
         exported = {row["Student"]: row for row in csv.DictReader(file)}
     assert exported["carol"][LESSON.name] == exported["carol"]["Total"] == "30"
@@ -248,21 +248,21 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
 
 @pytest.mark.slow
 def test_a_deleted_gradebook_is_written_again(course, sandbox):
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     before = rows(course)
     (course.root / "gradebook.db").unlink()
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert rows(course) == before
 
 
 @pytest.mark.slow
 def test_withdrawn_work_is_removed_but_manual_marks_stay(course, sandbox, capsys):
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     by_hand(course, "erin", 8)
     shutil.rmtree(course.submitted / "bob")
     shutil.rmtree(course.submitted / "erin")
-    assert grade(course, sandbox, [LESSON.stage]) == commands.GOOD
+    assert grade(course, sandbox, [LESSON.stage]) == commands.SUCCESS
     assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
     assert not (course.autograded / "bob" / LESSON.stage).exists()
     assert grade(course, sandbox) == commands.FAULT
@@ -272,13 +272,13 @@ def test_withdrawn_work_is_removed_but_manual_marks_stay(course, sandbox, capsys
 
 @pytest.mark.slow
 def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, monkeypatch, capsys):
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     before = rows(course)
     base = sqlite3.connect(course.root / "gradebook.db")
     base.execute("update grade set auto_score = 1")
     base.commit()
     base.close()
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert rows(course) == before
     monkeypatch.setattr(gradebook_writer, "_save", lambda *anything: None)
     (course.root / "gradebook.db").unlink()
@@ -292,7 +292,7 @@ def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, mon
 def test_an_unreadable_time_is_named(course, sandbox, capsys):
     hand_in(course, "ada", LESSON, answer(), when="yesterday, I think")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr()
     assert "The gradebook does not hold everything" not in output.err
     assert "ada, stage3_obstacles: timestamp.txt does not say a time" in output.out
@@ -308,7 +308,7 @@ def test_settings_of_the_course_are_used(course, sandbox):
         "c.CourseDirectory.autograded_directory = 'outbox'",
     )
     (course.root / "submitted").rename(course.root / "inbox")
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert (course.root / "elsewhere.db").exists()
     assert not (course.root / "gradebook.db").exists()
     assert (course.root / "outbox" / "ada" / LESSON.stage / f"{LESSON.name}.ipynb").exists()
@@ -329,12 +329,12 @@ def postgresql():
 def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
     configure(course, f"c.CourseDirectory.db_url = {postgresql!r}")
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr().out
     assert "postgresql+pg8000://teacher:***@" in output and "secret" not in output
     by_hand(course, "erin", 8)
     hand_in(course, "bob", LESSON, answer())
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
     assert not (course.root / "gradebook.db").exists()
@@ -354,7 +354,7 @@ def test_a_second_run_is_refused_while_the_first_runs(course, sandbox, capsys):
         assert grade(course, sandbox) == commands.FAULT
     errors = capsys.readouterr().err
     assert f"process {os.getpid()}" in errors and "start this one again" in errors
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     with course_lock(course), pytest.raises(AlreadyRunning), course_lock(course):
         pass
 
@@ -367,7 +367,7 @@ def test_partial_files_of_an_earlier_run_are_removed(course, sandbox):
     for name in (".stage3_obstacles.part", ".stage3_obstacles.old"):
         (course.autograded / "ada" / name).mkdir(parents=True)
         (course.autograded / "ada" / name / "06_filter_ground.ipynb").write_text("{}")
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert not list(course.root.rglob("*.part")) and not list(course.root.rglob("*.old"))
 
 
@@ -390,7 +390,7 @@ def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeyp
         patch.setattr(os, "replace", replace_until_full)
         assert cli.main(call) == commands.FAULT
     assert "No space left" in (errors := capsys.readouterr().err) or "The disk is full" in errors
-    assert cli.main(call) == commands.GOOD
+    assert cli.main(call) == commands.SUCCESS
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
     assert not list(course.root.rglob("*.part"))
 
@@ -406,7 +406,7 @@ def test_students_may_have_unusual_names(course, sandbox):
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
     os.mkfifo(course.submitted / "ada" / LESSON.stage / "beside")
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     assert entered(course)["deep", LESSON.stage, LESSON.name] == 30
     assert entered(course)["pipe", LESSON.stage, LESSON.name] == 0
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
@@ -452,14 +452,14 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
         hand_in(course, student, LESSON, answer("voxel_grid"))
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
     begin = time.monotonic()
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     cold = time.monotonic() - begin
     expected, released = rows(course), files(course.root / "notebooks")
     copies, report = files(course.autograded), report_of(course)
     begin = time.monotonic()
     (course.root / "gradebook.db").unlink()
     shutil.rmtree(course.autograded)
-    assert grade(course, sandbox) == commands.GOOD
+    assert grade(course, sandbox) == commands.SUCCESS
     warm = time.monotonic() - begin
 
     rng = random.Random(int(number))
@@ -476,7 +476,7 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
         killed += run_in_a_child(course, sandbox, after, number) == "killed"
         assert files(course.root / "notebooks") == released
         if turn % 5 == 4:
-            assert grade(course, sandbox) == commands.GOOD
+            assert grade(course, sandbox) == commands.SUCCESS
             assert rows(course) == expected
             assert files(course.autograded) == copies
             assert report_of(course) == report

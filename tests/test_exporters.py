@@ -278,33 +278,33 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
     assert given.read_bytes() == before
     canvas.import_(path.read_bytes())
     assert canvas.scores == {(1, 7): 0.0}
-    assert export(*call, "--to", given) == commands.WRONG_CALL
+    assert export(*call, "--to", given) == commands.USAGE_ERROR
     assert given.read_bytes() == before
     results = class_of(results_of(BO, {SIX: 3.0}), people=(BO,))
-    assert export(*call, results=results) == commands.GOOD
+    assert export(*call, results=results) == commands.SUCCESS
     assert len(list(tmp_path.glob("scores.*"))) == 2
 
 
 def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
-    assert export("--format", "moodle", "--assignment", THREE) == commands.WRONG_CALL
+    assert export("--format", "moodle", "--assignment", THREE) == commands.USAGE_ERROR
     assert (
         "worksheet that Moodle offers for the assignment. Name that file" in capsys.readouterr().err
     )
-    assert export("--into", tmp_path) == commands.WRONG_CALL
+    assert export("--into", tmp_path) == commands.USAGE_ERROR
     assert "leave --into out" in capsys.readouterr().err
     call = ("--format", "canvas", "--into", tmp_path / "none.csv", "--assignment", THREE)
-    assert export(*call) == commands.WRONG_CALL
+    assert export(*call) == commands.USAGE_ERROR
     assert "none.csv cannot be read: No such file" in capsys.readouterr().err
-    assert export(*call[:4]) == commands.WRONG_CALL
+    assert export(*call[:4]) == commands.USAGE_ERROR
     assert "--assignment" in capsys.readouterr().err
-    assert export(results=ClassResults((), (), ())) == commands.WRONG_CALL
+    assert export(results=ClassResults((), (), ())) == commands.USAGE_ERROR
     assert "grader grade" in capsys.readouterr().err
 
 
 def test_without_options_the_table_is_exported(export, tmp_path, capsys):
-    assert export() == commands.GOOD
+    assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}
     assert totals == {"out of": "90", "ada": "67.35", "bo": "0", "cy": "0", "dee": "8"}
-    assert export("--assignment", SIX) == commands.GOOD
+    assert export("--assignment", SIX) == commands.SUCCESS
     assert (tmp_path / f"scores.{SIX}.csv").is_file()

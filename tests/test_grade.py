@@ -327,7 +327,7 @@ def test_a_submission_replaced_after_judging_is_not_entered(
     assert [path.name for path in judged_course.autograded.glob("*/*")] == [LESSON.stage]
 
     monkeypatch.setattr(grade, "judge_class", original)
-    assert commands.grade_course(*grading) == commands.GOOD
+    assert commands.grade_course(*grading) == commands.SUCCESS
     scores = {student: score for (student, *_), score in entered(judged_course).items()}
     assert scores == {"right": 30, "half": 30, "untouched": 0}
 

@@ -135,7 +135,7 @@ def test_lateness_names_its_stage_if_there_are_several(capsys):
 def test_without_a_roster_the_table_has_students_who_submitted(course, capsys):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
-    assert grade(course) == commands.GOOD
+    assert grade(course) == commands.SUCCESS
     output = capsys.readouterr().out
     assert cells(output, "ghost")[1:3] == ["3", "-"] and "idle" not in output
     assert "on the roster" not in output
@@ -149,7 +149,7 @@ def test_grading_one_student_shows_the_history_of_the_marks(course, capsys):
         book.find_grade("test_voxel_grid", GROUND.name, STAGE, "ada").manual_score = 15.0
         book.db.commit()
     capsys.readouterr()
-    assert grade(course, "ada") == commands.GOOD
+    assert grade(course, "ada") == commands.SUCCESS
     output = capsys.readouterr().out
     assert f"{GROUND.name}: 11.75 of 30 points" in output
     rows = [line.split() for line in output.splitlines() if " voxel_grid " in line]
@@ -165,7 +165,7 @@ def test_grading_one_student_shows_the_history_of_the_marks(course, capsys):
         students = {submission.student.id for submission in book.find_assignment(STAGE).submissions}
     assert students == {"ada", "bob"}
     assert "bob" in (course.report / "index.html").read_text()  # the report covers the class
-    assert grade(course, "ghost") == commands.GOOD
+    assert grade(course, "ghost") == commands.SUCCESS
     assert {change.student for change in read_changes(course)} == {"ada", "bob", "ghost"}
 
 
@@ -177,7 +177,7 @@ def test_students_are_found_by_id_or_name(course, text, student):
 
 
 def test_unknown_and_ambiguous_students_are_reported(course, capsys):
-    assert cli.main(["grade", "--student", "nobody"]) == commands.WRONG_CALL
+    assert cli.main(["grade", "--student", "nobody"]) == commands.USAGE_ERROR
     assert (
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
@@ -220,7 +220,7 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
 @pytest.mark.parametrize("command", ["grade", "export"])
 def test_unreadable_settings_are_reported_before_judging(course, capsys, command, file, text):
     (course.root / file).write_text(text)
-    assert cli.main([command]) == commands.WRONG_CALL
+    assert cli.main([command]) == commands.USAGE_ERROR
     assert capsys.readouterr().err.startswith(file)
     assert not course.verdicts.exists()
 
@@ -293,7 +293,7 @@ def test_the_doctor_names_marks_of_students_who_are_not_on_the_roster(course, mo
 def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, says):
     with (course.root / "nbgrader_config.py").open("a") as file:
         file.write(f"c.CourseDirectory.db_url = {url!r}\n")
-    assert cli.main(["export"]) == commands.WRONG_CALL
+    assert cli.main(["export"]) == commands.USAGE_ERROR
     text = capsys.readouterr().err
     assert text.startswith("The gradebook") and says in text and "c.CourseDirectory.db_url" in text
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}

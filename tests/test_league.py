@@ -22,16 +22,16 @@ from solutions.league.drives import (
     DETECTOR,
     MOST_BOXES,
     MOST_FAILURES,
-    Driven,
-    drive_behind_walls,
-    driven_again,
+    DriveResult,
+    drive_in_sandbox,
     from_json,
+    repeat_drive,
 )
-from solutions.league.page import happened, write_league
+from solutions.league.page import events_of, write_league
 from solutions.league.pseudonyms import pseudonyms
-from solutions.league.ranking import counted, standings
+from solutions.league.ranking import counted_metres, standings
 from solutions.league.season import (
-    OUR_OWN,
+    COURSE_DETECTOR,
     TRUE_BOXES,
     Entrant,
     Season,
@@ -78,7 +78,7 @@ def drive_with(sandbox, source, street=FREE, seconds=2.0, **limits):
     program = Program((source,), (DETECTOR,))
     limits = Limits(**{"call_seconds": 1.0, "total_seconds": 20.0, **limits})
     with StudentProxy(program, sandbox, limits) as student:
-        return drive_behind_walls(street, student, "k", seconds=seconds, sensor=BLINKERED)
+        return drive_in_sandbox(street, student, "k", seconds=seconds, sensor=BLINKERED)
 
 
 # Streets and names --------------------------------------------------------------------------
@@ -116,7 +116,7 @@ def test_a_folder_name_that_is_not_text_has_a_pseudonym():
 def test_a_drive_in_the_sandbox_is_the_same(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
     with StudentProxy(program, sandbox) as student:
-        driven = drive_behind_walls(BLOCKED, student, seconds=5.0, sensor=FEW)
+        driven = drive_in_sandbox(BLOCKED, student, seconds=5.0, sensor=FEW)
     functions = {}
     exec(AHEAD, functions)
     expected = drive(BLOCKED, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=FEW)
@@ -130,7 +130,7 @@ def test_stored_answers_reproduce_the_drive(sandbox):
     assert not driven.stopped
     stored = from_json(driven.as_json())
     assert stored == driven
-    again, report = driven_again(stored, BLOCKED, seconds=3.0, sensor=BLINKERED)
+    again, report = repeat_drive(stored, BLOCKED, seconds=3.0, sensor=BLINKERED)
     assert (round(again.metres, 1), report.collision) == (driven.metres, driven.collision)
     assert tuple(map(str, report.brakings)) == driven.brakings
 
@@ -172,7 +172,7 @@ FINE = {
 def test_boxes_that_are_not_finite_are_dropped(answer, count, sandbox):
     driven = drive_with(sandbox, returning(answer), seconds=0.5)
     assert not driven.stopped and not driven.failed
-    drives, _ = driven_again(driven, FREE, seconds=0.5, sensor=BLINKERED)
+    drives, _ = repeat_drive(driven, FREE, seconds=0.5, sensor=BLINKERED)
     assert {len(moment.boxes) for moment in drives.moments} == {count}
 
 
@@ -180,7 +180,7 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     source = returning("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
     driven = drive_with(sandbox, source, seconds=2.0)
     assert not driven.stopped and driven.failed == 4
-    (sentence,) = happened(driven)
+    (sentence,) = events_of(driven)
     assert sentence == (
         "It had no boxes to give for 4 of the scans. detect_obstacles raised ZeroDivisionError."
     )
@@ -198,7 +198,7 @@ def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, san
     source = f"{IMPORTS}def detect_obstacles(cloud):\n    {line}\n"
     driven = drive_with(sandbox, source, call_seconds=0.5)
     assert driven.stopped and words in driven.stopped and driven.metres == 0
-    assert counted(FREE, driven) == 0
+    assert counted_metres(FREE, driven) == 0
     assert not drive_with(sandbox, returning("[]"), seconds=0.5).stopped
 
 
@@ -233,11 +233,13 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
 
 def test_metres_count_beyond_the_stopping_distance():
     free = 30 / 3.6 * 0.5 + (30 / 3.6) ** 2 / 14
-    assert counted(FREE, Driven(1, 100.0)) == round(100 - free)
-    assert counted(FREE, Driven(1, 100.0, needless=(True, False, True))) == round(80 - free)
-    assert counted(FREE, Driven(1, free)) == 0
-    assert counted(FREE, Driven(1, 100.0, collision="A sentence.")) == 0
-    assert counted(FREE, Driven(1, 100.0, stopped="A sentence.")) == 0
+    assert counted_metres(FREE, DriveResult(1, 100.0)) == round(100 - free)
+    assert counted_metres(FREE, DriveResult(1, 100.0, needless=(True, False, True))) == round(
+        80 - free
+    )
+    assert counted_metres(FREE, DriveResult(1, free)) == 0
+    assert counted_metres(FREE, DriveResult(1, 100.0, collision="A sentence.")) == 0
+    assert counted_metres(FREE, DriveResult(1, 100.0, stopped="A sentence.")) == 0
 
 
 def everywhere():
@@ -262,7 +264,7 @@ CHEAP = {
 
 def cheap_points(street, boxes):
     result = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
-    return counted(street, drives._measured(result, ""))
+    return counted_metres(street, drives._result_of(result, ""))
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
@@ -276,7 +278,7 @@ def test_cheap_detectors_earn_nothing_to_speak_of(name):
 @pytest.mark.parametrize("seed", (SEED, SEED + 1))
 def test_true_boxes_beat_cheap_detectors_in_every_street(number, seed):
     street = streets_of(seed)[number]
-    assert counted(street, drives._measured(drive(street), "")) > 50
+    assert counted_metres(street, drives._result_of(drive(street), "")) > 50
     assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
 
 
@@ -285,7 +287,7 @@ def entrant(name, student=True):
 
 
 def season_of(drives):
-    known = {entrant(TRUE_BOXES, False): {1: Driven(1, 120.0)}}
+    known = {entrant(TRUE_BOXES, False): {1: DriveResult(1, 120.0)}}
     known |= {entrant(name): {1: driven} for name, driven in drives.items()}
     return Season(LESSON, (FREE,), (), known)
 
@@ -294,11 +296,11 @@ def test_places_are_shared_and_references_have_none():
     ranked = standings(
         season_of(
             {
-                "ada": Driven(1, 90.0),
-                "ben": Driven(1, 110.0, near_misses=2),
-                "cem": Driven(1, 90.0),
-                "dot": Driven(1, 60.0, collision="Crash."),
-                "eva": Driven(1, stopped="Stop."),
+                "ada": DriveResult(1, 90.0),
+                "ben": DriveResult(1, 110.0, near_misses=2),
+                "cem": DriveResult(1, 90.0),
+                "dot": DriveResult(1, 60.0, collision="Crash."),
+                "eva": DriveResult(1, stopped="Stop."),
             }
         )
     )
@@ -338,7 +340,7 @@ def jobs(monkeypatch):
     def drive_one(submitted_files, lesson, number, seed, sandbox):
         calls.append((submitted_files and submitted_files.name, number))
         key = drives.key_of(submitted_files, streets_of(seed)[number - 1], LESSON)
-        return Driven(number, 100.0 + number, key=key)
+        return DriveResult(number, 100.0 + number, key=key)
 
     monkeypatch.setattr(season, "drive_one", drive_one)
     return calls
@@ -398,7 +400,7 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
     monkeypatch.setattr(season, "drive_one", deadly)
     result = drive_the_class(course, sandbox)
     assert len(tries) == 2
-    assert result.faults == [f"eve, street 2: {season.GONE}"]
+    assert result.faults == [f"eve, street 2: {season.PROCESS_DIED}"]
     assert not list(course.verdicts.glob("eve/*/.league/street_2.json"))
     ranked = {standing.entrant.name: standing.points for standing in standings(result)}
     assert 0 < ranked["eve"] < ranked["ada"]
@@ -454,11 +456,12 @@ HOSTILE = "<script>alert(1)</script>"
 def league_files(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film", lambda *about: None)
     drives = {
-        "ada": Driven(1, 90.0, brakings=("road taken for an obstacle, 9 m ahead, frame 31",),
-                      needless=(True,), near_misses=1),
-        HOSTILE: Driven(1, 60.0, collision="The drive ends at a person, at 20 km/h. Seen never."),
-        "=1+1": Driven(1, stopped="detect_obstacles did not answer within 5 seconds."),
-        "finn": Driven(1, fault="Traceback: something of ours"),
+        "ada": DriveResult(1, 90.0, brakings=("road taken for an obstacle, 9 m ahead, frame 31",),
+                           needless=(True,), near_misses=1),
+        HOSTILE: DriveResult(1, 60.0,
+                             collision="The drive ends at a person, at 20 km/h. Seen never."),
+        "=1+1": DriveResult(1, stopped="detect_obstacles did not answer within 5 seconds."),
+        "finn": DriveResult(1, fault="Traceback: something of ours"),
     }  # fmt: skip
     course = Course(tmp_path)
     text, names_file = write_league(course, season_of(drives), SEED, "No walls.")
@@ -488,7 +491,7 @@ def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film", lambda *about: None)
     students = [f"student{number:02}" for number in range(20)]
     paths = write_league(
-        Course(tmp_path), season_of({student: Driven(1, 90.0) for student in students}), SEED
+        Course(tmp_path), season_of({student: DriveResult(1, 90.0) for student in students}), SEED
     )
     rows = list(csv.DictReader(paths[1].read_text("utf-8").splitlines()))
     names = [row["Pseudonym"] for row in rows]
@@ -502,16 +505,20 @@ def test_names_are_in_a_file_separate_from_the_page(league_files):
     rows = list(csv.DictReader(names_file.splitlines()))
     assert {row["Student"] for row in rows} == {"ada", "finn", HOSTILE, "'=1+1"}
     assert {row["Student"]: row["Pseudonym"] for row in rows}["ada"] in text
-    assert page.page_of_league(course, "x").parent != page.who_is_who(course, "x").parent
+    assert page.page_path(course, "x").parent != page.names_path(course, "x").parent
 
 
 def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
     streets = (FREE, replace(FREE, number=2), replace(FREE, number=3))
     crash = "The drive ends."
     drives = {
-        entrant(TRUE_BOXES, False): {n: Driven(n, 120.0) for n in (1, 2, 3)},
-        entrant("best"): {1: Driven(1, 110.0), 2: Driven(2, 90.0), 3: Driven(3, 9.0, crash)},
-        entrant("next"): {n: Driven(n, 100.0, crash * (n > 1)) for n in (1, 2, 3)},
+        entrant(TRUE_BOXES, False): {n: DriveResult(n, 120.0) for n in (1, 2, 3)},
+        entrant("best"): {
+            1: DriveResult(1, 110.0),
+            2: DriveResult(2, 90.0),
+            3: DriveResult(3, 9.0, crash),
+        },
+        entrant("next"): {n: DriveResult(n, 100.0, crash * (n > 1)) for n in (1, 2, 3)},
     }
     filmed = []
 
@@ -519,7 +526,7 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
         filmed.append(street.number)
         raise LookupError
 
-    monkeypatch.setattr(page, "driven_again", record)
+    monkeypatch.setattr(page, "repeat_drive", record)
     with pytest.raises(LookupError):
         page._film(
             *(lambda league: (league, standings(league)))(Season(LESSON, streets, (), drives)), str
@@ -553,7 +560,7 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
     assert max(points.values()) <= 20 and points["hangs"] == points["raises"] == 0
     text = (tmp_path / "league" / f"{LESSON.stage}.html").read_text("utf-8")
     assert "data:video/mp4" in text or "data:image/gif" in text
-    assert OUR_OWN in html.unescape(text)
+    assert COURSE_DETECTOR in html.unescape(text)
     assert not any(f">{student}<" in text for student in submitted_files)
     assert (
         json.loads(next(tmp_path.glob("verdicts/right/*/.league/street_1.json")).read_text())[

@@ -12,14 +12,14 @@ from grader.course.paths import Course
 from grader.sandbox import choose_sandbox
 
 
-def add_league(kinds: argparse._SubParsersAction) -> None:
+def add_league(subparsers: argparse._SubParsersAction) -> None:
     """Add the command to the command line."""
-    league = kinds.add_parser(
+    league = subparsers.add_parser(
         "league", help="who drives farthest on their detector? A game, and no part of any mark"
     )
     league.add_argument("stage", metavar="STAGE", help="such as stage4_realtime")
     cli.add_judging_options(league)
-    cli.add_places(league)
+    cli.add_executor_options(league)
     league.set_defaults(run=run_league, workers=None)
 
 
@@ -32,8 +32,8 @@ def run_league(options: argparse.Namespace) -> int:
     from solutions.league.page import write_league
     from solutions.league.season import drive_class, lesson_of_league
 
-    if not commands.are_stages([options.stage]) or not commands.is_one_place(options):
-        return commands.WRONG_CALL
+    if not commands.stages_exist([options.stage]) or not commands.has_one_executor(options):
+        return commands.USAGE_ERROR
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
@@ -41,8 +41,8 @@ def run_league(options: argparse.Namespace) -> int:
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
-        return commands.WRONG_CALL
-    choose = commands.sandbox_elsewhere if options.scheduler else choose_sandbox
+        return commands.USAGE_ERROR
+    choose = commands.sandbox_of_workers if options.scheduler else choose_sandbox
     sandbox = choose(options.sandbox)
     console.warn_if_unprotected(sandbox)
     seed, workers = course_seed(course, options.seed), options.workers or processors()
@@ -59,15 +59,15 @@ def run_league(options: argparse.Namespace) -> int:
                     f"{lesson.name}.ipynb. Put notebooks there, as for grade.",
                     file=sys.stderr,
                 )
-                return commands.WRONG_CALL
-            page, who = write_league(course, season, seed, sandbox.warning)
+                return commands.USAGE_ERROR
+            page, names_path = write_league(course, season, seed, sandbox.warning)
     except (AlreadyRunning, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return commands.FAULT
-    print(f"League: {page}\nWho is who, which is not for the class: {who}")
+    print(f"League: {page}\nWho is who, which is not for the class: {names_path}")
     for fault in season.faults:
         console.tell(f"Not driven: {fault}")
-    return commands.FAULT if season.faults else commands.GOOD
+    return commands.FAULT if season.faults else commands.SUCCESS
 
 
 def league_links(course: Course) -> list[tuple[str, str]]:

@@ -49,7 +49,7 @@ FARTHEST = 1000.0
 
 
 @dataclass(frozen=True)
-class Driven:
+class DriveResult:
     """The result of a drive: plain data, and sentences that contain no text of the student.
 
     Attributes
@@ -73,7 +73,7 @@ class Driven:
     failure : str
         A sentence about its first failure.
     answers : str
-        Everything the detector answered, packed for `driven_again`.
+        Everything the detector answered, packed for `repeat_drive`.
     starved : bool
         Whether it was stopped before it had used up its time, because this machine was busy.
     fault : str
@@ -101,16 +101,16 @@ class Driven:
         return json.dumps(asdict(self))
 
 
-def from_json(text: str) -> Driven:
+def from_json(text: str) -> DriveResult:
     """Read a stored drive; raise ValueError, TypeError or KeyError if the text is not one."""
     content = json.loads(text)
     lists = {name: tuple(content[name]) for name in ("brakings", "needless")}
-    return Driven(**{**content, **lists})
+    return DriveResult(**{**content, **lists})
 
 
 def drive_one(
     submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
-) -> Driven:
+) -> DriveResult:
     """Drive one street; takes and returns plain data, so any machine with the course can run it.
 
     Parameters
@@ -129,27 +129,27 @@ def drive_one(
     street = streets_of(seed)[number - 1]
     key = key_of(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
-        return _measured(drive(street), key)
+        return _result_of(drive(street), key)
     try:
         to_judge = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
         # The verdict gives the reason, which may contain a file name that the student chose.
-        return Driven(number, stopped="The notebook cannot be read.", key=key)
+        return DriveResult(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
-        return Driven(number, fault=str(error))
+        return DriveResult(number, fault=str(error))
     program = program_for(find_lesson(lesson), to_judge.code, submitted_files.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
-        return drive_behind_walls(street, student, key)
+        return drive_in_sandbox(street, student, key)
 
 
-def drive_behind_walls(
+def drive_in_sandbox(
     street: Street,
     student: StudentProxy,
     key: str = "",
     *,
     seconds: float = SECONDS,
     sensor: Sensor = SCANNER,
-) -> Driven:
+) -> DriveResult:
     """Drive a street with a student's `DETECTOR`; see `drive_one`."""
     student.exercise = DETECTOR
     detector = _SandboxedDetector(student)
@@ -161,14 +161,16 @@ def drive_behind_walls(
             "failure": detector.failure,
             "starved": student.starved,
         }
-        return Driven(street.number, stopped=str(stop), key=key, **failures)
-    return _measured(finished, key, detector)
+        return DriveResult(street.number, stopped=str(stop), key=key, **failures)
+    return _result_of(finished, key, detector)
 
 
-def _measured(done: Drive, key: str, detector: _SandboxedDetector | None = None) -> Driven:
-    report = measure(done)
-    return Driven(
-        done.street.number,
+def _result_of(
+    finished_drive: Drive, key: str, detector: _SandboxedDetector | None = None
+) -> DriveResult:
+    report = measure(finished_drive)
+    return DriveResult(
+        finished_drive.street.number,
         round(report.metres, 1),
         report.collision,
         tuple(map(str, report.brakings)),
@@ -217,19 +219,19 @@ class _SandboxedDetector:
         return np.round(1000 * boxes[near]).astype(np.int32), ""
 
 
-def driven_again(
-    driven: Driven, street: Street, *, seconds: float = SECONDS, sensor: Sensor = SCANNER
+def repeat_drive(
+    result: DriveResult, street: Street, *, seconds: float = SECONDS, sensor: Sensor = SCANNER
 ) -> tuple[Drive, Report]:
     """Repeat a drive with the stored answers of its detector.
 
     Parameters
     ----------
-    driven : Driven
+    result : DriveResult
         A drive that reached its end.
     street : utils.drive.Street
         The street of that drive.
     """
-    answers = _unpack(driven.answers)
+    answers = _unpack(result.answers)
     drive_ = drive(
         street, lambda cloud: next(answers) / 1000, clock=on_time, seconds=seconds, sensor=sensor
     )

@@ -20,11 +20,11 @@ from solutions.league.drives import (
     MOST_BOXES,
     MOST_FAILURES,
     SECONDS,
-    Driven,
-    driven_again,
+    DriveResult,
+    repeat_drive,
 )
 from solutions.league.pseudonyms import pseudonyms
-from solutions.league.ranking import NEEDLESS, Standing, standings
+from solutions.league.ranking import NEEDLESS_COST, Standing, standings
 from solutions.league.season import Season
 from solutions.league.streets import SPEED
 from utils.drive.film import film
@@ -33,7 +33,7 @@ from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 from utils.films.writers import suffix_of_films
 
-SIZE = (720, 404)
+FILM_SIZE = (720, 404)
 """Size of the film in pixels; at this size, the page has some megabytes."""
 
 
@@ -43,13 +43,13 @@ class LeagueFilm:
 
     Attributes
     ----------
-    who : str
+    driver : str
         Pseudonym of the driver.
     street : utils.drive.streets.Street
         The street in the film.
-    others : str
+    comparison : str
         A sentence on how the rest of the class did there; may be empty.
-    words : str
+    description : str
         Description of the film.
     data : str
         The file in Base64.
@@ -57,20 +57,20 @@ class LeagueFilm:
         Whether the file is a video; otherwise it is an image.
     """
 
-    who: str
+    driver: str
     street: Street
-    others: str
-    words: str
+    comparison: str
+    description: str
     data: str
     is_video: bool
 
 
-def page_of_league(course: Course, stage: str) -> Path:
+def page_path(course: Course, stage: str) -> Path:
     """Return the path of the page on a stage."""
     return course.root / "league" / f"{stage}.html"
 
 
-def who_is_who(course: Course, stage: str) -> Path:
+def names_path(course: Course, stage: str) -> Path:
     """Return the path of the list of real names, next to the report."""
     return course.report / f"league_{stage}.csv"
 
@@ -102,42 +102,42 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         "league/league.html",
         season=season,
         ranked=ranked,
-        called=display_name,
-        happened=lambda driven: list(happened(driven)),
+        display_name=display_name,
+        events_of=lambda result: list(events_of(result)),
         students=len(students),
         film=_film(season, ranked, display_name),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         warning=warning,
         seconds=SECONDS,
         free=stopping_distance(SPEED),
-        cost=NEEDLESS,
+        cost=NEEDLESS_COST,
         limits=LIMITS,
         most_boxes=MOST_BOXES,
         most_failures=MOST_FAILURES,
         close=CLOSE,
         fast=FAST,
     )
-    paths = [page_of_league(course, stage), who_is_who(course, stage)]
+    paths = [page_path(course, stage), names_path(course, stage)]
     write_atomically(page, paths[0])
     write_atomically(_table(ranked, names), paths[1])
     return paths
 
 
-def happened(driven: Driven) -> Iterator[str]:
+def events_of(result: DriveResult) -> Iterator[str]:
     """Yield sentences on what went wrong in a drive; they contain no text of the student."""
-    if driven.fault:
+    if result.fault:
         yield "It could not be driven here, which is not the detector's fault."
-    if driven.stopped:
-        yield driven.stopped
-    if driven.collision:
-        yield driven.collision
-    for words, needless in zip(driven.brakings, driven.needless, strict=True):
+    if result.stopped:
+        yield result.stopped
+    if result.collision:
+        yield result.collision
+    for description, needless in zip(result.brakings, result.needless, strict=True):
         if needless:
-            yield f"It braked for nothing: {words}."
-    if driven.near_misses:
-        yield f"Near misses: {driven.near_misses}."
-    if driven.failed and not driven.stopped:
-        yield f"It had no boxes to give for {driven.failed} of the scans. {driven.failure}"
+            yield f"It braked for nothing: {description}."
+    if result.near_misses:
+        yield f"Near misses: {result.near_misses}."
+    if result.failed and not result.stopped:
+        yield f"It had no boxes to give for {result.failed} of the scans. {result.failure}"
 
 
 def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
@@ -148,10 +148,10 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
     LeagueFilm or None
         None if no student has scored.
     """
-    class_ = [standing for standing in ranked if standing.entrant.student]
-    if not class_ or not class_[0].points:
+    students = [standing for standing in ranked if standing.entrant.student]
+    if not students or not students[0].points:
         return None
-    best, *others = class_
+    best, *others = students
 
     def failed(street: Street) -> int:
         return sum(
@@ -161,18 +161,20 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
             if driven_in == street
         )
 
-    street, driven, _ = max(
+    street, result, _ = max(
         (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
     )
     comparison = (
         f"{failed(street)} of the {len(others)} others got no metre there." if others else ""
     )
-    drive, report = driven_again(driven, street)
+    drive, report = repeat_drive(result, street)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"best{suffix_of_films()}")
-        words = film(drive, report, path, size=SIZE).seen
+        description = film(drive, report, path, size=FILM_SIZE).seen
         data = base64.b64encode(path.read_bytes()).decode()
-    return LeagueFilm(display_name(best), street, comparison, words, data, path.suffix == ".mp4")
+    return LeagueFilm(
+        display_name(best), street, comparison, description, data, path.suffix == ".mp4"
+    )
 
 
 def _table(ranked: Sequence[Standing], names: dict[str, str]) -> str:

@@ -37,17 +37,17 @@ def pseudonyms(students: Iterable[str], seed: int) -> dict[str, str]:
         The course's secret.
     """
     key = secret(seed, "pseudonyms").to_bytes(32, "big")
-    chosen: dict[str, str] = {}
+    names: dict[str, str] = {}
     for student in sorted(students):
-        tries = 0
-        while (name := _name(key, student, tries)) in chosen.values():
-            tries += 1
-        chosen[student] = name
-    return chosen
+        attempt = 0
+        while (name := _name(key, student, attempt)) in names.values():
+            attempt += 1
+        names[student] = name
+    return names
 
 
-def _name(key: bytes, student: str, tries: int) -> str:
-    text = f"{tries} {student}".encode(errors="surrogatepass")
+def _name(key: bytes, student: str, attempt: int) -> str:
+    text = f"{attempt} {student}".encode(errors="surrogatepass")
     number = int.from_bytes(hmac.digest(key, text, hashlib.sha256), "big")
     number, colour = divmod(number, len(COLOURS))
     number, bird = divmod(number, len(BIRDS))

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from solutions.league.drives import Driven
+from solutions.league.drives import DriveResult
 from solutions.league.season import Entrant, Season
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 
-NEEDLESS = 10.0
+NEEDLESS_COST = 10.0
 """Metres deducted for a needless braking, on top of the metres that it loses."""
 
 
@@ -30,47 +30,47 @@ class Standing:
         Shared by all students with the same points; None for the entrants to compare with.
     points : int
         Whole metres that count.
-    drives : tuple of (Street, Driven, int)
+    drives : tuple of (Street, DriveResult, int)
         The drive in each street that counts, with the metres that count there.
     """
 
     entrant: Entrant
     place: int | None
     points: int
-    drives: tuple[tuple[Street, Driven, int], ...]
+    drives: tuple[tuple[Street, DriveResult, int], ...]
 
     @property
     def metres(self) -> float:
         """Total distance driven."""
-        return sum(driven.metres for _, driven, _ in self.drives)
+        return sum(result.metres for _, result, _ in self.drives)
 
     @property
     def needless(self) -> int:
         """Number of needless brakings."""
-        return sum(sum(driven.needless) for _, driven, _ in self.drives)
+        return sum(sum(result.needless) for _, result, _ in self.drives)
 
     @property
     def collisions(self) -> int:
         """Number of streets with a collision."""
-        return sum(bool(driven.collision) for _, driven, _ in self.drives)
+        return sum(bool(result.collision) for _, result, _ in self.drives)
 
     @property
     def near_misses(self) -> int:
         """Number of times that a road user was passed too closely and too fast."""
-        return sum(driven.near_misses for _, driven, _ in self.drives)
+        return sum(result.near_misses for _, result, _ in self.drives)
 
     @property
     def stopped(self) -> int:
         """Number of drives that the detector's failures ended early."""
-        return sum(bool(driven.stopped) for _, driven, _ in self.drives)
+        return sum(bool(result.stopped) for _, result, _ in self.drives)
 
 
-def counted(street: Street, driven: Driven) -> int:
+def counted_metres(street: Street, result: DriveResult) -> int:
     """Return the metres of a drive that count."""
-    if driven.collision or driven.stopped or driven.fault:
+    if result.collision or result.stopped or result.fault:
         return 0
     free = stopping_distance(street.limit)
-    return max(round(driven.metres - free - NEEDLESS * sum(driven.needless)), 0)
+    return max(round(result.metres - free - NEEDLESS_COST * sum(result.needless)), 0)
 
 
 def standings(season: Season) -> list[Standing]:
@@ -91,9 +91,9 @@ def standings(season: Season) -> list[Standing]:
     return sorted(placed, key=lambda standing: -standing.points)
 
 
-def _standing(season: Season, entrant: Entrant, driven: Mapping[int, Driven]) -> Standing:
+def _standing(season: Season, entrant: Entrant, results: Mapping[int, DriveResult]) -> Standing:
     drives = tuple(
-        (street, driven[street.number], counted(street, driven[street.number]))
+        (street, results[street.number], counted_metres(street, results[street.number]))
         for street in season.streets
     )
     return Standing(entrant, None, sum(points for *_, points in drives), drives)

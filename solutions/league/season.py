@@ -15,14 +15,14 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.sandbox import Sandbox, SandboxUnavailable
-from solutions.league.drives import DETECTOR, Driven, drive_one, from_json, key_of
+from solutions.league.drives import DETECTOR, DriveResult, drive_one, from_json, key_of
 from solutions.league.streets import streets_of
 from utils.drive.streets import Street
 
-TRUE_BOXES, OUR_OWN = "the true boxes", "the course's detector"
+TRUE_BOXES, COURSE_DETECTOR = "the true boxes", "the course's detector"
 """Names of the two entrants with which the class is compared."""
 
-GONE = "The process that drove ended, twice. Is there memory enough?"
+PROCESS_DIED = "The process that drove ended, twice. Is there memory enough?"
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Entrant:
     Attributes
     ----------
     name : str
-        Name of the student, or one of `TRUE_BOXES` and `OUR_OWN`.
+        Name of the student, or one of `TRUE_BOXES` and `COURSE_DETECTOR`.
     student : bool
         Whether the entrant belongs to the class.
     read : callable
@@ -58,14 +58,14 @@ class Season:
         Streets that count, because the true boxes come through them.
     left_out : tuple of Street
         Streets in which even a drive with the true boxes fails.
-    drives : dict of Entrant to dict of int to Driven
+    drives : dict of Entrant to dict of int to DriveResult
         Drives of each entrant, by number of the street.
     """
 
     lesson: Lesson
     streets: tuple[Street, ...]
     left_out: tuple[Street, ...]
-    drives: dict[Entrant, dict[int, Driven]]
+    drives: dict[Entrant, dict[int, DriveResult]]
 
     @property
     def students(self) -> list[Entrant]:
@@ -76,10 +76,10 @@ class Season:
     def faults(self) -> list[str]:
         """A sentence for the instructor on each drive that failed on the grader's side."""
         return [
-            f"{entrant.name}, street {driven.street}: {driven.fault}"
+            f"{entrant.name}, street {result.street}: {result.fault}"
             for entrant, drives in self.drives.items()
-            for driven in drives.values()
-            if driven.fault
+            for result in drives.values()
+            if result.fault
         ]
 
 
@@ -136,31 +136,31 @@ def drive_class(
     ]
     total = len(streets) * len(drives)
 
-    def store(entrant: Entrant, street: Street, driven: Driven) -> None:
-        if not driven.fault:
-            write_atomically(driven.as_json(), _file(entrant, street))
-        drives[entrant][street.number] = driven
+    def store(entrant: Entrant, street: Street, result: DriveResult) -> None:
+        if not result.fault:
+            write_atomically(result.as_json(), _file(entrant, street))
+        drives[entrant][street.number] = result
         progress(sum(map(len, drives.values())), total, None)
 
     def job(entrant: Entrant, street: Street) -> tuple:
         return drive_one, entrant.read(), lesson.name, street.number, seed, sandbox.name
 
     progress(total - len(missing), total, None)
-    again = []
+    to_repeat = []
     if missing:
         with open_executor(workers) as executor:
             for entrant, street, future in _as_completed(missing, job, executor):
-                driven = _result(future, street)
-                if driven is None or driven.starved:
-                    again.append((entrant, street))
+                result = _result(future, street)
+                if result is None or result.starved:
+                    to_repeat.append((entrant, street))
                 else:
-                    store(entrant, street, driven)
-    for entrant, street in again:
+                    store(entrant, street, result)
+    for entrant, street in to_repeat:
         with open_executor(1) as executor:
-            driven = _result(executor.submit(*job(entrant, street)), street)
-        driven = driven or Driven(street.number, fault=GONE)
+            result = _result(executor.submit(*job(entrant, street)), street)
+        result = result or DriveResult(street.number, fault=PROCESS_DIED)
         # This drive had the machine to itself, so its time counts.
-        store(entrant, street, replace(driven, starved=False))
+        store(entrant, street, replace(result, starved=False))
     return _season(lesson, streets, drives)
 
 
@@ -177,7 +177,7 @@ def _as_completed(
             yield *running.pop(future), future
 
 
-def _result(future: Future, street: Street) -> Driven | None:
+def _result(future: Future, street: Street) -> DriveResult | None:
     """Return the drive of a future, with a fault if the grader failed; None if a process died."""
     try:
         return future.result()
@@ -186,18 +186,18 @@ def _result(future: Future, street: Street) -> Driven | None:
     except (SandboxUnavailable, ExecutorLost):
         raise
     except Exception as error:  # one drive must not stop the others
-        return Driven(street.number, fault=f"{type(error).__name__}: {error}")
+        return DriveResult(street.number, fault=f"{type(error).__name__}: {error}")
 
 
 def _season(
-    lesson: Lesson, streets: tuple[Street, ...], drives: dict[Entrant, dict[int, Driven]]
+    lesson: Lesson, streets: tuple[Street, ...], drives: dict[Entrant, dict[int, DriveResult]]
 ) -> Season:
     (true_drives,) = (
-        driven
-        for entrant, driven in drives.items()
+        result
+        for entrant, result in drives.items()
         if entrant.name == TRUE_BOXES and not entrant.student
     )
-    bad = {number for number, driven in true_drives.items() if driven.collision or driven.fault}
+    bad = {number for number, result in true_drives.items() if result.collision or result.fault}
     return Season(
         lesson,
         tuple(street for street in streets if street.number not in bad),
@@ -209,7 +209,9 @@ def _season(
 def _entrants(course: Course, lesson: Lesson) -> Iterator[Entrant]:
     folder = course.verdicts / ".league" / lesson.stage
     yield Entrant(TRUE_BOXES, False, lambda: None, folder / "true")
-    yield Entrant(OUR_OWN, False, lambda: read_submitted_files(lesson.solved), folder / "own")
+    yield Entrant(
+        COURSE_DETECTOR, False, lambda: read_submitted_files(lesson.solved), folder / "own"
+    )
     for submission in find_submissions(course, [lesson.stage]):
         if submission.lesson == lesson:
             yield Entrant(
@@ -224,14 +226,16 @@ def _file(entrant: Entrant, street: Street) -> Path:
     return entrant.folder / f"street_{street.number}.json"
 
 
-def _stored(entrant: Entrant, streets: tuple[Street, ...], lesson: Lesson) -> dict[int, Driven]:
+def _stored(
+    entrant: Entrant, streets: tuple[Street, ...], lesson: Lesson
+) -> dict[int, DriveResult]:
     """Read the drives on disk that belong to this submission, these rules and these streets."""
     submitted, stored = entrant.read(), {}
     for street in streets:
         try:
-            driven = from_json(_file(entrant, street).read_text("utf-8"))
+            result = from_json(_file(entrant, street).read_text("utf-8"))
         except (OSError, ValueError, TypeError, KeyError):
             continue
-        if driven.key == key_of(submitted, street, lesson):
-            stored[street.number] = driven
+        if result.key == key_of(submitted, street, lesson):
+            stored[street.number] = result
     return stored

@@ -21,27 +21,27 @@ from utils.simulator.traffic import car, truck
 SPEED = 30 / 3.6
 CROWDED = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
-NOTICED = 18.0
+WAIT_DISTANCE = 18.0
 """Distance in metres from our scanner to the waiting vehicle at which its wait begins.
 
 The car has to brake by then.
 """
 
 
-def _waits(rng: np.random.Generator) -> Actor:
+def _waiting_vehicle(rng: np.random.Generator) -> Actor:
     """Return a car or lorry in our lane that drives off some seconds after our car is near."""
-    thing = (
+    vehicle = (
         truck(width=2.3)
         if rng.random() < 0.3
         else car(*rng.uniform((4, 1.7, 1.4), (4.6, 1.8, 1.6)))
     )
     place, wait = rng.uniform(37.0, 43.0), rng.uniform(5.0, 6.0)
-    tail = place + thing.size[0] / 2
+    tail = place + vehicle.size[0] / 2
     pace = ((0.0, 0.0), (wait, 0.0), (wait + 3.0, 12.0))
-    return Actor(placed(thing, tail, EGO_LANE), place - NOTICED, pace)
+    return Actor(placed(vehicle, tail, EGO_LANE), place - WAIT_DISTANCE, pace)
 
 
-def _later(rng: np.random.Generator) -> float:
+def _later_place(rng: np.random.Generator) -> float:
     """Return a place along the road, in metres, beyond that of the waiting vehicle."""
     return rng.uniform(88.0, 100.0)
 
@@ -51,11 +51,11 @@ def _waiting(rng: np.random.Generator) -> dict:
 
 
 def _child(rng: np.random.Generator) -> dict:
-    return {"title": "A child runs out", "actors": (child(_later(rng), SPEED),)}
+    return {"title": "A child runs out", "actors": (child(_later_place(rng), SPEED),)}
 
 
 def _cyclist(rng: np.random.Generator) -> dict:
-    rider = crossing_cyclist(_later(rng), SPEED, rng.uniform(2.6, 4.2))
+    rider = crossing_cyclist(_later_place(rng), SPEED, rng.uniform(2.6, 4.2))
     return {"title": "A cyclist crosses", "actors": (rider,)}
 
 
@@ -64,17 +64,17 @@ def _climb(rng: np.random.Generator) -> dict:
         "title": "Up, in the rain",
         "slope": rng.uniform(0.035, 0.06),
         "rain": int(rng.integers(40, 70)),
-        "actors": (adult(_later(rng), SPEED, side=int(rng.choice((-1, 1)))),),
+        "actors": (adult(_later_place(rng), SPEED, side=int(rng.choice((-1, 1)))),),
     }
 
 
 def _dirt(rng: np.random.Generator) -> dict:
-    rider = slow_cyclist(_later(rng) - 10.0)
+    rider = slow_cyclist(_later_place(rng) - 10.0)
     return {"title": "Behind a dirty bonnet", "dirt": True, "traffic": True, "actors": (rider,)}
 
 
 def _crowd(rng: np.random.Generator) -> dict:
-    x = _later(rng)
+    x = _later_place(rng)
     pair = adult(x, SPEED), adult(x + rng.uniform(0.8, 1.0), SPEED)
     slope = -rng.uniform(0.02, 0.05)
     return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED, "actors": pair}
@@ -107,10 +107,10 @@ def streets_of(seed: int) -> tuple[Street, ...]:
 def _street(seed: int, number: int) -> Street:
     source = secret(seed, f"street {number}")
     rng = np.random.default_rng((source, 29))
-    first = _waits(rng)
-    about = KINDS[number - 1](rng)
-    actors = (first, *about.pop("actors", ()))
-    return Street(number, **about, actors=actors, drawn_from=source)
+    first = _waiting_vehicle(rng)
+    settings = KINDS[number - 1](rng)
+    actors = (first, *settings.pop("actors", ()))
+    return Street(number, **settings, actors=actors, drawn_from=source)
 
 
 def secret(seed: int, label: str) -> int:

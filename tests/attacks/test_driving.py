@@ -6,7 +6,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
-from solutions.league.drives import DETECTOR, _unpack, drive_behind_walls
+from solutions.league.drives import DETECTOR, _unpack, drive_in_sandbox
 from solutions.league.streets import streets_of
 from tests.attacks.attack import SHORT, WALLS
 from utils.simulator.sensor import Sensor, layers
@@ -38,7 +38,7 @@ def detect_obstacles(cloud):
 def answers_of(sandbox, source):
     with StudentProxy(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
         street = streets_of(SEED)[0]
-        driven = drive_behind_walls(street, student, seconds=0.5, sensor=BLINKERED)
+        driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)
     assert not driven.stopped and not driven.failed
     return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}
 

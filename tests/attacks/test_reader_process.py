@@ -158,7 +158,7 @@ def test_the_class_goes_on(module, name, score, small_limits, course, sandbox, m
         assert status == commands.FAULT
         assert "mallory, stage4_realtime: its points are entered, and its copy" in said
     else:
-        assert status == commands.GOOD
+        assert status == commands.SUCCESS
 
 
 @pytest.mark.slow

@@ -141,7 +141,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
 def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
-    assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.WRONG_CALL
+    assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.USAGE_ERROR
     assert "Leave --seed out" in (said := capsys.readouterr().err)
     offered = int(said.split()[-1])
     assert course_seed(course, offered) == offered
