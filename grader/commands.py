@@ -84,13 +84,13 @@ def run_build(options: argparse.Namespace) -> int:
         print("\n".join(faults) if faults else "Every notebook is what its source says.")
         return FAULT if faults else SUCCESS
     try:
-        done = build.build()
+        changes = build.build()
     except build.RegistryFault as error:
         print(error, file=sys.stderr)
         return FAULT
-    for what, path in done:
+    for what, path in changes:
         print(what, path.relative_to(PROJECT))
-    if not done:
+    if not changes:
         print("Every notebook is what its source says.")
     return SUCCESS
 
@@ -400,21 +400,21 @@ def run_feedback(options: argparse.Namespace) -> int:
         return USAGE_ERROR
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
-        done = [
+        feedback = [
             write_feedback(course, stage, students, folder, options.platform, advance)
             for stage in options.stages or stages()
         ]
-    console.print_feedback(done)
-    if not any(one.pages for one in done):
+    console.print_feedback(feedback)
+    if not any(one.pages for one in feedback):
         print("There is nothing to hand back. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
-    if any(one.archive for one in done):
+    if any(one.archive for one in feedback):
         print(PLATFORMS[options.platform].next_step)
-    without = set(students) - {path.stem for one in done for path in one.pages}
-    if without:
-        names = console.plain(", ".join(sorted(without)))
+    without_feedback = set(students) - {path.stem for one in feedback for path in one.pages}
+    if without_feedback:
+        names = console.plain(", ".join(sorted(without_feedback)))
         print(f"There is nothing to hand back to {names}.", file=sys.stderr)
-    return FAULT if without or any(one.left for one in done) else SUCCESS
+    return FAULT if without_feedback or any(one.left for one in feedback) else SUCCESS
 
 
 def run_similarity(options: argparse.Namespace) -> int:
@@ -613,8 +613,8 @@ def _print_all(
     roster = read_roster(course)
     console.print_class(judged, results)
     console.print_unaccounted(left)
-    taken = respelt_folders(course, roster) if roster else ()
-    console.print_notes([*taken, *notes(course, results, read_deadlines(course))])
+    respelt = respelt_folders(course, roster) if roster else ()
+    console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
 
 
 def _print_one(course: Course, student: str, judged: JudgedSubmissions) -> None:

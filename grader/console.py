@@ -93,8 +93,8 @@ def print_verdict(verdict: Verdict) -> None:
             for line in test.message.splitlines():
                 _print_with_mark(console, "", line, "dim")
         if exercise.slip:
-            kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
-            _print_with_mark(console, kept, exercise.slip.sentence)
+            points_kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
+            _print_with_mark(console, points_kept, exercise.slip.sentence)
     console.print(
         f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
         f"({verdict.seconds:.1f} s)",
@@ -184,12 +184,12 @@ def print_history(changes: Sequence[MarkChange]) -> None:
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
-def print_similarity(compared: StageComparison, most: int = 10) -> None:
+def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     """Print the similar answers of a stage, the most unusual ones first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
-        how = "the same file" if same.same_bytes else "the same cells"
-        console.print(plain(f"{same.lesson}, {how}: {', '.join(same.students)}"), markup=False)
+        sameness = "the same file" if same.same_bytes else "the same cells"
+        console.print(plain(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False)
     pairs = compared.pairs
     if not pairs:
         console.print("No two answers are alike enough to be named.")
@@ -198,26 +198,26 @@ def print_similarity(compared: StageComparison, most: int = 10) -> None:
     table.add_column("Students")
     table.add_column("Alike, of what is unusual in the two")
     table.add_column("With others, at most", justify="right")
-    for pair in pairs[:most]:
+    for pair in pairs[:limit]:
         table.add_row(
             escape(plain(" and ".join(pair.students))),
             "\n".join(f"{one.exercise} {one.share:.0%}" for one in pair.pairs),
             "\n".join(f"{one.nearest[0]:.0%}" for one in pair.pairs),
         )
     console.print(table)
-    if len(pairs) > most:
-        console.print(f"and {len(pairs) - most} more pairs.")
+    if len(pairs) > limit:
+        console.print(f"and {len(pairs) - limit} more pairs.")
     console.print("This is what is alike, and not how that came about: ask them.")
 
 
-def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None:
+def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> None:
     """Print the files that were not judged, and why."""
     if not files:
         return
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
-    lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:most]]
-    if len(files) > most:
-        lines.append(f"  and {len(files) - most} more; the report lists them all")
+    lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:limit]]
+    if len(files) > limit:
+        lines.append(f"  and {len(files) - limit} more; the report lists them all")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
@@ -262,15 +262,15 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
-def print_feedback(done: Sequence[WrittenFeedback]) -> None:
+def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
     """Print which students have feedback, and which have none."""
-    for one in done:
+    for one in feedback:
         if one.pages:
             count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
             zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
             text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
-    left = [sentence for one in done for sentence in one.left]
+    left = [sentence for one in feedback for sentence in one.left]
     if left:
         text = "\n  ".join(["Not handed back so:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(

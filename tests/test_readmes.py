@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from nbgrader.apps import NbGraderApp
 
-from grader.cli import parser
+from grader.cli import build_parser
 from grader.course.paths import PROJECT
 
 GIT_FILES = subprocess.run(
@@ -21,7 +21,9 @@ READMES = GIT_FILES.stdout.split() or [
     str(path.relative_to(PROJECT)) for path in sorted(PROJECT.glob("*/README.md"))
 ]
 [VERBS] = [
-    action.choices for action in parser()._actions if isinstance(action, argparse._SubParsersAction)
+    action.choices
+    for action in build_parser()._actions
+    if isinstance(action, argparse._SubParsersAction)
 ]
 FENCED = re.compile(r"^```\w*\n(.*?)^```", re.M | re.S)
 

@@ -11,7 +11,7 @@ from grader.judging.verdict import (
     JUDGED,
     CheckResult,
     ExerciseResult,
-    Kind,
+    MessageKind,
     Slip,
     Verdict,
     read_verdict,
@@ -21,7 +21,7 @@ from grader.judging.verdict import (
 
 def full_verdict():
     """Return a verdict in which every field has a value."""
-    last = (False, Kind.SAME_REASON, "größer", "Hint: Look.")
+    last = (False, MessageKind.SAME_REASON, "größer", "Hint: Look.")
     tests = (
         CheckResult("a", "Holds", True, 1.25, 1.25, "", True),
         CheckResult("test_b", "Fails", False, 0.0, 8.75, "For “größer”.", *last),

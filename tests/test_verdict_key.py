@@ -308,9 +308,9 @@ def test_the_key_has_the_versions_of_libraries_that_decide():
 
 
 def test_the_entries_of_judging_exist():
-    entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRIES}
+    entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRY_MODULES}
     assert entries == {"grader/judging/judge.py", "grader/sandbox/fork_server.py"}
-    assert all(path.is_file() for path in key.ENTRIES)
+    assert all(path.is_file() for path in key.ENTRY_MODULES)
 
 
 def test_the_key_depends_on_student_submission_and_seed():

@@ -113,8 +113,8 @@ def _version(name: str) -> str | None:
 def _sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
-            asked = f"has no walls, and is only used where you say --sandbox {sandbox.name}"
-            yield Finding(f"sandbox {sandbox.name}", True, asked)
+            remark = f"has no walls, and is only used where you say --sandbox {sandbox.name}"
+            yield Finding(f"sandbox {sandbox.name}", True, remark)
             continue
         try:
             sandbox.available()

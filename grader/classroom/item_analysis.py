@@ -49,7 +49,7 @@ class Item:
     discrimination: float | None
 
 
-def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSummary]:
+def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSummary]:
     """Return the checks that most students failed first, hardest first.
 
     Each student counts once per exercise, with the first failure, because others may have the
@@ -65,7 +65,7 @@ def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSum
     found = [
         CheckSummary(*check, count, tried[check[:2]]) for check, count in first_failures.items()
     ]
-    return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
+    return sorted(found, key=lambda check: -check.failed / check.tried)[:limit]
 
 
 def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
@@ -123,7 +123,7 @@ def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
     return list(found.items())
 
 
-def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
+def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[str, str, int]]:
     """Return (exercise, message, number of students), most frequent first."""
     students: dict[tuple[str, str], set[str]] = {}
     first_lines: dict[tuple[str, str], list[str]] = {}
@@ -135,7 +135,7 @@ def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[st
                 students.setdefault(mistake, set()).add(verdict.student)
                 first_lines.setdefault(mistake, []).append(first)
     found = [(one[0], common_text(first_lines[one]), len(names)) for one, names in students.items()]
-    return sorted(found, key=lambda mistake: -mistake[2])[:most]
+    return sorted(found, key=lambda mistake: -mistake[2])[:limit]
 
 
 def out_of_time(verdict: Verdict) -> list[str]:

@@ -67,8 +67,8 @@ class Submission:
     def _is_in_its_folder(self, course: Course) -> bool:
         if not self.path.is_relative_to(course.submitted):
             return False
-        own = self.stage_folder(course).relative_to(course.submitted)
-        return self.path.parent.resolve().is_relative_to(course.submitted.resolve() / own)
+        own_folder = self.stage_folder(course).relative_to(course.submitted)
+        return self.path.parent.resolve().is_relative_to(course.submitted.resolve() / own_folder)
 
     def read_again(self, course: Course, fingerprint: str) -> SubmittedFiles:
         """Read the file again, if it is still the one that was judged.

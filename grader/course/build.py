@@ -62,16 +62,16 @@ def build() -> list[tuple[str, Path]]:
     """
     if faults := registry_faults():
         raise RegistryFault("\n".join(faults))
-    done = []
+    changes = []
     for path, text in build_all().items():
         if not path.exists() or path.read_bytes() != text:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(text)
-            done.append(("wrote", path))
+            changes.append(("wrote", path))
     for path in _stray_notebooks():
         path.unlink()
-        done.append(("removed", path))
-    return done
+        changes.append(("removed", path))
+    return changes
 
 
 def check() -> list[str]:

@@ -60,7 +60,7 @@ class Deadlines:
 
     Attributes
     ----------
-    stages : dict of str to Dates
+    stages : dict of str to StageDates
     roster : grader.course.roster.Roster or None
         Gives the section of each student.
     zone : tzinfo or None
@@ -154,28 +154,28 @@ def _zone(file: str, name: object) -> tzinfo | None:
         ) from error
 
 
-def _dates(where: str, table: object, zone: tzinfo | None) -> StageDates:
-    """Return the dates of a stage; `where` is the beginning of its heading."""
+def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
+    """Return the dates of a stage; `location` is the beginning of its heading."""
     if not isinstance(table, dict):
-        raise DeadlinesError(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
-    _check_keys(f"{where}]", table, ("due", "sections", "students"), "entry")
+        raise DeadlinesError(f"{location}]: write this heading, and below it due = {_EXAMPLE}.")
+    _check_keys(f"{location}]", table, ("due", "sections", "students"), "entry")
     groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
     for kind, group in groups.items():
         if not isinstance(group, dict):
             raise DeadlinesError(
-                f"{where}]: {kind} is a heading of its own, {where.partition(', ')[2]}.{kind}], "
-                f"with a line for each below it."
+                f"{location}]: {kind} is a heading of its own, "
+                f"{location.partition(', ')[2]}.{kind}], with a line for each below it."
             )
     excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
     due = table.get("due")
     read = StageDates(
-        None if due is None else _date(f"{where}], due", due, zone),
+        None if due is None else _date(f"{location}], due", due, zone),
         {
-            name: _date(f"{where}.sections], {name}", value, zone)
+            name: _date(f"{location}.sections], {name}", value, zone)
             for name, value in groups["sections"].items()
         },
         {
-            id: _date(f"{where}.students], {id}", value, zone, or_excused=True)
+            id: _date(f"{location}.students], {id}", value, zone, or_excused=True)
             for id, value in groups["students"].items()
             if id not in excused
         },
@@ -183,7 +183,7 @@ def _dates(where: str, table: object, zone: tzinfo | None) -> StageDates:
     )
     if read.due is None and (read.sections or read.students):
         raise DeadlinesError(
-            f"{where}]: it has dates for some, and none for the others. Add a line "
+            f"{location}]: it has dates for some, and none for the others. Add a line "
             f"due = {_EXAMPLE} below this heading."
         )
     return read
@@ -192,36 +192,37 @@ def _dates(where: str, table: object, zone: tzinfo | None) -> StageDates:
 _EXAMPLE = "2026-10-12T23:59:00"
 
 
-def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
+def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
     """Return a date of the file, in UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesError(
-            f"{where}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
+            f"{location}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
             f"quotation marks{other}."
         )
     try:
         return value.replace(tzinfo=value.tzinfo or zone).astimezone(UTC)
     except (OverflowError, ValueError, OSError) as error:
         raise DeadlinesError(
-            f"{where}: {value!s} is too far away to reckon with. Write a date such as {_EXAMPLE}."
+            f"{location}: {value!s} is too far away to reckon with. "
+            f"Write a date such as {_EXAMPLE}."
         ) from error
 
 
-def _check_keys(where: str, table: dict, known: Iterable[str], what: str) -> None:
+def _check_keys(location: str, table: dict, known: Iterable[str], what: str) -> None:
     for name in table:
         if name not in known:
             raise DeadlinesError(
-                f"{where}: there is no {what} {name}. There is: {', '.join(known)}."
+                f"{location}: there is no {what} {name}. There is: {', '.join(known)}."
             )
 
 
-def _check_names(where: str, dates: StageDates, roster: Roster | None) -> None:
+def _check_names(location: str, dates: StageDates, roster: Roster | None) -> None:
     """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
-            f"{where}.sections]: no roster.csv says who is in which section. Write one, with the "
-            f"columns id and section, or give dates to students."
+            f"{location}.sections]: no roster.csv says who is in which section. Write one, with "
+            f"the columns id and section, or give dates to students."
         )
     if roster is None:
         return
@@ -229,14 +230,14 @@ def _check_names(where: str, dates: StageDates, roster: Roster | None) -> None:
     for name in dates.sections:
         if name not in sections:
             raise DeadlinesError(
-                f"{where}.sections], {name}: nobody on the roster is in a section of this name. "
+                f"{location}.sections], {name}: nobody on the roster is in a section of this name. "
                 f"There is: {', '.join(sorted(sections - {''})) or 'none'}."
             )
     for id in (*dates.students, *dates.excused):
         if roster.person(id) is None:
             suggestions = " or ".join(person.id for person in roster.find_people(id))
             raise DeadlinesError(
-                f"{where}.students], {id}: nobody on the roster has this id. "
+                f"{location}.students], {id}: nobody on the roster has this id. "
                 + (
                     f"Write {suggestions}."
                     if suggestions

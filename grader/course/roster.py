@@ -190,19 +190,19 @@ def _column(cell: str) -> str:
     return COLUMN_ALIASES.get(name, name)
 
 
-def _check(person: Person, where: str) -> None:
+def _check(person: Person, location: str) -> None:
     if not person.id:
-        raise RosterError(f"{where}: it has no id. It names the folder in submitted/.")
+        raise RosterError(f"{location}: it has no id. It names the folder in submitted/.")
     if person.id.startswith(".") or "/" in person.id or not person.id.isprintable():
         raise RosterError(
-            f"{where}: {person.id!r} cannot be the name of a folder. Give an id without slashes "
+            f"{location}: {person.id!r} cannot be the name of a folder. Give an id without slashes "
             f"that begins with no dot."
         )
     for name in COLUMNS:
         if len(getattr(person, name)) > MOST_CHARACTERS:
             raise RosterError(
-                f"{where}: {name} is longer than {MOST_CHARACTERS} characters, which is all that "
-                f"the gradebook takes."
+                f"{location}: {name} is longer than {MOST_CHARACTERS} characters, which is all "
+                f"that the gradebook takes."
             )
 
 

@@ -66,10 +66,10 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
     """Raise `ReleaseError` if a line of the solution is in a student's notebook."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
-    given_away = leaks(lesson.solved.read_bytes(), notebook, others)
-    if given_away:
+    leaked_lines = leaks(lesson.solved.read_bytes(), notebook, others)
+    if leaked_lines:
         raise ReleaseError(
-            f"{lesson.name} gives away {given_away[0]!r}. Nothing was written for it."
+            f"{lesson.name} gives away {leaked_lines[0]!r}. Nothing was written for it."
         )
 
 
@@ -118,8 +118,8 @@ def setup_cell(lesson: str) -> str:
 def packed_tools(lesson: str) -> bytes:
     """Return ``utils`` for one lesson, compressed; the same bytes for the same files."""
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
-    mine = next(one for one in every_lesson() if one.name == lesson)
-    text = mine.released.read_text("utf-8")
+    own_lesson = next(one for one in every_lesson() if one.name == lesson)
+    text = own_lesson.released.read_text("utf-8")
     left_out = [folder for folder, sign in course_constant("OPTIONAL_PACKAGES") if sign not in text]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:

@@ -213,14 +213,14 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
         if cell.kind == "code" or cell.grade_id in hand_graded or "```" in cell.source:
             continue
         names_in_cell = [name for name in names if _defines(cell, name)]
-        wanted = [
+        names_to_judge = [
             name
             for name in names_in_cell
             if name not in last or (name == cell.grade_id and last[name] < index)
         ]
-        if not wanted:
+        if not names_to_judge:
             continue
-        counts = [sort_keys[last[name]] for name in names_in_cell if name not in wanted]
+        counts = [sort_keys[last[name]] for name in names_in_cell if name not in names_to_judge]
         just_before = [math.nextafter(order, -math.inf) for order in counts]
         sort_keys[index] = min([sort_keys[index], *just_before])
         for name in names_in_cell:
@@ -435,9 +435,9 @@ def _has_stray_text(draft: _Draft, released: list[list[str]]) -> bool:
 
 def _remove_cells(draft: _Draft, indices: set[int]) -> None:
     """Remove cells, and update the indices of the others."""
-    kept = [index for index in range(len(draft.cells)) if index not in indices]
-    draft.cells = [draft.cells[index] for index in kept]
-    new = {old: index for index, old in enumerate(kept)}
+    kept_indices = [index for index in range(len(draft.cells)) if index not in indices]
+    draft.cells = [draft.cells[index] for index in kept_indices]
+    new = {old: index for index, old in enumerate(kept_indices)}
     draft.graded = {name: new[index] for name, index in draft.graded.items()}
 
 

@@ -92,10 +92,11 @@ def carry_forward(
             continue
         starved |= any(run.starved for run in runs)
         first = results.outcomes_of(exercise.name)
-        by_check = [{one.check: one for one in again.outcomes} for again in runs]
+        by_check = [{outcome.check: outcome for outcome in run.outcomes} for run in runs]
         # If every check passed, there is nothing to correct: they pass again, or it was luck.
         outcomes = tuple(
-            decisive_outcome(one, by_check[0][one.check], by_check[-1][one.check]) for one in first
+            decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
+            for outcome in first
         )
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:

@@ -82,8 +82,10 @@ def with_imports(files: Iterable[Path]) -> set[Path]:
         file = waiting.pop()
         found.add(file)
         waiting |= _imported_by(file) - found
-    shown = {file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))}
-    return found | shown
+    sandbox_files = {
+        file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))
+    }
+    return found | sandbox_files
 
 
 @functools.cache

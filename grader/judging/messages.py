@@ -71,17 +71,20 @@ def messages_of(story: Story) -> dict[Outcome, Message]:
     """
     if story.first is None:
         return {}
-    in_full = {
+    full_messages = {
         story.first: message_of(story.first, story.mistake),
-        **{one: message_of(one, hinted=False) for one in (*story.others, *story.waiting)},
+        **{
+            outcome: message_of(outcome, hinted=False)
+            for outcome in (*story.others, *story.waiting)
+        },
     }
-    for one, message in in_full.items():
-        if pointer := _notebook_pointer(one):
-            in_full[one] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
+    for outcome, message in full_messages.items():
+        if pointer := _notebook_pointer(outcome):
+            full_messages[outcome] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
             break
     title = story.first.check.title
     same = Message(f"For the same reason as “{title}”.", MessageKind.SAME_REASON, title)
-    return in_full | dict.fromkeys(story.same, same)
+    return full_messages | dict.fromkeys(story.same, same)
 
 
 def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:

@@ -72,8 +72,8 @@ def explains(
     if player is None:
         return False
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
-        alone = _failed_by(setting, student, exercise, player.plays)
-        if alone != failed:
+        failed_alone = _failed_by(setting, student, exercise, player.plays)
+        if failed_alone != failed:
             return False
         student.exercise = exercise
         student_function, calls, equal_answers = getattr(student, exercise), [], []
@@ -85,8 +85,8 @@ def explains(
                 equal_answers.append(True)
             return answer
 
-        again = _failed_by(setting, student, exercise, compared)
-        return again == failed and len(equal_answers) == len(calls)
+        failed_again = _failed_by(setting, student, exercise, compared)
+        return failed_again == failed and len(equal_answers) == len(calls)
 
 
 def _failed_by(

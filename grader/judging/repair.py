@@ -114,8 +114,10 @@ def _is_unrepairable(outcome: Outcome) -> bool:
 def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
     """Return the cells and lines at which the student's code raised, or called code that did."""
     errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
-    places = [place for error in errors for place in (error.place, error.calling) if place]
-    return frozenset(filter(None, map(cell_and_line, places)))
+    locations = [
+        location for error in errors for location in (error.place, error.calling) if location
+    ]
+    return frozenset(filter(None, map(cell_and_line, locations)))
 
 
 def find_repair(
@@ -164,7 +166,7 @@ def _likeliest_first(
         ends = hangs and words[-1:] in (["return"], ["break"])
         returns = gave_nothing and words[:1] == ["return"] and len(words) > 1
         return not (ends or returns) and not any(
-            cell == where and first <= line <= last for where, line in raised_at
+            cell == raising_cell and first <= line <= last for raising_cell, line in raised_at
         )
 
     return sorted(enumerate(edits), key=is_unlikely)
@@ -195,13 +197,13 @@ class _FailedChecks:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
         self._first_seconds = SECONDS_OF_A_CALL
-        self._shown = visible_calls(student, checks)
+        self._visible = visible_calls(student, checks)
         self._hidden = functools.cache(
             lambda: hidden_calls(setting.lesson, student, setting.seed, checks)
         )
 
     def __iter__(self) -> Iterator[Callable[[], object]]:
-        yield from self._shown
+        yield from self._visible
         yield from self._hidden()
 
     def first_fails(self) -> bool:
@@ -231,7 +233,7 @@ class _FailedChecks:
             for index, call in enumerate(self):
                 failure = _failure_of(call) if index else None
                 if failure is not None:
-                    return index >= len(self._shown) and _hangs(failure)
+                    return index >= len(self._visible) and _hangs(failure)
         return True
 
 

@@ -197,10 +197,10 @@ def hidden_calls(
     lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
     """Return the hidden ones of some checks as `visible_calls` does; see `run_checks`."""
-    wanted = {check.name for check in checks if not check.is_shown}
-    if not wanted:
+    names = {check.name for check in checks if not check.is_shown}
+    if not names:
         return ()
-    collector = _Collector(student, seed, lambda check: check.name in wanted)
+    collector = _Collector(student, seed, lambda check: check.name in names)
     _run_hidden_tests(lesson, collector)
     return tuple(collector.calls)
 
@@ -279,9 +279,9 @@ def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
 def _run_hidden_tests(lesson: Lesson, runner: _Runner) -> int:
     """Run the hidden tests with pytest and return its exit code."""
     # Without this option pytest reads every folder above.
-    alone = f"--confcutdir={lesson.tests.parent}"
+    option = f"--confcutdir={lesson.tests.parent}"
     with _plain_environment():
-        return int(pytest.main([str(lesson.tests), alone, *_OPTIONS], plugins=[runner]))
+        return int(pytest.main([str(lesson.tests), option, *_OPTIONS], plugins=[runner]))
 
 
 @contextlib.contextmanager

@@ -39,7 +39,7 @@ class CheckResult:
         The whole message, line by line; empty if the check passed.
     visible : bool
         Whether students see the check in the notebook.
-    kind : Kind
+    kind : MessageKind
     subject : str
         What the message is about: the function that is not started, the title of the check with
         the same reason, or what has to be right first.

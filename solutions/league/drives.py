@@ -131,13 +131,13 @@ def drive_one(
     if submitted_files is None:
         return _result_of(drive(street), key)
     try:
-        to_judge = prepare_to_judge(submitted_files, find_lesson(lesson))
+        judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
         # The verdict gives the reason, which may contain a file name that the student chose.
         return DriveResult(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return DriveResult(number, fault=str(error))
-    program = program_for(find_lesson(lesson), to_judge.code, submitted_files.modules)
+    program = program_for(find_lesson(lesson), judge_input.code, submitted_files.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_in_sandbox(street, student, key)
 
@@ -215,8 +215,8 @@ class _SandboxedDetector:
             return no_boxes, f"{DETECTOR} returned something else than boxes (N, 8, 3)."
         if len(boxes) > MOST_BOXES:
             return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
-        near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN
-        return np.round(1000 * boxes[near]).astype(np.int32), ""
+        is_near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN
+        return np.round(1000 * boxes[is_near]).astype(np.int32), ""
 
 
 def repeat_drive(

@@ -38,9 +38,9 @@ def open_archives(paths: Iterable[Path]) -> list[tuple[Path, str, list[Submitted
     ------
     CollectError
     """
-    found = []
+    archives = []
     for path in paths:
         archive = open_archive(path)
         readings = ((name, read(archive)) for name, read in ARCHIVE_READERS.items())
-        found.append((path, *next(pair for pair in readings if pair[1] is not None)))
-    return found
+        archives.append((path, *next(pair for pair in readings if pair[1] is not None)))
+    return archives

@@ -76,8 +76,8 @@ def read_answers(
         normalized(label): () if ids == NOBODY else tuple(ids.split(","))
         for label, ids in owners.items()
     }
-    found = {label: tuple(dict.fromkeys(ids)) for label, ids in earlier.items()} | new
-    return Answers(found, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
+    ids_by_label = {label: tuple(dict.fromkeys(ids)) for label, ids in earlier.items()} | new
+    return Answers(ids_by_label, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
 
 
 def store_answers(
@@ -109,24 +109,24 @@ def normalized(label: str) -> str:
 
 def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     """Return the lessons with these numbers or names."""
-    found = {}
+    chosen_lessons = {}
     for file, answer in answers.items():
         lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
         if lesson is None:
             raise CollectError(f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}.")
-        found[file] = lesson
-    return found
+        chosen_lessons[file] = lesson
+    return chosen_lessons
 
 
 def _read_entries(course: Course) -> list[tuple[str, str, str]]:
     """Yield stage, label and id of each readable line."""
-    found = []
+    entries = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():
             with contextlib.suppress(ValueError, TypeError, KeyError):
                 entry = json.loads(line)
-                found.append((entry["stage"], entry["label"], entry["student"]))
-    return found
+                entries.append((entry["stage"], entry["label"], entry["student"]))
+    return entries
 
 
 def _json_line(entry: tuple[str, str, str]) -> str:

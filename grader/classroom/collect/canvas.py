@@ -28,8 +28,8 @@ _REMARKS = {
 def read_canvas(archive: Archive) -> list[SubmittedFile] | None:
     """See `ArchiveReader`."""
     matches = [(entry, _match(entry)) for entry in archive.entries]
-    found = [_submitted_file(entry, match) for entry, match in matches if match]
-    return found if 2 * len(found) > len(matches) else None
+    files = [_submitted_file(entry, match) for entry, match in matches if match]
+    return files if 2 * len(files) > len(matches) else None
 
 
 def _match(entry: ArchiveEntry) -> re.Match | None:

@@ -116,23 +116,23 @@ def _by_owner(
     groups: dict[tuple[Path, Owner], list[ArchivedFile]] = {}
     for archive, file in archived_files:
         groups.setdefault((archive, file.owner), []).append((archive, file))
-    found: dict[tuple[Path, Owner], tuple[str, ...]] = {}
+    ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
         has_no_owner = owner.label in (archive.name, archive.stem)  # the archive's own files
         if has_no_owner and all(_is_useless(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
         try:
-            found[archive, owner] = owners.ids_of(owner)
+            ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
             report.add_question(owner.label, f"{_files(len(files))} of theirs. {question}")
-    for (archive, owner), ids in found.items():
+    for (archive, owner), ids in ids_by_owner.items():
         if normalized(owner.label) in answers.earlier:
             decision = f"taken for that of {', '.join(ids)}" if ids else "left out"
             report.remarks.append(Question(owner.label, f"{decision}, as you answered before"))
         rivals = [
             other_owner
-            for (other_archive, other_owner), other_ids in found.items()
+            for (other_archive, other_owner), other_ids in ids_by_owner.items()
             if other_archive == archive and set(ids) & set(other_ids)
         ]
         question = owners.doubt(owner, ids, [rival for rival in rivals if rival != owner])
@@ -144,10 +144,10 @@ def _by_owner(
 
 def _existing_submissions(course: Course) -> dict[str, dict[Lesson, Submission]]:
     """Return the submissions in ``submitted/``, by student."""
-    found: dict[str, dict[Lesson, Submission]] = {}
+    submissions: dict[str, dict[Lesson, Submission]] = {}
     for submission in find_submissions(course):
-        found.setdefault(submission.student, {})[submission.lesson] = submission
-    return found
+        submissions.setdefault(submission.student, {})[submission.lesson] = submission
+    return submissions
 
 
 def _rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[SubmissionRow]:

@@ -25,16 +25,16 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
     names = [folder[-1] for folder in repositories]
     prefix = os.path.commonprefix(names).rpartition("-")[0] if len(names) > 1 else ""
     owners = {folder: _owner(folder[-1], prefix, identifiers) for folder in repositories}
-    found = []
+    files = []
     for entry in archive.entries:
         inside = [folder for folder in repositories if entry.path[: len(folder)] == folder]
         if inside:
             folder = max(inside, key=len)
             path = entry.path[len(folder) :]
-            found.append(
+            files.append(
                 SubmittedFile(owners[folder], path, entry, saved=entry.moment, is_given=True)
             )
-    return found
+    return files
 
 
 def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
@@ -60,7 +60,7 @@ def _identifiers(archive: Archive) -> dict[str, str]:
     roster_path = archive.path.parent / ROSTER
     if roster_path.is_file():
         texts.append(roster_path.read_bytes)
-    found = {}
+    identifiers = {}
     for read in texts:
         try:
             rows = csv.DictReader(io.StringIO(read().decode("utf-8-sig", "replace")))
@@ -69,5 +69,5 @@ def _identifiers(archive: Archive) -> dict[str, str]:
         for row in rows:
             login, identifier = row.get("github_username"), row.get("identifier")
             if login and identifier:
-                found[login.casefold()] = identifier
-    return found
+                identifiers[login.casefold()] = identifier
+    return identifiers

@@ -31,7 +31,7 @@ def lesson_of(
 
     Parameters
     ----------
-    file : File
+    file : StudentFile
     existing : collection of Lesson
         Lessons for which the student already has a file in place.
     is_placed : callable

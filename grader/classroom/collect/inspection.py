@@ -68,7 +68,9 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     contents.cache_releases()
     try:
         data = entry.read()
-        found = run_in_child(name, lambda: [_to_json(unpacked) for unpacked in _unpack(data, name)])
+        replies = run_in_child(
+            name, lambda: [_to_json(unpacked) for unpacked in _unpack(data, name)]
+        )
     except UnreadableFile as error:
         return [UnpackedFile((), SUBSTITUTE, complaint=str(error))]
     except TooCostly:
@@ -83,7 +85,7 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
                 (), SUBSTITUTE, complaint="cannot be opened: look at it, and ask for it unpacked"
             )
         ]
-    return [_from_json(*parts) for parts in found]
+    return [_from_json(*parts) for parts in replies]
 
 
 def kind_of(name: str) -> str:
@@ -130,25 +132,25 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
         entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)
     except UnreadableFile as error:
         return [UnpackedFile(path, SUBSTITUTE, complaint=str(error))]
-    found, size = [], 0
+    files, size = [], 0
     for parts, entry in entries:
         inner = (*path, *parts)
         if is_hidden(parts):
             continue
         if kind_of(parts[-1]) == OTHER:
-            found.append(UnpackedFile(inner, OTHER))
+            files.append(UnpackedFile(inner, OTHER))
             continue
         try:
             content = entry.read()
         except UnreadableFile as error:
-            found.append(UnpackedFile(inner, SUBSTITUTE, complaint=str(error)))
+            files.append(UnpackedFile(inner, SUBSTITUTE, complaint=str(error)))
             continue
         inside = _unpack(content, parts[-1], inner, entry.moment, depth)
         size += sum(len(unpacked.data) for unpacked in inside)
         if size > MOST_BYTES_OF_A_STUDENT:
             return [UnpackedFile(path, SUBSTITUTE, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
-        found += inside
-    return found
+        files += inside
+    return files
 
 
 def _to_json(unpacked: UnpackedFile) -> tuple:

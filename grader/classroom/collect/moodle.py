@@ -21,8 +21,8 @@ _TYPED = "was typed into Moodle, where no notebook can be: ask for the .ipynb fi
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
     """See `ArchiveReader`."""
-    found = [file for entry in archive.entries for file in _submitted_files(entry)]
-    return found if 2 * len(found) > len(archive.entries) else None
+    files = [file for entry in archive.entries for file in _submitted_files(entry)]
+    return files if 2 * len(files) > len(archive.entries) else None
 
 
 def _submitted_files(entry: ArchiveEntry) -> list[SubmittedFile]:

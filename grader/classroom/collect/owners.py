@@ -145,12 +145,12 @@ class Owners:
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
         """Return the rows that match exactly one person; ambiguous rows are dropped."""
-        found: dict[str, list[SubmissionRow]] = {}
+        rows_by_id: dict[str, list[SubmissionRow]] = {}
         for row in self._worksheet.rows:
             people = self._people_of(row)
             if len(people) == 1:
-                found.setdefault(people[0].id, []).append(row)
-        return found
+                rows_by_id.setdefault(people[0].id, []).append(row)
+        return rows_by_id
 
     def _check_answer(self, label: str, id: str) -> None:
         """Raise `CollectError` for an answer that names no student."""
@@ -192,9 +192,9 @@ class Owners:
 
     def _people_of(self, row: SubmissionRow) -> tuple[Person, ...]:
         for text in row.identifying:
-            found = self._roster.find_people(text)
-            if found:
-                return found
+            people = self._roster.find_people(text)
+            if people:
+                return people
         return ()
 
     def _team(self, owner: Owner) -> list[Person]:
@@ -213,7 +213,7 @@ class Owners:
                 "has no name: show names in Canvas and download again, or add "
                 f"{_owner_option(owner, 'ID')}"
             )
-        where = ""
+        remedy = ""
         if owner.lms_id and (
             others := [one for name in owner.names for one in self._roster.find_people(name)]
         ):
@@ -223,13 +223,13 @@ class Owners:
                 f"or add {_owner_option(owner, others[0].id)}, or another ID"
             )
         if owner.lms_id:
-            where = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
+            remedy = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
         elif owner.logins or owner.guesses:
-            where = "write the login into their line of roster.csv, column github, or "
+            remedy = "write the login into their line of roster.csv, column github, or "
         elif owner.participant and not self._worksheet.rows:
-            where = "give Moodle's worksheet with --timestamps FILE, or "
+            remedy = "give Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"Nobody on the roster is called so: {where}add {_owner_option(owner, 'ID')} (of a "
+            f"Nobody on the roster is called so: {remedy}add {_owner_option(owner, 'ID')} (of a "
             f"team, ID,ID; of nobody on the course, {NOBODY})"
         )
 

@@ -55,10 +55,10 @@ class FileOrigin:
 
     def newer_than(self, other: FileOrigin) -> bool | None:
         """Return whether it was submitted after another file; None if that is unknown."""
-        mine, others = (self.order, self.moment), (other.order, other.moment)
+        own_key, other_key = (self.order, self.moment), (other.order, other.moment)
         if not (self.order and other.order):
-            mine, others = mine[1:], others[1:]
-        return None if mine == others else mine > others
+            own_key, other_key = own_key[1:], other_key[1:]
+        return None if own_key == other_key else own_key > other_key
 
 
 @dataclass(frozen=True)

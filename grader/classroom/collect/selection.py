@@ -75,18 +75,18 @@ def newest(files: Sequence[StudentFile]) -> list[StudentFile]:
     A changed notebook takes precedence over an unchanged one, and a readable file over an
     unreadable one: a second download of the released notebook is not an answer.
     """
-    found = list({file.digest: file for file in files}.values())
+    candidates = list({file.digest: file for file in files}.values())
     for better in (
-        [file for file in found if not file.unpacked.complaint],
+        [file for file in candidates if not file.unpacked.complaint],
         [
             file
-            for file in found
+            for file in candidates
             if not file.unpacked.complaint and not file.unpacked.content.untouched
         ],
     ):
-        found = better or found
+        candidates = better or candidates
     for evidence in EVIDENCE:
-        values = [evidence(file) for file in found]
+        values = [evidence(file) for file in candidates]
         if None not in values:
-            found = [file for file in found if evidence(file) == max(values)]
-    return found
+            candidates = [file for file in candidates if evidence(file) == max(values)]
+    return candidates

@@ -22,22 +22,22 @@ def open_archive(path: Path) -> Archive:
     CollectError
     """
     if path.is_dir():
-        found = list(_below(path))
+        files = list(_below(path))
     elif not path.exists():
         raise CollectError(f"There is no file or folder {path}.")
     elif zipfile.is_zipfile(path):
         try:
-            found = open_zip(str(path), MOST_FILES)
+            files = open_zip(str(path), MOST_FILES)
         except UnreadableFile as error:
             raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":
         raise CollectError(f"{path} is no whole zip. Download it again.")
     else:
-        found = [((path.name,), _entry(path, (path.name,)))]
-    entries = tuple(entry for parts, entry in found if not is_hidden(parts))
+        files = [((path.name,), _entry(path, (path.name,)))]
+    entries = tuple(entry for parts, entry in files if not is_hidden(parts))
     if not entries:
         raise CollectError(f"There is nothing in {path}.")
-    checkouts = {parts[: parts.index(".git")] for parts, _ in found if ".git" in parts}
+    checkouts = {parts[: parts.index(".git")] for parts, _ in files if ".git" in parts}
     return Archive(path, entries, frozenset(checkouts))
 
 

@@ -99,9 +99,9 @@ class StageFolder:
                 self._record_unchanged(existing.name, origin, recorded)
             return SAME
         if recorded is None or recorded.digest != existing_digest or existing.parent != self.path:
-            how = "was changed since it was collected" if recorded else "was put there by hand"
+            reason = "was changed since it was collected" if recorded else "was put there by hand"
             raise UnclearVersion(
-                f"{self._relative(existing)} {how} and differs. Delete one of the two"
+                f"{self._relative(existing)} {reason} and differs. Delete one of the two"
             )
         newer = origin.newer_than(recorded)
         if newer is None:
@@ -195,14 +195,14 @@ class StageFolder:
     def _with_time_set_by_hand(self, record: Record, stated_time: datetime | None) -> Record:
         when, undecided = (stated_time.isoformat(), "") if stated_time else ("", _UNREADABLE_TIME)
         files = {
-            name: dataclasses.replace(one, when=when, undecided=undecided)
-            for name, one in record.files.items()
+            name: dataclasses.replace(origin, when=when, undecided=undecided)
+            for name, origin in record.files.items()
         }
         present = {path.relative_to(self.path) for path in self.path.rglob("*.ipynb")}
-        not_ours = {
+        uncollected = {
             path for path in present if not is_hidden(path.parts) and path.as_posix() not in files
         }
-        others = max(record.others, when) if not_ours else record.others
+        others = max(record.others, when) if uncollected else record.others
         return dataclasses.replace(record, files=files, others=others)
 
     def _record_file(self, name: str, origin: FileOrigin) -> None:

@@ -116,7 +116,7 @@ class StudentCollector:
 
     def _by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
         """Return the notebooks by lesson, and ask about those whose lesson is unknown."""
-        found: dict[Lesson, list[StudentFile]] = {}
+        notebooks: dict[Lesson, list[StudentFile]] = {}
         for file in files:
             if file.unpacked.kind != NOTEBOOK:
                 continue
@@ -133,8 +133,8 @@ class StudentCollector:
                 self._states.update(dict.fromkeys(question.lessons, UNANSWERED))
                 self._report.add_question(file.name, str(question))
             else:
-                found.setdefault(lesson, []).append(file)
-        return found
+                notebooks.setdefault(lesson, []).append(file)
+        return notebooks
 
     def _place(
         self,

@@ -189,19 +189,19 @@ def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
 
 def _month(text: str, language: str) -> int | None:
     words = set(re.findall(r"[^\W\d]+", text))
-    found = {number for number, names in _months(language).items() if names & words}
-    return found.pop() if len(found) == 1 else None
+    months = {number for number, names in _months(language).items() if names & words}
+    return months.pop() if len(months) == 1 else None
 
 
 @functools.cache
 def _months(language: str) -> dict[int, set[str]]:
     """Return the names of each month, by number: in full and short, alone and in a date."""
-    found: dict[int, set[str]] = {number: set() for number in range(1, 13)}
+    names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):
             for number, name in use.get(width, {}).items():
-                found[number].add(_folded(name).strip("."))
-    return found
+                names_by_month[number].add(_folded(name).strip("."))
+    return names_by_month
 
 
 def _half_of_day(text: str) -> str:

@@ -52,7 +52,7 @@ def is_hidden(path: tuple[str, ...]) -> bool:
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
-def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
+def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
     """Return the files of a zip, each with its original path.
 
     Raises
@@ -65,8 +65,8 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Ar
         raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
     # Python's `is_dir` fails for an empty name.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
-    if len(infos) > most:
-        raise UnreadableFile(f"holds {len(infos):,} files; more than {most:,} are not opened")
+    if len(infos) > limit:
+        raise UnreadableFile(f"holds {len(infos):,} files; more than {limit:,} are not opened")
     return [
         (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
         for info in infos

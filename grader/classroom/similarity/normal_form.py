@@ -152,8 +152,8 @@ class _Normalizer:
     def _dotted(self, node: ast.expr) -> str:
         """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty if it is not in a module."""
         if isinstance(node, ast.Attribute):
-            before = self._dotted(node.value)
-            return before and f"{before}.{node.attr}"
+            prefix = self._dotted(node.value)
+            return prefix and f"{prefix}.{node.attr}"
         is_module = isinstance(node, ast.Name) and not self._name(node.id).startswith("parameter")
         return self.known.get(node.id, "") if is_module else ""
 

@@ -40,7 +40,7 @@ class ShownPair:
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
-    shown: tuple[SharedFunction, ...]
+    functions: tuple[SharedFunction, ...]
 
 
 def similarity_page(course: Course, stage: str) -> Path:
@@ -102,10 +102,11 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     ]
     yield f"Alike are {counts[0]}, and {counts[1]}. {_equality_sentence(one, other)}"
     in_class, kept = pair.others
-    beside = f" and {kept} right answers that are kept with the course" if kept else ""
+    kept_text = f" and {kept} right answers that are kept with the course" if kept else ""
     yield (
         f"{pair.exclusive or 'None'} of these steps stand in no other answer, of {in_class} in "
-        f"this class{beside}. Of all that is unusual in the two, {percent(pair.share)} is in both. "
+        f"this class{kept_text}. Of all that is unusual in the two, {percent(pair.share)} is in "
+        "both. "
         f"With anybody else it is {percent(pair.nearest[0])} at most"
         f"{f', with a kept answer {percent(pair.nearest[1])}' if kept else ''}."
     )
