@@ -15,7 +15,7 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 
 @dataclass(frozen=True)
-class Content:
+class NotebookContent:
     """The lesson in a notebook, and whether a student has changed it.
 
     Attributes
@@ -43,7 +43,7 @@ def copy_number(name: str) -> int:
     return int(numbers[-1]) if numbers else 0
 
 
-def content_of(data: bytes, name: str) -> Content:
+def content_of(data: bytes, name: str) -> NotebookContent:
     """Return the content of a notebook, read in this process; see `lesson_by_content`.
 
     Raises
@@ -53,9 +53,9 @@ def content_of(data: bytes, name: str) -> Content:
     notebook = decode_notebook(data, name)
     lesson = _lesson_of(notebook)
     if lesson is None:
-        return Content()
+        return NotebookContent()
     sources = {" ".join(cell.source.split()) for cell in notebook.cells}
-    return Content(lesson.name, sources <= _released(lesson))
+    return NotebookContent(lesson.name, sources <= _released(lesson))
 
 
 def cache_releases() -> None:

@@ -59,7 +59,7 @@ def collect(
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
     owners = Owners(roster, worksheet, answers.owners)
     archives = [
-        (path, kind, _as_one_student(path, submitted, owners))
+        (path, kind, _as_work_of_one_student(path, submitted, owners))
         for path, kind, submitted in open_archives(archive_paths)
     ]
     report = CollectionReport(
@@ -95,7 +95,7 @@ def _excused(
     ]
 
 
-def _as_one_student(
+def _as_work_of_one_student(
     path: Path, submitted: list[SubmittedFile], owners: Owners
 ) -> list[SubmittedFile]:
     """Return the archive as one student's work, if an answer says so and no other is named."""

@@ -15,11 +15,11 @@ from grader.course.lessons import all_lessons, stages
 
 def read_folder(archive: Archive) -> list[SubmittedFile]:
     """See `ArchiveReader`."""
-    depth = _wrapper(archive)
+    depth = _wrapper_depth(archive)
     return [_submitted_file(archive, entry, entry.path[depth:]) for entry in archive.entries]
 
 
-def _wrapper(archive: Archive) -> int:
+def _wrapper_depth(archive: Archive) -> int:
     """Return the number of folders around those of the students."""
     tops = {entry.path[0] for entry in archive.entries}
     seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}

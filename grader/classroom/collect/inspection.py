@@ -20,7 +20,7 @@ from grader.classroom.collect.zips import (
     is_hidden,
     open_zip,
 )
-from grader.classroom.contents import Content, lesson_by_name
+from grader.classroom.contents import NotebookContent, lesson_by_name
 from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
 from grader.intake.submission import LARGEST_MODULE
 from utils.notebooks.reading import UnreadableNotebook
@@ -57,7 +57,7 @@ class UnpackedFile:
     kind: str
     data: bytes = b""
     saved: datetime | None = None
-    content: Content = Content()
+    content: NotebookContent = NotebookContent()
     complaint: str = ""
 
 
@@ -154,7 +154,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
 
 
 def _to_json(unpacked: UnpackedFile) -> tuple:
-    """Return a piece in a form that JSON can represent."""
+    """Return an unpacked file in a form that JSON can represent."""
     return (
         unpacked.path,
         unpacked.kind,
@@ -173,6 +173,6 @@ def _from_json(
         kind,
         base64.b64decode(data),
         datetime.fromisoformat(saved) if saved else None,
-        Content(*content),
+        NotebookContent(*content),
         complaint,
     )

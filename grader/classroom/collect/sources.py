@@ -22,7 +22,7 @@ def open_archive(path: Path) -> Archive:
     CollectError
     """
     if path.is_dir():
-        files = list(_below(path))
+        files = list(_files_below(path))
     elif not path.exists():
         raise CollectError(f"There is no file or folder {path}.")
     elif zipfile.is_zipfile(path):
@@ -41,7 +41,7 @@ def open_archive(path: Path) -> Archive:
     return Archive(path, entries, frozenset(checkouts))
 
 
-def _below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
+def _files_below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
     """Yield the files of a folder without following links, and one entry for each .git folder."""
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))

@@ -119,7 +119,7 @@ class StageFolder:
         origin = self._record.files.get(name)
         return bool(origin and origin.digest == digest and (self.path / name).is_file())
 
-    def outdated(self, name: str) -> Collection[str]:
+    def outdated_digests(self, name: str) -> Collection[str]:
         """Return the SHA-256 of files that do not count, according to an answer."""
         origin = self._record.files.get(name)
         return origin.beaten if origin else ()

@@ -146,9 +146,11 @@ class StudentCollector:
         """Place the newest of some files for a lesson, with its modules; return the result."""
         name = f"{lesson.name}.ipynb"
         answered = [file for file in candidates if file.name in self._answers.lessons]
-        outdated = folder.outdated(name)
+        outdated_digests = folder.outdated_digests(name)
         newest_files = newest(
-            answered or [one for one in candidates if one.digest not in outdated] or candidates
+            answered
+            or [one for one in candidates if one.digest not in outdated_digests]
+            or candidates
         )
         if len(newest_files) > 1:
             names = ", ".join(file.name for file in newest_files[1:])
@@ -160,8 +162,8 @@ class StudentCollector:
             return UNANSWERED
         file = newest_files[0]
         if answered:
-            outdated = {one.digest for one in candidates} - {file.digest}
-        origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated)))
+            outdated_digests = {one.digest for one in candidates} - {file.digest}
+        origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated_digests)))
         try:
             state = folder.place(name, file.unpacked.data, origin, self._existing.get(lesson))
         except UnclearVersion as question:
