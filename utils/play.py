@@ -7,8 +7,8 @@
     python -m utils.play city --frames 1 --record city.png
     python -m utils.play my_recording.bag
 
-Without a detector the true boxes of simulated streams are shown, and none for recordings. Where
-the notebook has `match_boxes`, boxes have names and trails; `--hide trails` leaves these out.
+Without a detector, simulated streams and labelled recordings show their true boxes. If the notebook
+has `match_boxes`, boxes have track IDs and trails; `--hide trails` hides the trails.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Programme:
     Attributes
     ----------
     title : str
-        Written above the picture.
+        Text above the picture.
     frames : sequence
         Simulated or recorded frames, or bare clouds.
     on_highway : bool
@@ -153,8 +153,8 @@ def load_detector(
     Raises
     ------
     ValueError
-        The notebook has no `detect_obstacles`, or only its stub, or the function lacks one of the
-        parameters.
+        The notebook has no `detect_obstacles` or only its stub, or the function has no parameter
+        for one of the settings.
     """
     from utils.notebooks.my_functions import load_my_functions
 
@@ -190,7 +190,7 @@ def play(
     size: tuple[int, int] = SIZE,
     tracker: Tracker | None = None,
 ) -> None:
-    """Play in a window, at the speed of the recording or as fast as the machine allows."""
+    """Play in a window at the speed of the recording, or more slowly on a slow machine."""
     from utils.scene3d.with_pyvista import Window
 
     window = Window(size, CAMERAS[camera])

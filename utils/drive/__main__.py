@@ -22,7 +22,7 @@ SUFFIXES = (".mp4", ".gif", ".png", ".html")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return 0, or 2 after an error, or 130 when interrupted."""
+    """Run the command line and return its exit code: 0, 2 after an error, 130 after Ctrl-C."""
     options = _parser().parse_args(arguments)
     try:
         detect = tracker = None

@@ -1,1 +1,1 @@
-"""Notebook files: read cells, slice out the code of an exercise, load a student's functions."""
+"""Read notebook files, extract the code of an exercise, and load a student's functions."""

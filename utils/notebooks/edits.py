@@ -1,13 +1,13 @@
 """Generate all functions that are one edit away from a student's function.
 
-An edit undoes a slip: another operator or comparison, a constant off by one, a sign, an axis, or
-two things swapped. It may also add or remove a call, an index or a name, or move a statement.
-Every edit can be undone by another edit, unless that would have to invent a whole statement or a
-term that is not in the function.
+An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
+or swaps two operands or arguments. It may also add or remove a call, an index or a name, or move a
+statement. Each edit can be undone by another edit, unless that edit would have to invent a whole
+statement or a term that is not in the function.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
-write such rules for each exercise and let a solver compare with a model answer. Here the rules are
-the same for all exercises, and the caller runs each changed function.
+write such rules for each exercise, and let a solver compare the result with a model answer. Here
+the rules are the same for all exercises, and the caller runs each changed function.
 
 This module reads untrusted text, so it runs in the sandbox.
 """
@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
 from utils.notebooks.statements import Statement
 
-# Limit for all edits together; the likeliest come first.
+# Limit for all edits of all functions together; the likeliest are kept.
 MOST_EDITS = 600
-# No exercise of this course has a longer function.
+# Longer functions are not edited; no exercise of this course needs one.
 MOST_LINES = 120
 
 _JUMPS = ("break", "continue", "return")
@@ -43,7 +43,7 @@ class Edit:
     text : str
         The new lines.
     statement : str
-        The whole changed statement.
+        Source of the whole statement after the edit.
     """
 
     cell: int
@@ -54,7 +54,7 @@ class Edit:
 
 
 def edits_of(cells: list[str], statements: Iterable[Statement]) -> list[Edit]:
-    """List the ways to change one of some functions or classes by one edit.
+    """List the edits of some functions or classes; each edit changes one of them.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
 
 
 def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
-    """Yield functions that build a changed block, each with its rank; 0 is the likeliest."""
+    """Yield the rank of each edit, 0 for the likeliest, and a function that builds the block."""
     source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
@@ -151,7 +151,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Add a final return of a name, or of a part of an argument, if the function has none."""
+    """Yield the block with a final return of a name or a part of an argument, if none is there."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -180,11 +180,11 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[st
     rest = body[-1].end_lineno
     for position, statement in enumerate(body):
         first, last = statement.lineno - 1, statement.end_lineno
-        if position:  # one level out, with all that follows
+        if position:  # one level out, with all statements that follow
             yield _shifted(lines, first, rest, outer - depth)
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
-            if inner:  # into the block before it, with some of the statements that follow
+            if inner:  # into the block before, with some of the statements that follow
                 for end in [following.end_lineno for following in body[position:]]:
                     yield _shifted(lines, first, end, inner[0].col_offset - depth)
             here, there = before.lineno - 1, before.end_lineno

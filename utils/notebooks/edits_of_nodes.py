@@ -1,4 +1,4 @@
-"""Edits of one node of a function's syntax tree; see `utils.notebooks.edits`."""
+"""Generate the edits of one node of a function's syntax tree; see `utils.notebooks.edits`."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class SourceText:
             self._starts.append(self._starts[-1] + len(line) + 1)
 
     def span(self, node: ast.AST) -> tuple[int, int]:
-        """Return where a node begins and ends, in bytes."""
+        """Return the positions, in bytes, at which a node begins and ends."""
         return (
             self._starts[node.lineno - 1] + node.col_offset,
             self._starts[node.end_lineno - 1] + node.end_col_offset,
@@ -145,17 +145,17 @@ class SourceText:
 
 @dataclass(frozen=True)
 class Names:
-    """The names in a function.
+    """The names in a function or a class.
 
     Attributes
     ----------
     arguments : list of str
-        Its parameters.
+        Names of its parameters.
     bound : list of str
-        Its parameters and the names that it assigns.
+        Names of its parameters, and names that it assigns.
     missing : list of str
-        Names that it reads but neither assigns nor calls, without builtins and names whose
-        attributes it uses.
+        Names that it reads but does not assign. Builtins are left out, and so are names that it
+        calls or whose attributes it uses.
     """
 
     arguments: list[str]
@@ -181,22 +181,20 @@ def names_in(function: ast.AST) -> Names:
 def edits_of_node(
     source: SourceText, node: ast.AST, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Yield rank, begin, end and new text of each edit of a node.
+    """Yield the rank, start, end and new text of each edit of a node.
 
     Parameters
     ----------
     source : SourceText
     node, parent : ast.AST
-        The node and its parent.
     field : str
         The field of the parent that contains the node.
     names : Names
-        Names of the function.
 
     Yields
     ------
     tuple of int, int, int, str
-        The likeliest edits have rank 0.
+        The likeliest edits have rank 0. Positions are in bytes.
     """
     value = getattr(node, "value", None)
     if isinstance(node, ast.Compare):
@@ -285,7 +283,7 @@ def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, 
 
 
 def _swapped(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
-    """Swap two nodes; return where they begin and end, and the new text between."""
+    """Swap two nodes; return the start of the first, the end of the second, and the new text."""
     (begin, middle), (further, end) = source.span(first), source.span(second)
     return begin, end, source.of(second) + source.text(middle, further) + source.of(first)
 
@@ -461,7 +459,7 @@ def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, st
 def _wrapped(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Wrap a value where it is used: with a sign, a root, an index, a slice or a copy."""
+    """Change a value where it is used, for example by a sign, a root, an index or a slice."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List, ast.Subscript)
     tested = isinstance(parent, (ast.If, ast.While, ast.IfExp)) and field == "test"
     placed = isinstance(parent, into) and field in ("value", "args", "elts", "slice")

@@ -1,8 +1,8 @@
 """Stand-ins for modules that a lesson forbids because they solve its exercise.
 
 Libraries import such modules for their own purposes; scikit-learn, for example, imports a graph
-search in its first line. They get a module that has every name, and each name raises an error as
-soon as it is called.
+search in its first line. A library gets a module that has every name instead, and each name raises
+an error as soon as it is called.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import functools
 from collections.abc import Iterable
 from types import ModuleType
 
-# Compiled modules look up the C functions that they link against as soon as they are imported;
+# When a compiled module is imported, it looks up the C functions that it links against.
 # `scipy.interpolate` links against these.
 _MESH = "__pyx_t_5scipy_7spatial_6_qhull_DelaunayInfo_t *"
 _LINKED = {
@@ -59,7 +59,7 @@ class StandInModule(ModuleType):
     ----------
     name : str
     forbidden : str
-        The module that the lesson forbids: this one or one that contains it.
+        The module that the lesson forbids: the module itself, or a package that contains it.
     """
 
     def __init__(self, name: str, forbidden: str) -> None:
@@ -69,7 +69,7 @@ class StandInModule(ModuleType):
             self.__pyx_capi__ = _unusable_functions(name)
 
     def __getattr__(self, name: str) -> StandIn:
-        """Return a stand-in for a name; it is the same object at every access."""
+        """Return a stand-in for a name, which is the same object at every access."""
         value = _attribute(name, self.__name__, self.__forbidden__)
         setattr(self, name, value)
         return value
@@ -81,14 +81,14 @@ def stand_in(name: str, module: str, forbidden: str) -> StandIn:
 
 
 def _attribute(name: str, module: str, forbidden: str) -> StandIn:
-    if name.startswith("__"):  # Python probes these to find out an object's abilities
+    if name.startswith("__"):  # Python probes these to find out what an object can do
         raise AttributeError(name)
     return stand_in(name, module, forbidden)
 
 
 @functools.cache
 def _unusable_functions(module: str) -> dict[str, object]:
-    """Return C functions to link against; a caller gets the refusal before reaching them."""
+    """Return C functions to link against; a caller gets the refusal before it reaches them."""
     import ctypes
 
     new = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)(

@@ -1,19 +1,19 @@
 """Parse a code cell as Python in which IPython commands do nothing.
 
-`%matplotlib inline`, `!pip list` and `plot?` are for a person at the notebook. Code that only
-needs the notebook's functions gets `None` in their place. Every line keeps its number, so that an
-error points to the student's own line.
+Commands such as `%matplotlib inline`, `!pip list` and `plot?` only make sense in an open notebook.
+`None` replaces them here, because the caller needs only the notebook's functions. Every line keeps
+its number, so that an error points to the student's own line.
 """
 
 from __future__ import annotations
 
 import ast
 
-# The bodies of these run in the notebook's own namespace; other cell magics contain another
-# language or throw-away code.
+# The cells of these magics run in the notebook's own namespace. Cells of other magics contain
+# another language or throw-away code.
 _PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
 # IPython reads the whole cell again for each command. A student writes a few commands; a cell with
-# more than this is treated as invalid Python.
+# more commands than this limit is treated as invalid Python.
 _MOST_COMMANDS = 100
 
 
@@ -23,7 +23,7 @@ def parse_cell(source: str) -> ast.Module:
     Parameters
     ----------
     source : str
-        Python with IPython's additions to it.
+        Python, possibly with IPython commands.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def _without_magics(source: str) -> str:
 
 
 def _transform(source: str) -> str:
-    """Translate magics with IPython, which few cells need and which is slow to import."""
+    """Translate magics with IPython, imported only here because that is slow and rarely needed."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):

@@ -1,7 +1,7 @@
 """Load your functions from another notebook without running all of it.
 
-A notebook also loads clouds, draws them and plays films. Only the statements that the functions
-need are executed.
+A notebook also loads clouds, draws them and plays films. This module executes only the statements
+that the functions need.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 from utils.notebooks.statements import Statement
 
 _PROJECT = Path(__file__).resolve().parents[2]
-# At the top level of a notebook, these modules only present: they make pictures, films, and streets
-# that take seconds to simulate.
+# The top level of a notebook uses these modules only to show something: pictures, films, and
+# streets that take seconds to simulate.
 _PRESENTATION_MODULES = (
     "matplotlib.pyplot",
     "utils.drive",
@@ -34,7 +34,7 @@ _PRESENTATION_MODULES = (
     "utils.scene3d",
     "utils.scenes",
 )
-_LOADING: set[Path] = set()  # a notebook may load one that loads it
+_LOADING: set[Path] = set()  # guards against notebooks that load each other
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
@@ -89,7 +89,7 @@ def load_my_functions(
         return None
     _LOADING.add(path)
     try:
-        # A slider runs the function that it decorates.
+        # Sliders are left out, because a slider runs the function that it decorates.
         statements = slicing.parse_notebook(cells)[0]
         statements = [found for found in statements if not _is_slider(found.node)]
         names = _functions(statements)
@@ -141,7 +141,7 @@ def _cells(path: Path) -> list[str]:
             "there, and try again."
         ) from None
     for number, source in enumerate(cells, start=1):
-        # Tracebacks can then show the line in which one of these functions fails.
+        # The cache lets tracebacks show the line in which one of these functions fails.
         filename = _filename(path.name, number)
         linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
     return cells
@@ -192,7 +192,7 @@ def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
 
 
 def _presentation_names(statements: list[Statement]) -> Iterator[str]:
-    """Yield the names under which a notebook imports modules that only present."""
+    """Yield the names under which a notebook imports presentation modules."""
     for statement in statements:
         if isinstance(statement.node, (ast.Import, ast.ImportFrom)):
             module = getattr(statement.node, "module", None)
@@ -232,7 +232,7 @@ def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[st
 
 
 def _execute_statement(statement: Statement, module: ModuleType) -> None:
-    """Execute a statement in a module; define a stub so that a call explains it is unfinished."""
+    """Execute a statement in a module; a call of a stub then explains that it is unfinished."""
     node, notebook = statement.node, module.__name__
     if is_stub(node):
         setattr(module, node.name, _stub(node.name, notebook))

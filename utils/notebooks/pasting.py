@@ -1,4 +1,4 @@
-"""Source of functions and of everything they use, to be pasted into another notebook."""
+"""Extract functions, with everything they use, for pasting into another notebook."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
     Raises
     ------
     LookupError
-        A name is not defined there.
+        The notebook does not define one of the names.
     NotImplementedError
         One of these functions is still a stub.
     """
@@ -60,7 +60,7 @@ def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
     Parameters
     ----------
     names, cells, origin
-        The parameters of `texts_of`.
+        As in `texts_of`.
     """
     texts = texts_of(names, cells, origin)
     imports = [text for text in texts if is_import(text)]

@@ -57,7 +57,7 @@ class Notebook:
     lesson_name : str
         Name of the released lesson according to the metadata; empty if it is not there.
     repairs : tuple of str
-        One sentence for each fault of the file, with the repair.
+        One sentence for each fault of the file and its repair.
     """
 
     cells: tuple[Cell, ...]
@@ -72,7 +72,7 @@ class Notebook:
 
 @dataclass
 class _Draft:
-    """State that the steps fill in, from bytes to cells."""
+    """The state of reading a file, which the steps fill in."""
 
     name: str
     data: bytes
@@ -230,8 +230,8 @@ def _read_cells(draft: _Draft) -> str:
     return ""
 
 
-# The steps from bytes to cells. Each returns a sentence about its repair if work of the student may
-# be lost by it.
+# The steps from bytes to cells. Each returns a sentence about its repair if the student may have
+# lost work.
 STEPS: tuple[Callable[[_Draft], str], ...] = (
     _decode,
     _count_brackets,
@@ -244,7 +244,7 @@ STEPS: tuple[Callable[[_Draft], str], ...] = (
 def _cell(cell: dict, old: bool) -> Cell:
     kind = cell.get("cell_type")
     if kind not in ("code", "markdown", "raw"):
-        # nbformat 3 has "heading" and "html". A cell without a type counts as code if it looks so.
+        # nbformat 3 has "heading" and "html". A cell without a type is code if it looks like code.
         runs = kind is None and ("outputs" in cell or "input" in cell)
         kind = "code" if runs else "raw" if kind == "html" else "markdown"
     places = ("input", "source") if old and kind == "code" else ("source", "input")

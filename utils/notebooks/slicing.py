@@ -1,9 +1,9 @@
-"""Program slicing: the statements of a notebook that an exercise needs.
+"""Find the statements of a notebook that an exercise needs, by program slicing.
 
 A notebook also loads a street, draws it and tries things out. The judge, or another notebook, needs
 only the student's functions and the statements that those functions use; other statements cost
-time and may fail. The notebook is therefore sliced backwards from the functions' names. A top-level
-statement is kept if it binds or changes a name that is needed; the names that it uses are then
+time and may fail. This module therefore slices backwards from the functions' names. It keeps a
+top-level statement that binds or changes a needed name; the names that the statement uses are then
 needed as well.
 
 This module reads untrusted text, so it runs in the sandbox.
@@ -70,7 +70,7 @@ def lines_of(names: Iterable[str], statements: list[Statement]) -> list[list[int
 
 
 def places_of(statements: Iterable[Statement]) -> list[list[int]]:
-    """Return cell, first and last line of each function or class among some statements."""
+    """Return the cell, first line and last line of each function or class among some statements."""
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return [
         [statement.cell, statement.node.lineno, statement.node.end_lineno]
@@ -80,7 +80,7 @@ def places_of(statements: Iterable[Statement]) -> list[list[int]]:
 
 
 def is_checked(name: str, statements: list[Statement]) -> bool:
-    """Return whether a `check(name)` follows the last definition, as for every exercise."""
+    """Return whether a `check(name)` follows the last definition, as it does for an exercise."""
     return _end_of_exercise(name, statements) < len(statements)
 
 
@@ -99,8 +99,8 @@ def end_of_checks(names: Iterable[str], statements: list[Statement]) -> int:
 
 def _needed_by(name: str, statements: list[Statement]) -> set[int]:
     """Return the positions of the statements that one function needs."""
-    # Statements such as `sys.setrecursionlimit(...)` change the interpreter, so they count even if
-    # the function does not mention `sys`.
+    # Statements such as `sys.setrecursionlimit(...)` change the interpreter, so they are kept even
+    # if the function does not mention `sys`.
     needed, kept = {name, "sys"}, set()
     modules = {
         name
@@ -126,7 +126,10 @@ def _needed_by(name: str, statements: list[Statement]) -> set[int]:
 
 
 def _end_of_exercise(name: str, statements: list[Statement]) -> int:
-    """Return the position of the `check(name)` after the last definition, or the end."""
+    """Return the position of the `check(name)` after the last definition.
+
+    Without such a check, it is the number of statements.
+    """
     last = max(
         (
             position

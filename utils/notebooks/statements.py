@@ -18,12 +18,12 @@ class Statement:
         Number of its code cell.
     node : ast.stmt
     binds, uses : frozenset of str
-        Names that it assigns or imports; names that it reads.
+        Names that it assigns or imports, and names that it reads.
     changes : frozenset of str
         Names whose objects it changes.
     calls : frozenset of str
-        Names with a method that it calls only for the effect. This counts as a change of the
-        object, unless the name is a module.
+        Names of objects with a method that it calls only for the effect. Such a call counts as a
+        change of the object, unless the name is a module.
     future : int
         Compiler flags of the ``from __future__ import`` statements so far.
     """
@@ -73,7 +73,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
 
 
 def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
-    """Return the text of a statement, with comprehensions that have a scope of their own."""
+    """Return the text of a statement whose comprehensions have a scope of their own."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
     source = ast.unparse(node)
     if any(isinstance(inner, comprehensions) for inner in inside):
@@ -83,7 +83,7 @@ def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
 
 
 class _Generators(ast.NodeTransformer):
-    """Turns comprehensions into generators, as Python 3.12 adds their names to the outer scope."""
+    """Turns comprehensions into generators: Python 3.12 adds their names to the outer scope."""
 
     def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
         self.generic_visit(node)
@@ -105,8 +105,8 @@ def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]
 def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
     """Yield the names whose objects a statement changes, given its nodes.
 
-    ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
-    ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
+    Changes are ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and settings of a module, such as
+    ``np.random.seed(1)`` and ``sys.setrecursionlimit(9999)``.
     """
     for inner in inside:
         if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
@@ -125,7 +125,7 @@ def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
 
 
 def _called_names(inside: list[ast.AST]) -> Iterator[str]:
-    """Return the names with a method that is called only for its effect: ``a.append(b)``."""
+    """Return the names with a method called only for its effect, such as ``a.append(b)``."""
     return (_root(inner.value.func) for inner in inside if _is_bare_call(inner))
 
 
