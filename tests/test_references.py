@@ -1,4 +1,4 @@
-"""The reference solutions fulfil their contracts in cases that hidden tests do not cover."""
+"""The reference solutions are right in cases that hidden tests do not cover."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Objects of a student's class, used across the sandbox as if they were local."""
+"""The judge uses a student's objects across the sandbox, and places and interrupts their calls."""
 
 import numpy as np
 import pytest
@@ -223,7 +223,7 @@ def answer(number):
 
 
 def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
-    """A helper that only the exercise uses counts as part of it."""
+    """The call may be in a helper, if only this exercise uses the helper."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
@@ -236,7 +236,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )
-        # For a hidden test, one line is shown.
+        # A hidden test shows only the place of the call, without any code.
         assert error.without_words == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:

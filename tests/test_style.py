@@ -36,7 +36,10 @@ def files():
 
 
 def prose_of(source):
-    """Yield each docstring and each block of comments, with its first line."""
+    """Yield each docstring and each block of comments, with a line number.
+
+    The number is the line of the definition with the docstring, or the last line of the block.
+    """
     for node in ast.walk(ast.parse(source)):
         documented = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
         if documented and (text := ast.get_docstring(node)):

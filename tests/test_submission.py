@@ -1,4 +1,4 @@
-"""Reading a submission, and its fingerprint."""
+"""Reading a submission and computing its fingerprint."""
 
 import dataclasses
 import errno
@@ -29,7 +29,7 @@ def test_a_module_cannot_continue_a_notebook():
     assert beside.fingerprint() != behind.fingerprint()
 
 
-# Few letters, so that different splits of the same text are often drawn.
+# Few letters, so that Hypothesis often draws different splits of the same text.
 TEXTS = st.text("a\0 1", max_size=2)
 HANDED_IN = st.builds(
     SubmittedFiles,

@@ -1,4 +1,4 @@
-"""Submission times of work in one or two folders, known or unknown."""
+"""The submission time of a student with one or two folders, which may be unknown."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Return the two folders of a student whose id has two spellings, each with a notebook."""
+    """Return two folders of one student, whose ID has two spellings; each has a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")

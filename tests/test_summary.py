@@ -1,4 +1,4 @@
-"""How `check` summarises failures and enforces limits of time and memory and a lesson's rules."""
+"""`check` summarises failures, and enforces the limits of time and memory and a lesson's rules."""
 
 import builtins
 import contextlib
@@ -28,7 +28,7 @@ from utils.checks.summary import resolve
 
 @pytest.fixture
 def exercise(monkeypatch):
-    """Return the name of a lesson with an exercise `double`, whose checks each test declares."""
+    """Return the name of a made-up exercise; each test declares the checks of the exercise."""
     monkeypatch.setattr(core, "_CHECKS", dict(core._CHECKS))
     monkeypatch.setattr(diagnosis, "_KNOWN", dict(diagnosis._KNOWN))
     return "double"
@@ -169,7 +169,7 @@ def test_a_mistake_needs_two_cases_and_no_rival(exercise):
 
 
 def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
-    """It explains the answers to all cases, but not the exception for an empty array."""
+    """The mistake explains the answers to all cases, but not the exception for an empty array."""
     mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
@@ -223,7 +223,7 @@ def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
 
 
 def test_every_known_mistake_predicts_its_own_answers(lesson):
-    """On its cases, each mistake predicts other answers than the solution and other mistakes."""
+    """Each mistake predicts answers that differ from the solution's and from other mistakes'."""
     for one in lesson.machine_graded:
         core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
@@ -239,7 +239,7 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
 
 
 class Hostile:
-    """An answer that raises whatever is done with it."""
+    """An answer that raises an exception at every operation."""
 
     def _refuse(self, *anything):
         raise RuntimeError("no")
@@ -292,7 +292,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     declared("three")(lambda double: None)
 
     def brief_deaf():
-        """Catch every exception twice, then let one pass."""
+        """Suppress the first two interrupts, then let the third one pass."""
         for _ in range(2):
             with contextlib.suppress(BaseException):
                 endless(0)
@@ -307,7 +307,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
 
 @pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
 def test_the_time_limit_works_without_interrupts(handler):
-    """A script that starts a process in the background lets it ignore interrupts."""
+    """A process that a script starts in the background ignores interrupts."""
 
     def busy():
         end = time.monotonic() + 600
@@ -493,7 +493,7 @@ def test_a_summary_in_a_notebook_folds_and_colours():
 
 
 def test_failures_fixed_by_one_edit_have_one_cause():
-    """The first failure is shown, and the others are folded under it."""
+    """If one edit fixes all failures, the others count as failures for the same reason."""
     outcomes = [
         Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
         for name in ("first", "second", "third")

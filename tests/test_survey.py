@@ -1,6 +1,7 @@
-"""Every answer that is one edit away from a right one loses points or is equivalent.
+"""A right answer with one edit loses points, or is still equivalent to the solution.
 
-`python -m tests.survey` prints the table; with the name of an exercise, all edits of its answers.
+`python -m tests.survey` prints a table for all solutions. With the name of an exercise, it prints
+the table for all right answers to that exercise.
 """
 
 import pytest
@@ -20,8 +21,8 @@ ANSWERS = {
     for exercise in EXERCISES
     for name in (SOLUTION, *(function.name for function in right_functions(exercise)))
 }
-# Edits by exercise that change some answers but lose no points: a line, the edited line, and the
-# reason why this is accepted.
+# Known edits that change some answers but lose no points. `KNOWN` has, for each exercise, the line
+# before and after each edit, and the reason why no check has to find it.
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
 _BETTER = "if np.count_nonzero(close) > np.count_nonzero(inliers):"
@@ -118,8 +119,8 @@ KNOWN = {
 }
 
 
-# The checks of these take so long that the edits of all answers would take hours. So all edits of
-# the solution run, and one in five of the others.
+# The checks of these exercises are slow: running all edits of all right answers would take hours.
+# All edits of the solution run, but only one in five edits of the other answers.
 SLOW = (
     "ransac_plane",
     "euclidean_clustering",
@@ -143,7 +144,7 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_few_lose_more_than_three_fifths_for_one_edit(sandbox):
-    """A fixed sample of the edits of each solution is judged in the sandbox, with repair."""
+    """Judge a fixed sample of edits of each solution in the sandbox, and search for the slips."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
     severe = [(one.before, one.after) for share, one in lost if share > MOST]

@@ -1,4 +1,4 @@
-"""Tables of lessons: HTML in a notebook, aligned text elsewhere."""
+"""`show_table` displays HTML in a notebook, and prints aligned text elsewhere."""
 
 import pytest
 

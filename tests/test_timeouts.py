@@ -1,4 +1,4 @@
-"""Messages on functions that do not return: they name the loop and ask a question about it."""
+"""The message about a function that hangs names the loop and asks a question about it."""
 
 import numpy as np
 import pytest
@@ -49,7 +49,7 @@ def loop_without_a_line(cloud):
 
 
 def after(function, monkeypatch, slow=""):
-    """Return the message on a function that hangs."""
+    """Return the message about a function that hangs."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
     asked = Check("asked", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)

@@ -1,4 +1,4 @@
-"""Figures of a cell that raised."""
+"""After an exception in a cell, its empty figures are closed and the others stay open."""
 
 import matplotlib.pyplot as plt
 import pytest

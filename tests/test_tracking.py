@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Return the nearest previous box of each box, which suffices for distant objects."""
+    """Return the row of the nearest previous box for each box, or -1 if none is near."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]

@@ -76,7 +76,7 @@ def test_equal_parts_of_verdicts_share_memory():
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
-    assert verdict_module._interned.cache_info().maxsize > 5000  # checks and their outcomes
+    assert verdict_module._interned.cache_info().maxsize > 5000  # room for all checks and outcomes
 
 
 def test_a_valid_verdict_is_not_starved_and_immutable():
@@ -109,7 +109,7 @@ def test_the_sentence_on_a_slip_has_its_place_and_its_score(before, shown, score
 
 
 def change_of(*way, to):
-    """Return a function that changes one field of a file's content, or deletes it for None."""
+    """Return a function that sets one field of a file's content, or deletes it if `to` is None."""
 
     def change(content):
         *before, last = way
@@ -132,7 +132,7 @@ def change_of(*way, to):
         change_of("score", to=None),
         change_of("more", to=1),
         change_of("exercises", 0, "tests", 0, "name", to=None),
-        change_of("exercises", 0, "tests", 0, "name", to=[]),  # cannot be compared
+        change_of("exercises", 0, "tests", 0, "name", to=[]),  # cannot be hashed
     ],
 )
 def test_an_invalid_file_gives_no_verdict(tmp_path, change):

@@ -1,4 +1,4 @@
-"""The key of a verdict, which covers everything that decided it and nothing else."""
+"""The key of a verdict covers everything that the verdict depends on, and nothing else."""
 
 import ast
 import contextlib
@@ -22,7 +22,8 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging import key
 from grader.judging.key import files_that_decide
 
-# Judges notebooks in a separate process; prints what was opened and started meanwhile.
+# Script for a separate process. It judges notebooks, and prints the paths that were opened or
+# given to new processes.
 LISTENER = """
 import os, sys
 heard = set()
@@ -56,12 +57,12 @@ print(json.dumps({"heard": sorted(heard), "faults": faults}))
 
 
 def solved(lesson):
-    """Return a notebook with the lesson's own answers, on which all checks run."""
+    """Return a notebook with the lesson's own answers, so that all checks run."""
     return lesson.solved.read_text("utf-8")
 
 
 def mistaken(lesson):
-    """Return a notebook with a mistake in every answer, a known one if there is one."""
+    """Return a notebook with a mistake in every answer: a known mistake, if there is one."""
     answers = {
         exercise.name: max(
             (variant for variant in answers_to(exercise.name) if not variant.right),
@@ -83,7 +84,7 @@ def entangled(lesson):
 
 
 def read_while_judging(lesson, notebooks, folder, sandbox):
-    """Return the project files that are opened, run or shown while notebooks are judged."""
+    """Return the project files that are opened, or given to new processes, during judging."""
     paths = []
     for notebook in notebooks:
         path = folder / notebook.__name__ / f"{lesson.name}.ipynb"
@@ -104,7 +105,10 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
 
 
 def files_of_project(path):
-    """Return a file, or all files of a folder, as project files."""
+    """Yield the project files at a path.
+
+    A folder yields all its modules, and a compiled module yields its source.
+    """
     if not path.is_relative_to(PROJECT) or path.is_relative_to(sys.prefix):
         return
     within = path.relative_to(PROJECT).parts
@@ -123,7 +127,8 @@ def assert_covered(lesson, notebooks, folder, sandbox):
     read = read_while_judging(lesson, notebooks, folder, sandbox)
     missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
     assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
-    # The audit hook works, also for the sources of right helpers.
+    # These files are always read, so the audit hook works. The solution has the right helpers,
+    # which are not needed in a lesson with one exercise.
     assert {lesson.source, lesson.released, lesson.tests} <= read
     assert lesson.solved in read or len(lesson.machine_graded) == 1
 
@@ -135,13 +140,13 @@ def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tm
 
 @pytest.mark.slow
 def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
-    """This uses the fastest lesson; the test above tries all lessons."""
+    """This test uses the fastest lesson; the test above covers all lessons."""
     assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
 
 
 @pytest.mark.slow
 def test_every_imported_module_is_in_the_key(lesson):
-    """This includes code that no test notebook reaches; Python's own parser finds the imports."""
+    """The imports include those that no test notebook reaches; Python's own parser finds them."""
     covered = files_that_decide(lesson)
     modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
     imported = {file for module in modules for file in files_of(module)}
@@ -153,7 +158,7 @@ def test_every_imported_module_is_in_the_key(lesson):
 
 @functools.cache
 def modules_of(file):
-    """Return the dotted names in the imports of a file; a lesson's source is a notebook."""
+    """Return the dotted names that a file imports; none for `lesson.py`, a notebook."""
     if file.name == "lesson.py":
         return frozenset()
     names = set()
@@ -324,7 +329,7 @@ def test_the_key_depends_on_student_submission_and_seed():
     ]
     assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
     assert key.verdict_key(notebook, lesson, 17, "") == keys[0]
-    # A name that is not valid text.
+    # A name that is not valid UTF-8 must not raise an exception.
     key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))
 
 
@@ -357,7 +362,7 @@ def keys_in(root):
 
 @contextlib.contextmanager
 def changed(path):
-    """Append a comment to a file, inside a with statement."""
+    """Append a comment to a file, and restore the file at the end of the context."""
     content = path.read_bytes()
     path.write_bytes(content + b"\n# A remark.\n")
     yield

@@ -1,4 +1,4 @@
-"""How the judge reaches a verdict, with given outcomes of checks instead of a notebook."""
+"""How the judge reaches a verdict; made-up outcomes replace the runs of the checks."""
 
 import dataclasses
 import json
@@ -32,7 +32,7 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
-# The checks of an untouched notebook would not run at all.
+# One changed function, because the checks of an untouched notebook would not run at all.
 WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
@@ -201,7 +201,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
 
 @pytest.fixture
 def reference(monkeypatch):
-    """Return a function that gives the complaints about a solution with given results."""
+    """Return a function that returns the complaints about a solution with given results."""
 
     def complaints(*tries):
         waiting = list(tries)

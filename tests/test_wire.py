@@ -1,4 +1,4 @@
-"""The protocol between a student's process and the judge, with honest and with hostile bytes."""
+"""The protocol between a student's process and the judge, with honest and hostile bytes."""
 
 import json
 import math
@@ -40,7 +40,7 @@ VALUES = st.recursive(
 
 
 def parts(message):
-    """Return the tree and the blob of an encoded message."""
+    """Return the two parts of an encoded message: the JSON tree, and the blob with the arrays."""
     tree_size, blob_size = wire_format.HEADER.unpack(message[:8])
     assert len(message) == 8 + tree_size + blob_size
     return message[8 : 8 + tree_size], message[8 + tree_size :]
@@ -51,7 +51,7 @@ def there_and_back(value):
 
 
 def same(one, other):
-    """Return whether two values are equal and of one type; NaN equals NaN."""
+    """Return whether two values have the same type and are equal; NaN equals NaN."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
@@ -118,13 +118,13 @@ def test_arrays_of_any_layout_arrive_writable(array):
     ],
 )
 def test_homogeneous_and_mixed_lists_cross_alike(value):
-    """Some lists are checked as a whole, which must not let through more."""
+    """A list of one plain type is checked as a whole, which must not let more values through."""
     assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
 
 
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
-    """Time is proportional to the number of arrays; with its square it would be minutes."""
+    """The time is proportional to the number of arrays; quadratic time would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
@@ -192,7 +192,7 @@ def test_unterminated_texts_take_linear_time():
 
 
 def decodes_or_refuses(tree, blob=b""):
-    """Return whether `decode` returns plain data or raises `WireError`, with little memory."""
+    """Assert that `decode` returns plain data or raises `WireError`, and uses little memory."""
     tracemalloc.start()
     try:
         value = wire_format.decode(tree, blob)
@@ -304,7 +304,7 @@ def test_two_arrays_cannot_share_bytes():
     [b'{"set":[]}', b'{"array":["|b1",[0]]}', b'{"generator":["1","1",0,0]}', b'"ab"', b"1.5,null"],
 )
 def test_many_small_values_are_refused_before_memory_is_allocated(unit):
-    """Decoded, they would take fifty times as much memory as their bytes, and ten seconds."""
+    """Decoding them would take ten seconds, and fifty times as much memory as their bytes."""
     most = wire_format.MAXIMUM_TREE - 20
     tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
     tracemalloc.start()
@@ -337,7 +337,7 @@ def test_keys_that_collide_are_refused():
     begin = time.process_time()
     with pytest.raises(WireError):
         wire_format.decode(b'{"set":[' + colliding + b"]}", b"")
-    assert time.process_time() - begin < 20  # with sets it takes minutes
+    assert time.process_time() - begin < 20  # building the set takes minutes
 
 
 def test_lone_surrogates_are_replaced():
@@ -355,7 +355,7 @@ def test_lone_surrogates_are_replaced():
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
 def test_the_name_of_a_students_class_does_not_cross(value):
-    """It could contain the question of a hidden test."""
+    """The name could contain the question of a hidden test."""
     assert there_and_back([value])[0].type_name in (
         "an object of a class of its own",
         "an array of void",
@@ -407,7 +407,7 @@ def test_half_a_message_times_out(pipe):
 
 
 def test_the_limit_holds_while_data_trickle_in(pipe):
-    """A reader that always finds data must still watch the clock."""
+    """A reader that always finds more data must still watch the clock."""
     os.write(pipe[1], wire_format.encode("here in full, and too late"))
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], wire.within(-1))
