@@ -61,7 +61,7 @@ TESTS = {
     "grader/judging/key.py": ("test_verdict_key.py",),
     "grader/judging/verdict.py": ("test_verdict.py",),
     "grader/course/atomic_files.py": ("test_atomic_files.py",),
-    "solutions/samples.py": ("test_samples.py",),
+    "extension/samples.py": ("test_samples.py",),
     "grader/judging/messages.py": ("test_messages.py",),
     "grader/intake/reader_process.py": ("test_reader_process.py",),
     "grader/intake/submission.py": ("test_submission.py",),

@@ -100,7 +100,7 @@ def test_trying_a_missing_lesson_gets_a_message(capsys):
 def copy(tmp_path_factory):
     """Return a copy of the project in which lessons can be written."""
     root = tmp_path_factory.mktemp("project") / "lab"
-    for folder in ("grader", "utils", "solutions", "notebooks", "data"):
+    for folder in ("extension", "grader", "utils", "solutions", "notebooks", "data"):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
     shutil.copy(PROJECT / "pyproject.toml", root)

@@ -236,7 +236,7 @@ def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_pat
 
 
 def test_hidden_tests_differ_from_seed_to_seed():
-    from solutions import samples
+    from extension import samples
 
     assert not (
         samples.obstacles_of_street(1, 50)[:, :3] == samples.obstacles_of_street(2, 50)[:, :3]
@@ -246,7 +246,7 @@ def test_hidden_tests_differ_from_seed_to_seed():
 def test_cluster_oracle_agrees_with_brute_force():
     import numpy as np
 
-    from solutions import samples
+    from extension import samples
 
     cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
     labels = samples.cluster_labels(cloud, 0.5)

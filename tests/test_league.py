@@ -10,15 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader import cli
-from grader.course.kept_answers import answers_to, fill_in
-from grader.course.paths import PROJECT, Course
-from grader.judging.key import with_imports
-from grader.sandbox import Limits
-from grader.sandbox.program import Program
-from grader.sandbox.student import StudentProxy
-from solutions.league import drives, page, season
-from solutions.league.drives import (
+from extension.league import drives, page, season
+from extension.league.drives import (
     DETECTOR,
     MOST_BOXES,
     MOST_FAILURES,
@@ -27,10 +20,10 @@ from solutions.league.drives import (
     from_json,
     repeat_drive,
 )
-from solutions.league.page import events_of, write_league
-from solutions.league.pseudonyms import pseudonyms
-from solutions.league.ranking import counted_metres, standings
-from solutions.league.season import (
+from extension.league.page import events_of, write_league
+from extension.league.pseudonyms import pseudonyms
+from extension.league.ranking import counted_metres, standings
+from extension.league.season import (
     COURSE_DETECTOR,
     TRUE_BOXES,
     Entrant,
@@ -38,7 +31,14 @@ from solutions.league.season import (
     drive_class,
     lesson_of_league,
 )
-from solutions.league.streets import streets_of
+from extension.league.streets import streets_of
+from grader import cli
+from grader.course.kept_answers import answers_to, fill_in
+from grader.course.paths import PROJECT, Course
+from grader.judging.key import with_imports
+from grader.sandbox import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import StudentProxy
 from tests.test_faults import Inline
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
@@ -212,7 +212,7 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     files = with_imports([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
-        "solutions/league/streets.py",
+        "extension/league/streets.py",
         "grader/sandbox/inside/worker.py",
         "utils/drive/planner.py",
         "utils/simulator/scanner.py",
@@ -222,8 +222,8 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     drives._rules.__wrapped__(LESSON)
     assert {LESSON.source, LESSON.solved, LESSON.released} <= read
     assert not names & {
-        "solutions/league/page.py",
-        "solutions/league/ranking.py",
+        "extension/league/page.py",
+        "extension/league/ranking.py",
         "utils/plots/style.py",
     }
 

@@ -5,8 +5,8 @@ import time
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.course.lessons import load_reference
-from solutions import samples
 from tests.prerequisites import PATIENCE
 from utils.clouds import read_cloud
 

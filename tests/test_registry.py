@@ -171,7 +171,7 @@ for variant in answers_to("highest"):
 def project_copy(tmp_path_factory):
     """Return the path of a copy of the project with a lesson 14 added."""
     root = tmp_path_factory.mktemp("project") / "lab"
-    for folder in ("grader", "utils", "solutions", "notebooks", "data"):
+    for folder in ("extension", "grader", "utils", "solutions", "notebooks", "data"):
         shutil.copytree(
             PROJECT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__")
         )

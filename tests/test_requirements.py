@@ -30,7 +30,7 @@ FILES = (
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
-OWN_PACKAGES = {"grader", "utils", "tests"} | INSIDE
+OWN_PACKAGES = {"extension", "grader", "utils", "tests"} | INSIDE
 # Optional packages, used if installed: libraries that a benchmark compares, and lesson 13's numba.
 PEERS = {"dbscan", "open3d", "numba"}
 BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .ci/hub creates

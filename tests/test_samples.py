@@ -9,10 +9,10 @@ import pytest
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import pdist, squareform
 
+from extension import samples
 from grader.course.paths import PROJECT
 from grader.judging import hidden_tests
 from grader.judging.hidden_tests import cached_by_content, generator_for_students
-from solutions import samples
 
 
 @pytest.fixture

@@ -12,10 +12,10 @@ from grader.course.paths import PROJECT
 # Everything except the lessons themselves.
 PLAIN = (
     "conftest.py",
+    "extension",
     "grader",
     "solutions/*.py",
     "solutions/*/*/[!l]*.py",
-    "solutions/league",
     "tests",
     "utils",
 )

@@ -14,7 +14,6 @@ import pytest
 from grader.course.paths import PROJECT
 
 STAGE, LESSON = "stage1_numbers", "01_root_mean_square"
-OF_THIS_COURSE = ("course.py", "samples.py")
 CELL = '# %% nbgrader={{"grade": {grade}, "grade_id": "{name}", "locked": {grade}, {points}\
 "schema_version": 3, "solution": {solution}, "task": false}}\n'
 SECOND = (
@@ -75,8 +74,7 @@ def course(tmp_path_factory):
         shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
     (root / "solutions").mkdir()
     for path in (PROJECT / "solutions").glob("*.*"):
-        if path.name not in OF_THIS_COURSE:
-            shutil.copy(path, root / "solutions")
+        shutil.copy(path, root / "solutions")
     for path in (*PROJECT.glob("*.toml"), *PROJECT.glob("*.txt"), *PROJECT.glob("nbgrader*.py")):
         shutil.copy(path, root)
     shutil.copy(PROJECT / "LICENSE", root)

@@ -17,7 +17,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 @functools.cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
-        loader=jinja2.FileSystemLoader([TEMPLATES, PROJECT / "solutions"]),
+        loader=jinja2.FileSystemLoader([TEMPLATES, PROJECT / "extension"]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -28,7 +28,7 @@ def _environment() -> jinja2.Environment:
 def render(template: str, **content: object) -> str:
     """Fill in a template of ``templates/`` or of the course; all values are escaped.
 
-    A template of the course is named by its path in ``solutions/``.
+    A template of the course is named by its path in ``extension/``.
     """
     return _environment().get_template(template).render(**content)
 

@@ -1,4 +1,4 @@
-"""What a course adds to the grader in ``solutions/course.py``, if it has that file."""
+"""What a course adds to the grader in ``extension/registry.py``, if it has that file."""
 
 import importlib
 from collections.abc import Collection
@@ -17,6 +17,6 @@ def course_constant(name: str) -> Collection:
         ``OPTIONAL_PACKAGES``: (folder, text) of each package that a standalone notebook has only
         if its code contains the text.
     """
-    if not (PROJECT / "solutions" / "course.py").exists():
+    if not (PROJECT / "extension" / "registry.py").exists():
         return ()
-    return getattr(importlib.import_module("solutions.course"), name, ())
+    return getattr(importlib.import_module("extension.registry"), name, ())

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from grader.course.paths import PROJECT
 
-FOLDERS = ("grader", "utils", "solutions", "notebooks", "data")
+FOLDERS = ("grader", "utils", "extension", "solutions", "notebooks", "data")
 LESSON_FILES = ("lesson.py", "hidden_tests.py")
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from extension.league.drives import DETECTOR, _unpack, drive_in_sandbox
+from extension.league.streets import streets_of
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
-from solutions.league.drives import DETECTOR, _unpack, drive_in_sandbox
-from solutions.league.streets import streets_of
 from tests.attacks.attack import SHORT, WALLS
 from utils.simulator.sensor import Sensor, layers
 
@@ -21,7 +21,7 @@ import numpy as np
 def detect_obstacles(cloud):
     found = []
     try:
-        import solutions.league.streets
+        import extension.league.streets
         found.append("the streets")
     except ImportError:
         pass

@@ -74,7 +74,7 @@ def crop_region(cloud, minimum, maximum):
             "voxel_grid",
             """
 def voxel_grid(cloud, voxel_size=0.2):
-    from solutions.samples import voxel_centroids
+    from extension.samples import voxel_centroids
     return voxel_centroids(cloud, voxel_size)
 """,
         ),

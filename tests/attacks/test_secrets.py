@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import sklearn.cluster  # noqa: F401  (SciPy draws what its documentation shows, as it is imported)
 
+from extension import samples
 from grader import cli, commands
 from grader.course.lessons import load_reference
 from grader.course.paths import Course
 from grader.course.seed import ShortSeed, course_seed
 from grader.judging.hidden_tests import generator_for_students
 from grader.judging.runner import run_checks
-from solutions import samples
 from tests.students import student_with
 
 WORD, PCG = 2**32, 2**128

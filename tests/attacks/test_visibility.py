@@ -62,7 +62,7 @@ def test_walking_the_project_and_every_home_finds_no_secret():
         "reads the hidden tests": "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
         "reads the visible checks": "utils/checks/lesson_04/search.py",
         "reads the judge": "grader/judging/judge.py",
-        "reads the samples": "solutions/samples.py",
+        "reads the samples": "extension/samples.py",
         "reads the simulator": "utils/simulator/scenes.py",
         "reads the geometry of boxes": "utils/boxes/containment.py",
         "reads the geometry of planes": "utils/geometry/planes.py",

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import cached_by_content, hidden
-from solutions import samples
 from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import (
     assert_distances,

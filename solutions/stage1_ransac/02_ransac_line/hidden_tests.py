@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import CheckFailed, call_each
 from utils.checks.failures import fixed
 from utils.checks.lesson_02 import (

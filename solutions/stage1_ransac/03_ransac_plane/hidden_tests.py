@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.judging.hidden_tests import generator_for_students, hidden
-from solutions import samples
 from utils.checks.assertions import CheckFailed, needs
 from utils.checks.lesson_03.fit_plane import (
     assert_direction,

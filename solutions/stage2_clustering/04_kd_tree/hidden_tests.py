@@ -10,8 +10,8 @@ import functools
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import (
     assert_left_alone,
     assert_untouched,

@@ -6,8 +6,8 @@ in the other tests any threshold between 0.25 m and 2 m is right.
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import assert_partition, assert_untouched
 from utils.checks.clusters import assert_from_one, assert_works
 

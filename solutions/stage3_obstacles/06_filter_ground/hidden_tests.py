@@ -8,8 +8,8 @@ compare only positions. Only `test_voxels_all_around` has cells on both sides of
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.judging.hidden_tests import cached_by_content, hidden
-from solutions import samples
 from utils.checks.assertions import (
     as_array,
     assert_all_columns,

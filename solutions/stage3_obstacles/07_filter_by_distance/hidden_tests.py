@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.judging.hidden_tests import cached_by_content, hidden
-from solutions import samples
 from utils.checks.assertions import (
     as_array,
     assert_all_columns,

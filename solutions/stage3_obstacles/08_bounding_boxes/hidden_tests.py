@@ -11,8 +11,8 @@ import functools
 import numpy as np
 import pytest
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import assert_untouched, frozen
 from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.lesson_08 import require_three_boxes

@@ -8,8 +8,8 @@ from collections import Counter
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import CheckFailed, as_labels, assert_untouched
 from utils.checks.lesson_09 import (
     NOISE_MESSAGE,

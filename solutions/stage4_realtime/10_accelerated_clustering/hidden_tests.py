@@ -9,9 +9,9 @@ import functools
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import hidden
 from grader.sandbox.failures import StudentStopped
-from solutions import samples
 from utils.checks.assertions import CheckFailed, assert_partition, frozen
 from utils.checks.clusters import assert_works
 from utils.checks.lesson_10.accelerated import assert_timed_clusters

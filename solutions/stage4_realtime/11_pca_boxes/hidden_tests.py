@@ -8,8 +8,8 @@ import functools
 
 import numpy as np
 
+from extension import samples
 from grader.judging.hidden_tests import cached_by_content, hidden
-from solutions import samples
 from utils.checks import CheckFailed
 from utils.checks.assertions import frozen, needs
 from utils.checks.boxes import (

@@ -8,6 +8,8 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from extension.league.drives import DETECTOR, DriveResult, drive_one, from_json, key_of
+from extension.league.streets import streets_of
 from grader.classroom.protocol import ExecutorLost, capacity
 from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
@@ -15,8 +17,6 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.sandbox import Sandbox, SandboxUnavailable
-from solutions.league.drives import DETECTOR, DriveResult, drive_one, from_json, key_of
-from solutions.league.streets import streets_of
 from utils.drive.streets import Street
 
 TRUE_BOXES, COURSE_DETECTOR = "the true boxes", "the course's detector"

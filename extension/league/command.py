@@ -25,12 +25,12 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
 
 def run_league(options: argparse.Namespace) -> int:
     """Run ``league STAGE``."""
+    from extension.league.page import write_league
+    from extension.league.season import drive_class, lesson_of_league
     from grader.classroom.executors import processors
     from grader.classroom.lock import AlreadyRunning, course_lock
     from grader.classroom.protocol import ExecutorLost
     from grader.course.seed import course_seed
-    from solutions.league.page import write_league
-    from solutions.league.season import drive_class, lesson_of_league
 
     if not commands.stages_exist([options.stage]) or not commands.has_one_executor(options):
         return commands.USAGE_ERROR

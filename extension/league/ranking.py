@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from solutions.league.drives import DriveResult
-from solutions.league.season import Entrant, Season
+from extension.league.drives import DriveResult
+from extension.league.season import Entrant, Season
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 

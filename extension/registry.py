@@ -1,6 +1,6 @@
 """Additions of this course to the grader; see `grader.course.extension`."""
 
-from solutions.league.command import add_league, league_links
+from extension.league.command import add_league, league_links
 
 COMMANDS = (add_league,)
 REPORT_LINKS = (league_links,)

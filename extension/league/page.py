@@ -11,11 +11,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.pages import render
-from grader.course.atomic_files import write_atomically
-from grader.course.paths import Course
-from grader.course.tables import harmless_cell
-from solutions.league.drives import (
+from extension.league.drives import (
     LIMITS,
     MOST_BOXES,
     MOST_FAILURES,
@@ -23,10 +19,14 @@ from solutions.league.drives import (
     DriveResult,
     repeat_drive,
 )
-from solutions.league.pseudonyms import pseudonyms
-from solutions.league.ranking import NEEDLESS_COST, Standing, standings
-from solutions.league.season import Season
-from solutions.league.streets import SPEED
+from extension.league.pseudonyms import pseudonyms
+from extension.league.ranking import NEEDLESS_COST, Standing, standings
+from extension.league.season import Season
+from extension.league.streets import SPEED
+from grader.classroom.pages import render
+from grader.course.atomic_files import write_atomically
+from grader.course.paths import Course
+from grader.course.tables import harmless_cell
 from utils.drive.film import film
 from utils.drive.metrics import CLOSE, FAST
 from utils.drive.rules import stopping_distance

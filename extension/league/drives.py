@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from extension.league.streets import streets_of
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare_to_judge
@@ -28,7 +29,6 @@ from grader.judging.key import key_of_files, with_imports
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
-from solutions.league.streets import streets_of
 from utils.drive.clock import on_time
 from utils.drive.loop import Drive, drive
 from utils.drive.metrics import Report, measure

@@ -10,7 +10,7 @@ import hashlib
 import hmac
 from collections.abc import Iterable
 
-from solutions.league.streets import secret
+from extension.league.streets import secret
 
 COLOURS = (
     *("amber", "azure", "beige", "black", "blue", "bronze", "brown", "coral", "crimson", "cyan"),
