@@ -188,6 +188,7 @@ def time_grade(lessons, folder):
     """Return the seconds of `python -m grader grade` in a copy of the project."""
     stage, _ = lessons[0].stage, make_course(folder, STUDENTS, lessons)
     shutil.copytree(PROJECT / "grader", folder / "grader")
+    shutil.copytree(PROJECT / "extension", folder / "extension")
     shutil.copytree(PROJECT / "solutions", folder / "solutions", dirs_exist_ok=True)
     for name in ("nbgrader_config.py", "pyproject.toml"):
         shutil.copy(PROJECT / name, folder)
