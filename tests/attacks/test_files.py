@@ -384,7 +384,7 @@ def test_calls_itself_something_strange(name, course, filtering, capsys):
     found = {submission.student: submission for submission in find_submissions(course)}
     assert set(found) == {"good", student}
     judged = [
-        (submission, judge_and_store(course, submission, SEED, WALLS, alone=True))
+        (submission, judge_and_store(course, submission, SEED, WALLS, is_alone=True))
         for submission in found.values()
     ]
     by_student = {submission.student: verdict for submission, verdict in judged}
@@ -410,5 +410,5 @@ def test_pipes_next_to_the_notebook_are_ignored(course, filtering):
     folder = course.submitted / "good" / filtering.stage
     os.mkfifo(folder / "notes.txt")
     os.mkfifo(folder / "helper.py")
-    verdict = judge_and_store(course, find_submissions(course)[0], SEED, WALLS, alone=True)
+    verdict = judge_and_store(course, find_submissions(course)[0], SEED, WALLS, is_alone=True)
     assert verdict.score == verdict.max_score
