@@ -98,7 +98,7 @@ def _add_try(subparsers: argparse._SubParsersAction) -> None:
         "try",
         help="build the course, judge all that is kept with one lesson, and say what is missing",
     )
-    attempt.add_argument("number", metavar="NN", help="number of the lesson, such as 14")
+    attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
     add_sandbox_option(attempt)
     attempt.set_defaults(run=commands.run_try)
 

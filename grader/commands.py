@@ -53,11 +53,11 @@ def run_try(options: argparse.Namespace) -> int:
     from grader.authoring.trial import try_lesson
     from grader.course.lessons import every_lesson
 
-    lesson = next((one for one in every_lesson() if one.number == options.number), None)
+    wanted = options.number
+    lesson = next((each for each in every_lesson() if wanted in (each.number, each.name)), None)
     if lesson is None:
         print(
-            f"There is no lesson {options.number}. python -m grader new {options.number}_NAME "
-            "writes one.",
+            f"There is no lesson {wanted}. python -m grader new {wanted[:2]}_NAME writes one.",
             file=sys.stderr,
         )
         return USAGE_ERROR

@@ -43,6 +43,11 @@ def test_true_claims_are_not_reported():
     [
         (RIGHT, verdict_on("keeps"), "It loses keeps."),
         (WRONG, verdict_on("sorts"), "It passes test_a; it loses sorts."),
+        (
+            dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
+            verdict_on("sorts", "test_a[1]"),
+            "There is no check test_c. The checks are: sorts, keeps, test_a[1], test_b.",
+        ),
         (WRONG, verdict_on("sorts", "test_a[1]", "keeps"), "It also loses keeps."),
         (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns everything, although"),
         (
@@ -91,8 +96,9 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch):
     assert not (tmp_path / "solutions").exists()
 
 
-def test_trying_a_missing_lesson_gets_a_message(capsys):
-    assert cli.main(["try", "77"]) == 2
+@pytest.mark.parametrize("wanted", ["77", "77_mine"])
+def test_trying_a_missing_lesson_gets_a_message(wanted, capsys):
+    assert cli.main(["try", wanted]) == 2
     assert "python -m grader new 77_NAME" in capsys.readouterr().err
 
 

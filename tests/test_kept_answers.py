@@ -62,3 +62,16 @@ return a + b
     assert (right.source, right.right) == ("return a + b\n", True)
     with pytest.raises(ValueError, match="sub, minus: there is no answer 'a product'"):
         answers_to("sub")
+
+
+@pytest.mark.parametrize("heading", ["# %% Wrong: a sum", "# %%wrong: a sum", "# %% wrong a sum"])
+def test_a_misspelt_heading_is_named_with_its_line(heading, tmp_path, monkeypatch):
+    folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
+    folder.mkdir(parents=True)
+    (folder / "add.txt").write_text(
+        f"# %% right: a sum\nreturn a + b\n\n{heading}\npass\n", "utf-8"
+    )
+    monkeypatch.setattr(kept_answers, "PROJECT", tmp_path)
+    with pytest.raises(kept_answers.MalformedAnswers) as caught:
+        answers_to("add")
+    assert str(caught.value).startswith(f"answers/add.txt, line 4: {heading!r} is not a heading.")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.kept_answers import KeptAnswer, answers_to, fill_in
+from grader.course.kept_answers import KeptAnswer, MalformedAnswers, answers_to, fill_in
 from grader.course.lessons import Exercise, Lesson
 from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, ExerciseResult, Verdict
@@ -43,6 +43,13 @@ def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     sandbox : grader.sandbox.Sandbox
         What runs the answers.
     """
+    try:
+        yield from _findings(lesson, sandbox)
+    except MalformedAnswers as error:
+        yield Finding(False, str(error))
+
+
+def _findings(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     if not lesson.machine_graded:
         yield Finding(True, "It has no exercise with points: there is nothing to judge.")
         return
@@ -143,7 +150,10 @@ def _broken_losses(
     if not answer.loses:
         yield "It does not say which checks it loses: add a line `# loses: ...`."
     for name in answer.loses:
-        if not any(key.startswith(name) for key in failed):
+        if not any(test.name.startswith(name) for test in result.tests):
+            names = _names(test.name for test in result.tests)
+            yield f"There is no check {name}. The checks are: {names}."
+        elif not any(key.startswith(name) for key in failed):
             yield f"It passes {name}; it loses {_names(failed)}."
     others = [name for name in failed if not name.startswith(answer.loses)]
     if answer.loses_only and others:

@@ -23,6 +23,11 @@ from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 
 ANOTHER_CELL = "# ---- another cell ----\n"
+_HEADING = re.compile(r"^# %% (right|wrong): (.+)\n", re.M)
+
+
+class MalformedAnswers(ValueError):
+    """A file of kept answers cannot be read; `str()` is the sentence to show."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,13 @@ def answers_to(exercise: str) -> tuple[KeptAnswer, ...]:
     """The answers to an exercise, or to a step that nothing grades, in the order of their file."""
     (path,) = (PROJECT / "solutions").glob(f"*/*/answers/{exercise}.txt")
     text = path.read_text("utf-8")
-    sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
+    for number, line in enumerate(text.splitlines(keepends=True), start=1):
+        if line.startswith("# %%") and not _HEADING.match(line):
+            raise MalformedAnswers(
+                f"answers/{path.name}, line {number}: {line.strip()!r} is not a heading. Write "
+                '"# %% right: NAME" or "# %% wrong: NAME".'
+            )
+    sections = _HEADING.split(text)[1:]
     bodies = {name.strip(): body for name, body in zip(sections[1::3], sections[2::3], strict=True)}
     return tuple(
         _kept_answer(exercise, kind == "right", name.strip(), body, bodies)
@@ -62,7 +73,7 @@ def _kept_answer(
     notes, source = _notes_and_source(body)
     if like := notes.get("like"):
         if like not in bodies:
-            raise ValueError(f"{exercise}, {name}: there is no answer {like!r} to be like.")
+            raise MalformedAnswers(f"{exercise}, {name}: there is no answer {like!r} to be like.")
         source = edited(_notes_and_source(bodies[like])[1], source, f"{exercise}, {name}")
     only = notes.get("loses only", "")
     loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))
@@ -96,14 +107,14 @@ def edited(source: str, edits: str, name: str) -> str:
 
     Raises
     ------
-    ValueError
-        If the source does not hold the lines of an edit exactly once.
+    MalformedAnswers
+        If the source does not contain the lines of an edit exactly once.
     """
     lines, changes = source.split("\n"), []
     for before, after in _hunks(edits):
         places = [at for at in range(len(lines)) if lines[at : at + len(before)] == before]
         if len(places) != 1:
-            raise ValueError(
+            raise MalformedAnswers(
                 f"{name}: the answer that it is like has {before[0]!r} and the lines below "
                 f"{len(places)} times. Add the line above, with = before it, so that it is once."
             )
