@@ -1,4 +1,4 @@
-"""The judge uses a student's objects across the sandbox, and places and interrupts their calls."""
+"""Calls into the sandbox: a student's objects, the place of an exception, and interrupts."""
 
 import numpy as np
 import pytest

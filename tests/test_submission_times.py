@@ -1,4 +1,4 @@
-"""The submission time of a student with one or two folders, which may be unknown."""
+"""The submission time, known or unknown, of a student with one or two folders."""
 
 import os
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""`check` summarises failures, and enforces the limits of time and memory and a lesson's rules."""
+"""`check` summarises failures, limits time and memory, and enforces a lesson's rules."""
 
 import builtins
 import contextlib

@@ -22,7 +22,7 @@ ANSWERS = {
     for name in (SOLUTION, *(function.name for function in right_functions(exercise)))
 }
 # Known edits that change some answers but lose no points. `KNOWN` has, for each exercise, the line
-# before and after each edit, and the reason why no check has to find it.
+# before and after each edit, and the reason why it may keep all points.
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
 _BETTER = "if np.count_nonzero(close) > np.count_nonzero(inliers):"

@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Return the row of the nearest previous box for each box, or -1 if none is near."""
+    """Match each box with the nearest previous box, or -1; enough for objects far apart."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]

@@ -158,7 +158,7 @@ def test_every_imported_module_is_in_the_key(lesson):
 
 @functools.cache
 def modules_of(file):
-    """Return the dotted names that a file imports; none for `lesson.py`, a notebook."""
+    """Return the dotted names that a file imports; none for `lesson.py`, which is a notebook."""
     if file.name == "lesson.py":
         return frozenset()
     names = set()

@@ -337,7 +337,7 @@ def test_keys_that_collide_are_refused():
     begin = time.process_time()
     with pytest.raises(WireError):
         wire_format.decode(b'{"set":[' + colliding + b"]}", b"")
-    assert time.process_time() - begin < 20  # building the set takes minutes
+    assert time.process_time() - begin < 20  # building a set would take minutes
 
 
 def test_lone_surrogates_are_replaced():

@@ -1,8 +1,8 @@
 """Generate all functions that are one edit away from a student's function.
 
 An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
-or swaps two operands or arguments. It may also add or remove a call, an index or a name, or move a
-statement. Each edit can be undone by another edit, unless that edit would have to invent a whole
+or swaps two operands, arguments or statements. It may also add or remove a call, an index or a
+name, or move a statement. Another edit can undo it, unless that edit would have to invent a whole
 statement or a term that is not in the function.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)

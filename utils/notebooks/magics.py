@@ -64,7 +64,7 @@ def _without_magics(source: str) -> str:
 
 
 def _transform(source: str) -> str:
-    """Translate magics with IPython, imported only here because that is slow and rarely needed."""
+    """Translate magics with IPython, which few cells need; importing it here saves time."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):

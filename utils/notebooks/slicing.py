@@ -128,7 +128,7 @@ def _needed_by(name: str, statements: list[Statement]) -> set[int]:
 def _end_of_exercise(name: str, statements: list[Statement]) -> int:
     """Return the position of the `check(name)` after the last definition.
 
-    Without such a check, it is the number of statements.
+    Without such a check, return the number of statements.
     """
     last = max(
         (

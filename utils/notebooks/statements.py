@@ -83,7 +83,10 @@ def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
 
 
 class _Generators(ast.NodeTransformer):
-    """Turns comprehensions into generators: Python 3.12 adds their names to the outer scope."""
+    """Turns comprehensions into generators, whose names stay in an inner scope.
+
+    Python 3.12 adds the names in comprehensions to the outer scope.
+    """
 
     def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
         self.generic_visit(node)
@@ -105,8 +108,8 @@ def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]
 def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
     """Yield the names whose objects a statement changes, given its nodes.
 
-    Changes are ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and settings of a module, such as
-    ``np.random.seed(1)`` and ``sys.setrecursionlimit(9999)``.
+    Examples are ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
+    ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
     """
     for inner in inside:
         if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
