@@ -1,4 +1,4 @@
-"""Scenes drawn by each available renderer, with tests of single pixels."""
+"""Scenes in 3D: cameras, layers, the pictures of both renderers, and the interactive view."""
 
 import base64
 import itertools
@@ -82,7 +82,7 @@ def test_a_camera_sees_its_target_in_the_middle_and_left_on_the_left(name):
     camera = CAMERAS[name]
     seen = camera.seen(camera.target)
     np.testing.assert_allclose(camera.placed(seen, SIZE), (120, 68), atol=1e-9)
-    side = {"Side": (-1, 0, 0)}.get(name, (0, 1, 0))  # what is left there
+    side = {"Side": (-1, 0, 0)}.get(name, (0, 1, 0))  # towards the left of the picture
     beside = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
     assert beside[0] < 120
 
@@ -302,8 +302,8 @@ def test_eye_dome_lighting_darkens_points_behind_an_edge_and_not_the_background(
     depth = np.full((9, 9), np.inf)
     depth[:, 2:5], depth[:, 5:7] = 10.0, 20.0
     lit = eye_dome(image, depth)
-    assert (lit[4, 5] < 150).all()  # right behind the near wall
-    assert (lit[4, [2, 3, 4, 7, 8, 0]] == 200).all()  # the wall itself, and the paper
+    assert (lit[4, 5] < 150).all()  # just behind the edge of the near wall
+    assert (lit[4, [2, 3, 4, 7, 8, 0]] == 200).all()  # the wall itself and the background
 
 
 # Output -------------------------------------------------------------------------------
@@ -383,7 +383,7 @@ def test_the_view_keeps_positions_to_the_millimetre(street):
 def test_the_view_needs_no_other_file_and_accepts_any_title(street):
     title = "</script><script>alert(1)</script>"
     page = viewer.page(Scene(title).add_cloud(street), Camera((9, 9, 9), (0, 0, 0)), '"&<')
-    assert page.count("</script>") == 2  # the data, and the program
+    assert page.count("</script>") == 2  # the data and the program
     assert "http" not in page and "src=" not in page
     content = content_of(page)
     assert content["title"] == title and content["alt"] == '"&<'

@@ -1,4 +1,4 @@
-"""Whether the truth of a scene describes its cloud, and is the same every time."""
+"""Simulated scenes: the truth fits the cloud, and a seed always gives the same scene."""
 
 import hashlib
 import math
@@ -34,7 +34,7 @@ def taught() -> Frame:
 
 
 def assert_nothing_overlaps(frame):
-    # Crowns of trees extend over cars, and hedges may touch the houses next to them.
+    # Tree crowns extend over cars, and hedges may touch the houses next to them.
     solid = [box for box in frame.boxes if box.kind != "foliage"]
     for box, other in combinations(solid, 2):
         reach = (math.hypot(*box.size[:2]) + math.hypot(*other.size[:2])) / 2
@@ -88,7 +88,8 @@ class TestTruth:
             cosine, sine = math.cos(box.yaw), math.sin(box.yaw)
             x, y, z = (points - box.centre).T
             inside = np.column_stack([cosine * x + sine * y, cosine * y - sine * x, z])
-            # A long wall on a slope starts a little below the ground at its middle.
+            # The solids of walls and hedges reach below their boxes. Where the ground slopes down
+            # from the middle of the box, this lower part is visible.
             sink = 0.03 * box.size[0] if box.kind in ("wall", "foliage") else 0.0
             excess = np.abs(inside) - np.array(box.size) / 2 - (0, 0, sink)
             assert excess.max() <= slack, (box, excess.max(axis=0))
@@ -151,7 +152,7 @@ def test_identities_and_sizes_are_constant_in_a_stream_and_motion_is_small(make)
 def test_velocity_is_the_motion_of_a_box_over_the_ground():
     frames = cyclist()[30:32]
     boxes = [{box.identity: box for box in frame.boxes} for frame in frames]
-    # Parked cars give the ego motion: fit the rigid motion between the two frames.
+    # The parked cars show how the ego car moves: fit the rigid motion between the two frames.
     parked = [i for i in boxes[0].keys() & boxes[1].keys() if boxes[0][i].velocity == (0.0, 0.0)]
     a, b = (np.array([complex(*box[i].centre[:2]) for i in parked]) for box in boxes)
     turn = np.vdot(a - a.mean(), b - b.mean())
@@ -265,10 +266,10 @@ def test_the_lesson_cloud_teaches_what_the_lessons_need(taught):
     distance = np.hypot(cloud[:, 0], cloud[:, 1])
     assert 105_000 < len(cloud) < 128_000
     assert 1 <= np.count_nonzero((cloud[:, :3] == 0).all(axis=1)) <= 5
-    # A height of -1.2 m drops the road near by and fails on the slope further away.
+    # A ground level of -1.2 m removes the road nearby, but not the slope farther away.
     high_ground = (classes == "ground") & (cloud[:, 2] >= -1.2)
     assert distance[high_ground].min() > 15.0 and high_ground.sum() > 100
-    # Ego returns lie in the box that lesson 07 removes.
+    # Ego returns are in the box that lesson 07 removes.
     ego = cloud[classes == "ego", :3]
     assert 100 < len(ego) < 1000
     assert np.all(ego > (-1.5, -1.7, -1.0)) and np.all(ego < (2.6, 1.7, -0.4))
@@ -278,13 +279,13 @@ def test_the_lesson_cloud_teaches_what_the_lessons_need(taught):
         big[box.kind] += np.count_nonzero(near & (taught.scan.objects == box.identity)) >= 100
     assert big["car"] >= 5 and big["pedestrian"] >= 4 and big["pole"] >= 3
     assert big["cyclist"] >= 1 and big["foliage"] >= 2 and big["wall"] >= 2
-    # No value lies exactly on a limit that the lessons use.
+    # No value is exactly equal to a limit that the lessons use.
     rounded = np.loadtxt(DATA / "cloud.txt")
     assert not np.any(rounded[:, 2] == -1.2)
     assert not np.any(rounded[:, 0] ** 2 + rounded[:, 1] ** 2 == 100.0)
 
 
-# The highway, ray by ray
+# The highway
 
 
 def test_the_highway_has_about_976_rays_and_no_ego_returns():
@@ -308,7 +309,7 @@ def test_the_highway_has_as_many_returns_per_object_as_the_published_recording()
     from tests.benchmarks.compare_real import highway_counts, read_highway
 
     ours = highway_counts(simple_highway().cloud[:, :3])
-    # Its points carry noise that is uniform on 0 to 0.2 m, 0.1 m on average.
+    # The recorded points have noise that is uniform on 0 to 0.2 m, so 0.1 m on average.
     theirs = highway_counts(read_highway(Path(REAL)) - 0.1)
     assert sum(ours) == len(simple_highway().cloud) and sum(theirs) == 976
     for mine, recorded in zip(ours, theirs, strict=True):

@@ -1,4 +1,4 @@
-"""The score card, compared with counts by hand and with errors from another method."""
+"""The score card, compared with hand counts, `score_boxes` and other estimates of its errors."""
 
 from types import SimpleNamespace
 
@@ -25,13 +25,16 @@ def frame_of(*boxes, cloud=None, objects=None):
 
 
 def shifted(box, by):
-    """Return the box of a car 4 m long, moved so that the overlap is (4 - by) / (4 + by)."""
+    """Return the corners of a box moved by `by` metres along x.
+
+    The IoU of a car 4 m long with its moved box is (4 - by) / (4 + by).
+    """
     return box.corners + (by, 0, 0)
 
 
 def test_hits_are_counted_at_three_overlaps_and_by_distance():
     near, middling, far = car(5), car(15, 9), car(30, -9)
-    # Overlaps 0.78, 0.6 and 0.33, and one box where there is no object.
+    # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that overlaps no object.
     found = np.array([shifted(near, 0.5), shifted(middling, 1), shifted(far, 2), shifted(far, 12)])
     card = score_card([found], [frame_of(near, middling, far)], EVERYWHERE, "Three cars")
     assert card["recall"].values == pytest.approx((1, 2 / 3, 1 / 3))
@@ -42,7 +45,7 @@ def test_hits_are_counted_at_three_overlaps_and_by_distance():
     ]  # fmt: skip
     assert card["recall beyond 20 m"].values == (1, 0, 0)
     assert [row.count for row in card.rows[:6]] == [4, 3, 3, 1, 1, 1]
-    assert np.isnan(card["F1"].errors).all()  # one frame has no spread
+    assert np.isnan(card["F1"].errors).all()  # a single frame has no spread
 
 
 def test_the_card_agrees_with_score_boxes_on_a_street():

@@ -1,4 +1,4 @@
-"""Overlap compared with clipping, matching with all permutations, scores with counts by hand."""
+"""Overlaps, matching and scores, compared with polygon clipping, brute force and hand counts."""
 
 from itertools import permutations
 
@@ -35,7 +35,7 @@ def random_boxes(rng, count, spread=4.0):
 
 
 def area(polygon):
-    """Return the area of a polygon by the shoelace formula."""
+    """Return the area of a polygon, computed with the shoelace formula."""
     return sum(x * v - u * y for (x, y), (u, v) in sides(polygon)) / 2
 
 
@@ -179,7 +179,7 @@ def test_scores_of_a_frame_by_hand():
     assert (score.precision, score.recall) == (0.5, 2 / 3)
     assert_allclose(score.f1, 2 * 0.5 * (2 / 3) / (0.5 + 2 / 3))
     assert score + score == Score(4, 4, 2)
-    # One box is above the other: equal in the plane, but without overlap in space.
+    # The lifted boxes coincide with the true ones in the plane, but do not overlap in space.
     lifted = truth + (0, 0, 5.0)
     assert score_boxes(lifted, truth).f1 == 1.0
     assert score_boxes(lifted, truth, overlap=space_iou).f1 == 0.0
@@ -198,7 +198,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 
 
 def tracked(truth, found):
-    """Return a frame from dictionaries of names and x."""
+    """Return a frame, given the x of the true and of the found boxes by label."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
         tuple(found),
@@ -223,7 +223,7 @@ def test_each_change_of_label_is_one_switch():
 
 
 def test_a_label_that_can_be_kept_is_kept():
-    # Label 8 overlaps a little more, but 7 was on the object before and still matches.
+    # Label 8 overlaps more, but label 7 was on the object before and still matches.
     frames = [tracked({1: 0}, {7: 0}), tracked({1: 0}, {7: 0.4, 8: 0.1})]
     assert score_stream(frames) == Score(2, 1, 0, 0)
 

@@ -1,4 +1,4 @@
-"""Similar answers: copies are found, without false alarms on independent answers."""
+"""Similar answers: copies are found, and independent answers are not flagged."""
 
 import ast
 import json
@@ -34,7 +34,7 @@ def answer(exercise, source):
 
 
 def written(exercise, right=None):
-    """Return the kept answers by name, each as the answer of one student."""
+    """Return the kept answers to an exercise by name, as if each name were a student."""
     found = {
         variant.name: answer(exercise, variant.source)
         for variant in answers_to(exercise)
@@ -51,19 +51,19 @@ def names_of(comparison):
     return {frozenset(pair.students) for pair in comparison.pairs}
 
 
-# No false alarms.
+# Answers that are not flagged.
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
-    """Each right answer has its own author. Even lower thresholds flag no pair."""
+    """The right answers were written independently, so even lower thresholds flag no pair."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
 
 
-# Wrong answers are often right ones with one change; these are edits of each other.
+# Pairs in which one answer is an edit of the other. At least one answer of a pair is wrong.
 CHANGED = {
     "ransac_line": [("does not ask for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
@@ -122,7 +122,7 @@ def test_an_answer_that_many_write_is_not_flagged():
     assert compared("get_bounding_boxes", many).pairs == ()
 
 
-# Copies that are found.
+# Copies that are flagged.
 
 ORIGINAL = """\
 def get_bounding_boxes(cloud, cluster_labels):
@@ -270,7 +270,7 @@ def get_bounding_boxes(c, n):
 @pytest.mark.parametrize("disguise", DISGUISED)
 def test_a_copy_is_found(disguise):
     class_ = written("get_bounding_boxes", right=True)
-    class_.pop("a dictionary of running extremes, printing and warning")  # which is this one
+    class_.pop("a dictionary of running extremes, printing and warning")  # much like ORIGINAL
     class_ |= {
         "first": answer("get_bounding_boxes", ORIGINAL),
         "second": answer("get_bounding_boxes", DISGUISED[disguise]),
@@ -279,7 +279,7 @@ def test_a_copy_is_found(disguise):
 
 
 def renamed(source):
-    """Return a copy with other names and another layout."""
+    """Return a copy of the source with other variable names and another layout."""
     trees = [ast.parse(cell) for cell in source.split(ANOTHER_CELL)]
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
     own = {node.id for node in nodes if isinstance(node.ctx, ast.Store)}
@@ -288,7 +288,7 @@ def renamed(source):
     return ANOTHER_CELL.join(f"# mine\n{ast.unparse(tree)}\n" for tree in trees)
 
 
-# A copy of these is not found, because many students write what the lesson suggests.
+# Copies of these answers are not found, because the lesson suggests such code to every student.
 AS_TAUGHT = {
     "euclidean_clustering": ["a queue and NumPy"],
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
@@ -341,7 +341,7 @@ def test_the_numbers_about_a_pair_are_counted():
     assert pair.share == 1.0
     assert pair.steps == (14, 14)
     assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
-    assert pair.exclusive == 13  # all except the empty dictionary
+    assert pair.exclusive == 13  # all steps except the empty dictionary
     assert pair.others == (1, 4)
     assert pair.nearest == (0.0, 0.0)  # all students have that dictionary
 
@@ -366,7 +366,7 @@ def hand_in(course, student, text, lesson=LESSON):
 
 @pytest.fixture
 def course(tmp_path):
-    """Return a course with six independent students and two of whom one copied."""
+    """Return a course with six independent students and two more, one of whom copied the other."""
     course = Course(tmp_path)
     others = [v for v in answers_to("get_bounding_boxes") if v.right]
     others = [v.source for v in others if not v.name.startswith("a dictionary")]

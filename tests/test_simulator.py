@@ -1,4 +1,4 @@
-"""The scanner, compared with analytic answers, a marching oracle and statistics."""
+"""The scanner, compared with exact formulas, marching along rays and statistics."""
 
 import math
 from dataclasses import replace
@@ -57,7 +57,7 @@ def random_solids(rng, count):
 
 
 def holds(solid, points):
-    """Return whether points (..., 3) are inside a solid, from its definition."""
+    """Return a mask of the points (..., 3) that are inside a solid, from its definition."""
     if hasattr(solid, "normals"):
         return np.all(points @ solid.normals.T <= solid.offsets, axis=-1)
     if hasattr(solid, "base"):
@@ -82,7 +82,7 @@ def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
     inside = holds(solid, rays.T[:, None] * steps[None, :, None])
     enter, leave, cosine = solid.crossings(rays)
     hit = (leave >= enter) & (leave > 0)
-    # Marching may miss a sliver thinner than a step, but never hits something that is not there.
+    # Marching may miss a part thinner than a step, but never hits something that is not there.
     assert not np.any(inside.any(axis=1) & ~hit)
     assert np.all((leave - np.maximum(enter, 0))[hit & ~inside.any(axis=1)] <= step + 1e-9)
     outside = inside.any(axis=1) & (enter > 0)
@@ -318,7 +318,7 @@ def test_glass_loses_the_stated_share_of_echoes():
 
 
 def test_weak_echoes_are_lost():
-    # The signal of a wall of reflectivity 0.4 at 50 m, head on, is 1.6.
+    # A wall of reflectivity 0.4, at 50 m and perpendicular to the beam, returns a signal of 1.6.
     assert abs(share_seen(50, Material(0.4), 1.6) - (1 - math.exp(-1))) < 0.05
     dark, far, near = (
         share_seen(distance, Material(reflectivity), 1.6)

@@ -1,4 +1,4 @@
-"""The website: what its pages contain and never contain, and that they load no other host."""
+"""The website: its pages show outputs, give no solution away and use no other host."""
 
 import base64
 import html
@@ -52,7 +52,7 @@ def displayed(data, about=None):
 
 
 def positions():
-    """Return a slider's pictures at its own value and at two others."""
+    """Yield the outputs of a slider at its own value and at two others."""
     yield displayed({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
     yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
@@ -66,13 +66,13 @@ ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
 
 
 def scene():
-    """Return the HTML of a scene, as a cell shows it."""
+    """Return the data that a cell displays for a scene, as a dictionary by MIME type."""
     drawn = Scene("A corner").add_cloud(np.array([[0, 0, 0], [1, 1, 1.0]]))
     return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
 
 
 def made_up():
-    """Return solved notebooks with made-up outputs; one has an output of each kind."""
+    """Return each lesson's solved notebook; `LESSON` has made-up outputs of each kind."""
     ran = {lesson: nbformat.read(lesson.solved, as_version=4) for lesson in all_lessons()}
     code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
@@ -92,12 +92,12 @@ def site(tmp_path_factory):
 
 
 def text_of(path):
-    """Return the text of a page, by an independent parser."""
+    """Return the text of a page without tags, and without using the parser of `site_checks`."""
     plain = re.sub(r"<(script|style)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.S)
     return html.unescape(re.sub(r"<[^>]+>", "", plain))
 
 
-# ---- what a cell showed -------------------------------------------------------------------------
+# ---- outputs of cells ---------------------------------------------------------------------------
 
 
 def test_a_slider_becomes_pictures_at_some_positions_with_labels():
@@ -158,7 +158,7 @@ def test_text_that_a_progress_bar_overwrote_is_not_shown():
     assert one.text == "a\n2/2\nb\r\n"
 
 
-# ---- what runs in the kernel --------------------------------------------------------------------
+# ---- widgets and figures ------------------------------------------------------------------------
 
 
 def values_of(sliders):
@@ -307,7 +307,7 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
 
 
 def secrets():
-    """Return each line of a solution that is in no student's notebook."""
+    """Yield each line of a solution that no student's notebook contains."""
     notebooks = "\n".join(
         "".join(cell["source"])
         for lesson in every_lesson()
@@ -318,7 +318,7 @@ def secrets():
         text = lesson.source.read_text("utf-8")
         for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
             for line in map(str.strip, region.splitlines()):
-                # Short lines are in any program, and the build removes `# from`.
+                # Short lines occur in any program, and `# from` lines contain no code.
                 if (
                     len(line) > 15
                     and not line.startswith("# from ")

@@ -1,4 +1,4 @@
-"""Selecting the statements of a notebook that its exercises need."""
+"""Slicing keeps the statements of a notebook that its exercises need, and no others."""
 
 import builtins
 import textwrap
@@ -9,12 +9,12 @@ from utils.notebooks import slicing
 
 
 def notebook(text):
-    """Return the code cells in a text, which lines of --- separate."""
+    """Return the code cells of a text in which a line of --- separates two cells."""
     return [textwrap.dedent(cell) for cell in textwrap.dedent(text).split("---\n")]
 
 
 def sliced(text, *names):
-    """Return the namespace after running the slice, its source, and the problems."""
+    """Run the slice of a notebook; return the namespace, the slice's source and the problems."""
     statements, problems = slicing.parse_notebook(notebook(text))
     kept, namespace = slicing.slice_for(names or ("f",), statements), {"__name__": "__main__"}
     for statement in kept:
@@ -24,13 +24,13 @@ def sliced(text, *names):
 
 
 class Agreeable:
-    """An IPython stand-in that does nothing, as in the worker."""
+    """An IPython stand-in that does nothing, like the one in the sandbox."""
 
     def __getattr__(self, name):
         return lambda *values, **options: None
 
 
-# Each notebook defines `f` so that f() is 42.
+# In each notebook, f() returns 42 if the slice has everything that `f` needs.
 @pytest.mark.parametrize(
     "text",
     [

@@ -1,4 +1,4 @@
-"""Points that the likeliest slips earn from the checks alone, and what a teacher would give."""
+"""Likely slips earn, from the checks alone, about the points that a teacher would give."""
 
 import ast
 import importlib
@@ -25,7 +25,7 @@ ALL = {
 
 
 def solution_of(exercise):
-    """Return the source of the lesson's own function."""
+    """Return the source of an exercise's function in the lesson's solution."""
     lesson = lesson_of(exercise)
     for node in ast.parse(lesson.text).body:
         if isinstance(node, ast.FunctionDef) and node.name == exercise:
@@ -34,7 +34,7 @@ def solution_of(exercise):
 
 
 def with_slip(exercise, slip):
-    """Return the lesson's right functions, one of them with the slip."""
+    """Return the lesson and the functions of its solution, one of them with the slip."""
     lesson, source = lesson_of(exercise), solution_of(exercise)
     assert source.count(slip.old) == 1, f"{slip.old!r} stands there {source.count(slip.old)} times"
     answers = vars(load_reference(lesson.name))
@@ -44,7 +44,7 @@ def with_slip(exercise, slip):
 
 
 def share_of(exercise, slip):
-    """Return the share of the exercise's weight that is earned, and the names of failed checks."""
+    """Return the share of the exercise's weight that a slip earns, and the failed checks' names."""
     lesson, answers = with_slip(exercise, slip)
     outcomes = run_checks(
         lesson, student_with(lesson, answers), SEED, lambda check: check.exercise == exercise

@@ -1,4 +1,4 @@
-"""Slightly wrong answers, which a tolerance that is too large would accept."""
+"""Slightly wrong answers, which the checks would accept if their tolerance were too large."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def shifted(answer):
 
 
 def grown(boxes):
-    """Return each box with one centimetre more on all sides."""
+    """Return the boxes, each enlarged by one centimetre on all sides."""
     boxes = np.array(boxes, dtype=float)
     return boxes + CENTIMETRE * np.sign(boxes - boxes.mean(axis=1, keepdims=True))
 
@@ -43,7 +43,7 @@ def shrunk(boxes):
 
 
 def model_turned(result):
-    """Return a result of RANSAC with a slightly turned model and the same inliers."""
+    """Return a RANSAC result with its model turned by one degree and the same inliers."""
     model, inliers = result
     return turned(model), inliers
 
@@ -64,7 +64,8 @@ OFF = {
 }
 
 
-# Checks of these also cover other things than positions, such as draws and numbers of cells.
+# Exercises in which a slightly wrong answer may earn more than 1/3, with the largest share. Their
+# checks also cover results that stay right, such as random draws and numbers of cells.
 HOLDS = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
 
 
@@ -72,7 +73,10 @@ HOLDS = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
 @pytest.mark.parametrize("exercise", OFF)
 @pytest.mark.parametrize("seed", [3, 44])
 def test_slightly_wrong_answers_lose_points(exercise, seed):
-    """They lose visible checks and hidden tests; in most exercises at most a third pass."""
+    """A slightly wrong answer earns at most a third of the points, or the share in `HOLDS`.
+
+    This holds for visible checks and for hidden tests.
+    """
     lesson = lesson_of(exercise)
     reference = load_reference(lesson.name)
     right, spoil = getattr(reference, exercise), OFF[exercise]

@@ -1,4 +1,4 @@
-"""Notebooks that need no other file."""
+"""Standalone notebooks, which need no other file."""
 
 import base64
 import hashlib
@@ -37,7 +37,7 @@ def written(tmp_path_factory):
 
 
 def unpacked(notebook):
-    """Return the files in the setup cell of a notebook, by name."""
+    """Return the files that the setup cell of a notebook contains, by name."""
     (cell,) = [
         "".join(cell["source"])
         for cell in json.loads(notebook)["cells"]
@@ -100,7 +100,7 @@ def run_setup(folder, cell):
 
 
 def run_python(folder, program):
-    """Run a program that is too long for a command line."""
+    """Run a program through standard input, because it is too long for a command line."""
     return subprocess.run(
         [sys.executable, "-"], input=program, cwd=folder, capture_output=True, text=True
     )

@@ -58,14 +58,14 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Return a course in which Ada submitted two lessons, one with 0 points, and Bob one."""
+    """Return a course with two lessons from Ada, one with 0 points, and one lesson from Bob."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def standing(course):
-    """Return (standing, score) by student and number of the lesson."""
+    """Return the standing and score of each notebook, by student and number of the lesson."""
     results = class_results(course)
     return {
         (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
@@ -197,7 +197,7 @@ def test_times_and_late_penalties_of_a_stage(course):
         MARKED,
         score=18.25,
         max_score=60,
-        penalty=pytest.approx(3.65),  # 24.5 hours late, so two days have begun
+        penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, at 10 % each
         handed_in=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
         due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
         late=datetime.timedelta(hours=24, minutes=30),

@@ -1,4 +1,4 @@
-"""Stubs return answers that the course has stored, and say so, so that students can go on."""
+"""Stored answers: a stub returns the course's answer and says so, so that students can go on."""
 
 import json
 import types
@@ -123,7 +123,7 @@ def test_keys_ignore_the_last_digits():
 
 
 def stub(cloud, level=0.0):
-    """Have a docstring and a plan, as a stub has."""
+    """Contain only a docstring and a plan, like the stubs of the lessons."""
     # 1. a step
     raise NotImplementedError()
 
@@ -207,7 +207,7 @@ def test_a_check_calls_the_stub_itself():
 
 
 def test_calls_of_a_check_are_not_recorded():
-    """This includes calls of a helper that the checked function uses."""
+    """Calls that the checked function makes are not recorded either."""
 
     def check(function):
         assert len(function(CLOUD, 3.0)) == int((CLOUD[:, 2] >= 3.0).sum())
