@@ -1,4 +1,4 @@
-"""Import hooks in the sandbox: refuse forbidden modules, find submitted ones."""
+"""Import hooks in the sandbox: refuse forbidden modules, and find submitted ones."""
 
 import ast
 import importlib.abc
@@ -12,10 +12,10 @@ from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
 
 
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Refuses to import libraries that would do the exercise, with a clear sentence.
+    """Finder that refuses libraries which would do the exercise, with a clear error message.
 
-    If another library imports such a library, it gets a stand-in, so that none of the forbidden
-    code is ever in memory.
+    A library that imports one of them gets a stand-in instead, so that forbidden code is never in
+    memory.
     """
 
     def __init__(self, modules: Iterable[str]) -> None:
@@ -29,14 +29,15 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return None
         if not _a_library_asks():
             raise refusal(fullname)
-        # A module that is not installed gets no stand-in. Of a hidden one the empty folder exists.
+        # A module that is not installed gets no stand-in. A hidden module is found, because its
+        # folder still exists, although it is empty.
         inside = isinstance(sys.modules.get(fullname.rpartition(".")[0]), StandInModule)
         if inside or importlib.machinery.PathFinder.find_spec(fullname, path):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
         return None
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> StandInModule:
-        """Return a stand-in."""
+        """Return a stand-in module."""
         return StandInModule(spec.name, forbidden_part(spec.name, self.modules))
 
     def exec_module(self, module: object) -> None:
@@ -44,7 +45,7 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 def _a_library_asks() -> bool:
-    """Return whether the importing code is in a file; student code is not."""
+    """Return whether the importing code is in a file with an absolute path, unlike student code."""
     frame = sys._getframe(1)
     while frame.f_code.co_filename == __file__ or _is_importlib(frame):
         frame = frame.f_back
@@ -56,9 +57,9 @@ def _is_importlib(frame: object) -> bool:
 
 
 def refuse_imports(tree: ast.AST, modules: Iterable[str]) -> None:
-    """Replace each statement that imports a forbidden module by one that raises.
+    """Replace each statement that imports a forbidden module with one that raises an error.
 
-    Otherwise it might get the stand-in that a library has loaded.
+    Otherwise student code might get the stand-in that was made for a library.
     """
     for parent in ast.walk(tree):
         for _, content in ast.iter_fields(parent):
@@ -77,7 +78,7 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
 
 
 class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finds modules that were submitted with the notebook, after all other finders."""
+    """Finder for modules that were submitted with the notebook."""
 
     def __init__(self, sources: dict[str, str], forbidden: Iterable[str]) -> None:
         self.sources, self.forbidden = sources, tuple(forbidden)
@@ -94,7 +95,7 @@ class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Return None to get Python's default module."""
 
     def exec_module(self, module: object) -> None:
-        """Run the module's source, without forbidden imports."""
+        """Run the module's source; its forbidden imports raise an error."""
         name = module.__name__
         tree = ast.parse(self.sources[name])
         refuse_imports(tree, self.forbidden)

@@ -1,4 +1,4 @@
-"""Give up the privileges of root permanently, before student code is read.
+"""Permanently give up root's privileges before student code is read.
 
 See prctl(2), capabilities(7) and linux/capability.h.
 """
@@ -14,21 +14,22 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
 def give_up(*, keep_user_changes: bool) -> None:
-    """Give up all capabilities permanently, also for all children.
+    """Permanently give up all capabilities, for this process and its children.
 
     Parameters
     ----------
     keep_user_changes : bool
-        Keep those for changing to another user, which a worker of root does next.
+        Keep the capabilities to change user and group. A worker that root started needs them for
+        its next step.
 
     Raises
     ------
     OSError
-        If the kernel refuses.
+        If the kernel refuses to change the capabilities.
     """
     kept = (1 << _SETGID | 1 << _SETUID) if keep_user_changes else 0
     for capability in range(64):
-        # The kernel refuses numbers beyond its last capability, which does no harm.
+        # The kernel refuses numbers beyond its last capability, which is harmless.
         if not kept >> capability & 1:
             _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
     header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)
@@ -38,6 +39,6 @@ def give_up(*, keep_user_changes: bool) -> None:
         number = ctypes.get_errno()
         raise OSError(number, f"capset: {os.strerror(number)}")
     _LIBC.prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), 0, 0, 0)
-    # After joining a user namespace, /proc hides a process from its own user, but the judge has to
-    # measure its files there.
+    # /proc hides a process that has joined a user namespace, even from its own user. The judge has
+    # to measure the process's files there.
     _LIBC.prctl(_SET_DUMPABLE, ctypes.c_ulong(1), 0, 0, 0)

@@ -1,8 +1,8 @@
 """Semaphores of `multiprocessing` that poll, because the sandbox forbids shared futexes.
 
-Waiting for and waking another process take a futex that is not private, which `syscalls` leaves
-without effect. So the semaphore under all locks, queues and pools of `multiprocessing` tries,
-sleeps, and tries again.
+To wait for another process or to wake it, a semaphore uses a futex that is not private. `syscalls`
+makes these futexes do nothing. All locks, queues and pools of `multiprocessing` are built on one
+class of semaphores, so here this class tries, sleeps, and tries again.
 """
 
 import _multiprocessing
@@ -15,7 +15,7 @@ class SemLock(_multiprocessing.SemLock):
     """A semaphore that polls."""
 
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
-        """Acquire it; return False if it is not free in time."""
+        """Acquire the semaphore; return False if it is not free in time."""
         end = None if timeout is None else time.monotonic() + timeout
         pause = SHORTEST
         while not super().acquire(False):
@@ -30,5 +30,5 @@ class SemLock(_multiprocessing.SemLock):
 
 
 def poll() -> None:
-    """Use polling semaphores in this process and in all that it forks."""
+    """Use polling semaphores in this process and in all processes that it forks."""
     _multiprocessing.SemLock = SemLock

@@ -1,19 +1,21 @@
 """Deny the system calls that no exercise needs.
 
-- System V segments, message queues and `memfd_create` allocate memory that belongs to no process
-  and so counts for no limit.
+These are the main reasons:
+
+- System V segments, message queues and `memfd_create` allocate memory that does not belong to a
+  process, so process limits do not count it.
 - A user namespace gives ordinary users root's view of the kernel.
 - Keyrings are inherited from the instructor's session.
-- Virtual sockets reach through a namespace to the host.
-- All notebooks see the same files, so locks, watches, hints, futexes on their pages, and which of
-  their pages are in memory could carry messages between notebooks.
+- Virtual sockets reach the host even from a namespace.
+- All notebooks see the same files. Locks, watches, hints and futexes on these files could carry
+  messages between notebooks. So could the choice of which of their pages are in memory.
 
-For this process and all that it starts, a seccomp filter answers these calls with "no such call".
-Ignoring the end of child processes has no effect, because the kernel adds a child's processor time
-only when its parent waits for it.
+A seccomp filter answers these calls with "no such call", in this process and in all processes that
+it starts. A request to ignore the end of child processes appears to succeed but does nothing.
+Otherwise processor time could be hidden, because the kernel adds a child's time only when its
+parent waits for it.
 
-The filter is a program for the kernel's packet filter: see seccomp(2) and
-``linux/filter.h``.
+The filter is a program for the kernel's packet filter; see seccomp(2) and ``linux/filter.h``.
 """
 
 import ctypes
@@ -136,21 +138,22 @@ MACHINES = {
         },
     ),
 }
-# These calls are allowed with some values of an argument.
+# These calls are allowed only with some values of an argument.
 LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
 NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
 # Commands for descriptors and their flags, but not for locks, leases, watches or hints.
 ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
-# Requests for terminals, pipes and sockets ("T"), but not for file systems, which store settings.
+# The requests with the letter "T" are for terminals, pipes and sockets. Requests for file systems
+# are denied, because a file system stores its settings and so could carry messages.
 KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
-# Advice to merge equal pages of two processes, and to take pages out of memory.
+# Advice to merge equal pages of two processes, take pages out of memory, or build huge pages.
 MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
 MERGE_ALL = 67
 # A futex that is not private is on a page that may belong to a shared file.
 PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
 WAITS, WAKES = (0, 9), (1, 10)
-# The kernel forgets the processor time of children whose end is ignored.
+# SIGCHLD: if a parent ignores it, the kernel forgets the processor time of the children.
 END_OF_A_CHILD = 17
 
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
@@ -160,9 +163,9 @@ _FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
 _ANSWER = 0x00050000  # to be combined with an error number, or 0 for success
-# "No such call" is what old kernels answer, so libraries have a fallback.
+# Old kernels give the same answer, "no such call", so libraries have a fallback.
 _DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
-# Waiting returns at once, which is always allowed, and waking wakes no process.
+# A wait returns at once, which callers must expect anyway. A wake-up wakes no process.
 _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
 _DONE = (_RETURN, 0, 0, _ANSWER)
 
@@ -172,14 +175,14 @@ class _Program(ctypes.Structure):
 
 
 def deny(*, sockets: bool = True) -> None:
-    """Install the filter permanently for this process and its children.
+    """Permanently install the filter for this process and its children.
 
-    Machines that are not in `MACHINES` get no filter; it is only an additional protection.
+    The filter is only an additional protection, so machines that are not in `MACHINES` get none.
 
     Parameters
     ----------
     sockets : bool
-        Whether sockets are allowed. They must not be if the sandbox shares the host's network.
+        Whether to allow sockets. Deny them if the sandbox shares the host's network.
 
     Raises
     ------
@@ -274,13 +277,13 @@ def _argument(position: int, half: int = 0) -> _Instruction:
 
 
 def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
-    """Yield instructions that return an answer if the argument matches one of some values."""
+    """Yield instructions that return an answer if the argument matches one of the values."""
     for value in values:
         yield test, 0, 1, value
         yield what
 
 
 def _unless(value: int, what: _Instruction) -> Iterator[_Instruction]:
-    """Yield instructions that return an answer if the argument differs from a value."""
+    """Yield instructions that return an answer if the argument differs from the value."""
     yield _IF_EQUAL, 1, 0, value
     yield what

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 if __package__:
     from grader.sandbox.inside import wire_format
-else:  # in the worker, which is shown this folder and nothing above it
+else:  # in the worker, which sees this folder but none above it
     import wire_format
 
 
@@ -20,13 +20,12 @@ class WireClosed(Exception):
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Return a time limit of some seconds of elapsed time from now on.
+    """Return a time limit that ends after some seconds of elapsed time.
 
     Returns
     -------
     callable
-        Returns for how many seconds to wait at most before the next call; raises `WireTimeout`
-        when the time is over.
+        Returns the remaining seconds, or raises `WireTimeout` if there are none.
     """
     end = time.monotonic() + seconds
 
@@ -44,14 +43,21 @@ def send(descriptor: int, value: object, patience: Callable[[], float] | None = 
     Parameters
     ----------
     descriptor : int
-        With a patience it must be non-blocking, or the other end can make a write wait forever.
+        Must be non-blocking if there is a `patience`. Otherwise the other end could make a write
+        wait forever.
     value : object
+        Encoded by `wire_format.encode`.
     patience : callable, optional
         A time limit like the result of `within`; by default there is none.
 
     Raises
     ------
-    WireTimeout, WireClosed, wire_format.TooLarge
+    WireTimeout
+        If the other end does not read the message in time.
+    WireClosed
+        If the other end has closed the pipe.
+    wire_format.TooLarge
+        If the value is larger than any answer can be.
     """
     view = memoryview(wire_format.encode(value))
     while view:
@@ -70,13 +76,19 @@ def receive(descriptor: int, patience: Callable[[], float] | None = None) -> obj
     Parameters
     ----------
     descriptor : int
-        With a patience it must be non-blocking: the other end can take back what `poll` saw.
+        Must be non-blocking if there is a `patience`. Otherwise the other end could take back the
+        bytes that `poll` announced, and so make a read wait forever.
     patience : callable, optional
         As for `send`.
 
     Raises
     ------
-    WireTimeout, WireClosed, wire_format.WireError
+    WireTimeout
+        If the message is not complete in time.
+    WireClosed
+        If the other end has closed the pipe.
+    wire_format.WireError
+        If the bytes are not a valid message.
     """
     header = _read(descriptor, wire_format.HEADER.size, patience)
     tree, blob = (_read(descriptor, size, patience) for size in wire_format.sizes_in(header))
@@ -87,7 +99,7 @@ def _read(descriptor: int, size: int, patience: Callable[[], float] | None) -> b
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
-        # The limit also holds while data trickle in, a byte at a time.
+        # The limit also applies if the data arrive one byte at a time.
         pause = patience and patience()
         try:
             count = os.readv(descriptor, [missing])

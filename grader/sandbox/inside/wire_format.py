@@ -1,9 +1,9 @@
-"""Encode plain data, the only thing that passes between a student's code and the judge.
+"""Encode and decode plain data, which is all that passes between a student's code and the judge.
 
-A message is a JSON tree followed by the bytes of its arrays. Numbers, strings, containers and
-arrays of plain dtype pass. Anything else arrives as an `Opaque`, which contains only the name of
-its type, if that is a type of Python or NumPy. Nothing is ever unpickled, and every size is checked
-before memory is allocated, because the other end may be hostile.
+A message is a JSON tree followed by the bytes of its arrays. Numbers, strings, containers, arrays
+of plain dtype and NumPy's default random generators pass. Any other value arrives as an `Opaque`,
+which contains only the name of its type, if that is a type of Python or NumPy. The other end may be
+hostile, so nothing is ever unpickled, and every size is checked before memory is allocated.
 """
 
 import builtins
@@ -20,14 +20,15 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Numbers of values and containers in a tree: twice as many as the largest array has as a list of
-# rows. A value may take forty times as much memory as its bytes.
+# Limits on the values and containers in a tree: about twice as many as the largest cloud has as a
+# list of rows. Without them a message could fill the memory, because a value may take forty times
+# as much memory as its bytes.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19
 MAXIMUM_GENERATORS = 100
 MAXIMUM_DEPTH = 60
 MAXIMUM_DIMENSIONS = 16
-HEADER = struct.Struct(">II")  # bytes of the tree, and of the arrays
+HEADER = struct.Struct(">II")  # the sizes of the tree and of the arrays, in bytes
 # A text without a closing quote extends to the end, so the search takes linear time.
 _TEXT = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _SCALARS = (type(None), bool, int, float, str, np.generic)
@@ -35,7 +36,8 @@ _DEEP = "a very deeply nested value"
 _LONG = "an integer beyond 64 bits"
 _KEYS = "a {} of more than numbers and texts"
 _OWN = "an object of a class of its own"
-# Type names that messages may contain. A student's class could be named after a hidden question.
+# Type names that messages may contain. Student code could hide the input of a hidden test in the
+# name of a class, so other names are left out.
 _NAMES_OF_TYPES = {
     value.__name__
     for module in (builtins, types, np)
@@ -52,7 +54,7 @@ _KNOWN = {
 
 
 class WireError(Exception):
-    """Some bytes are not a message."""
+    """The bytes are not a valid message."""
 
 
 class TooLarge(Exception):
@@ -61,7 +63,7 @@ class TooLarge(Exception):
 
 @dataclass(frozen=True)
 class Opaque:
-    """Stands for a value that is not plain data."""
+    """A placeholder for a value that is not plain data."""
 
     type_name: str
 
@@ -72,11 +74,12 @@ def encode(value: object) -> bytes:
     Parameters
     ----------
     value : object
-        Any tree; values that are not plain data become an `Opaque`.
+        Any value; parts that are not plain data become an `Opaque`.
 
     Raises
     ------
     TooLarge
+        If the message would be larger than the limits.
     """
     blob = bytearray()
     tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
@@ -86,7 +89,7 @@ def encode(value: object) -> bytes:
 
 
 def sizes_in(header: bytes) -> tuple[int, int]:
-    """Return the numbers of bytes of the tree and of the arrays, from the header of a message.
+    """Return the sizes of the tree and of the arrays in bytes, from the header of a message.
 
     Parameters
     ----------
@@ -105,22 +108,22 @@ def sizes_in(header: bytes) -> tuple[int, int]:
 
 
 def decode(tree: bytes, blob: bytes) -> object:
-    """Return the value of a message, after checking every statement in it.
+    """Return the value of a message, and check every type and size that it states.
 
     Parameters
     ----------
     tree, blob : bytes or bytearray
-        The parts that follow the header, with the lengths that it states.
+        The parts that follow the header, in the sizes that the header states.
 
     Returns
     -------
     object
-        Arrays are writable.
+        The value; its arrays are writable.
 
     Raises
     ------
     WireError
-        If `encode` cannot have written these bytes.
+        If the bytes are not a valid message within the limits.
     """
     if not _is_modest(tree):
         raise WireError("more values than any answer has")
@@ -133,7 +136,7 @@ def decode(tree: bytes, blob: bytes) -> object:
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value can be sent; an object of a student's own class stays inside."""
+    """Return whether a value can be sent; an object of a student's class stays in the sandbox."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -148,7 +151,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         return _array_to_tree(np.asarray(value), blob, depth)
     if isinstance(value, np.generic):
         if isinstance(value, np.longdouble):
-            return float(value)  # its `item()` is itself
+            return float(value)  # `item()` would return a longdouble again
         plain = value.dtype.kind in "biufU"
         return _to_tree(value.item() if plain else Opaque(type(value).__name__), blob, depth)
     if isinstance(value, int):
@@ -166,7 +169,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         return {"generator": _state_of(value)}
     if isinstance(value, Opaque):
         return {"opaque": value.type_name}
-    if hasattr(value, "__array__"):  # pandas and torch results are right answers
+    if hasattr(value, "__array__"):  # results of pandas and torch are valid answers
         return _array_to_tree(np.asarray(value), blob, depth)
     if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray, memoryview)):
         return _to_tree(list(value), blob, depth)  # a range or a deque, which NumPy can read
@@ -174,8 +177,8 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
 
 
 def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
-    # Scalars only: student code can make a million tuples with one hash, and the judge would take
-    # hours to build a set of them.
+    # Only scalars are allowed. Student code can make a million tuples with the same hash, and the
+    # judge would take hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"
     if not all(isinstance(key, _SCALARS) for key in value):
         return {"opaque": _KEYS.format(name)}
@@ -210,14 +213,14 @@ class _Rest:
         self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
 
     def take(self, size: int) -> memoryview:
-        """Return the next bytes for an array, so that no bytes serve for two arrays."""
+        """Return the next bytes for an array, so that two arrays never share bytes."""
         if size > len(self.blob):
             raise WireError("array outside its message")
         taken, self.blob = self.blob[:size], self.blob[size:]
         return taken
 
     def take_generator(self) -> None:
-        """Count a generator; creating one takes as long as a hundred numbers."""
+        """Count a generator, which takes as long to create as a hundred numbers."""
         if not self.generators:
             raise WireError("more generators than any answer has")
         self.generators -= 1
@@ -263,7 +266,7 @@ def _key_from_tree(tree: object, rest: _Rest, depth: int) -> object:
 
 def _array_from_tree(content: list, rest: _Rest) -> np.ndarray:
     dtype, shape = content
-    # Only listed types, because NumPy parses many other texts as types.
+    # Only the listed types are allowed, because NumPy parses many other strings as types.
     if dtype not in PLAIN_TYPES:
         raise WireError("array of unknown type")
     if not isinstance(shape, list) or not _is_possible(shape):
@@ -287,12 +290,12 @@ def _is_generator(value: object) -> bool:
 def _state_of(generator: np.random.Generator) -> list:
     state = generator.bit_generator.state
     numbers = (state["state"]["state"], state["state"]["inc"])
-    # Texts, because some JSON parsers cannot read numbers of 128 bits.
+    # The two numbers are sent as strings, because some JSON parsers cannot read 128-bit numbers.
     return [*map(hex, numbers), state["has_uint32"], state["uinteger"]]
 
 
 def _generator_from(content: object) -> np.random.Generator:
-    """Return a generator with the state of the one at the other end."""
+    """Return a generator with the same state as the generator at the other end."""
     state, increment, has_uint32, uinteger = content
     bits = np.random.PCG64()
     bits.state = {
@@ -305,21 +308,22 @@ def _generator_from(content: object) -> np.random.Generator:
 
 
 def _is_possible(shape: Sequence[int]) -> bool:
-    # Check each length: an array with a length of 0 could state any other length without data.
+    # Each length is checked, because an array with a length of 0 has no data and could state any
+    # other lengths.
     return len(shape) <= MAXIMUM_DIMENSIONS and all(
         type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
     )
 
 
 def _is_modest(tree: bytes) -> bool:
-    """Return whether a tree has at most as many values and containers as an answer can have.
+    """Return whether a tree is within the limits on values and containers.
 
-    Commas and brackets inside texts do not count, because a notebook may contain a long table.
+    Commas and brackets inside strings do not count, because a notebook may contain a long table.
     """
     commas, brackets = tree.count(b","), tree.count(b"[") + tree.count(b"{")
     if commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS:
         return True
-    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # texts also are values
+    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # strings are values
         return False
     for text in _TEXT.finditer(tree):
         begin, end = text.span()
@@ -349,5 +353,5 @@ def _writable_text(text: str) -> str:
 
 
 def known_type(name: object) -> str:
-    """Return the name of a type if it is a known one, or else a general description."""
+    """Return the name of a type if it is known, or else a general description."""
     return name if isinstance(name, str) and name in _KNOWN else _OWN

@@ -1,10 +1,10 @@
 """The process in which a student's code runs.
 
-It reads its limits, then the notebook's code cells, then answers calls until the pipe closes. It
-knows no expected answer, no score and no secret. Student code can make it send anything, but that
-is only an answer, and the judge decides whether it is right.
+The process reads its limits and the notebook's code cells, and answers calls until the pipe closes.
+It does not know any expected answer, score or secret. Student code can make it send anything, but
+the judge treats every reply as an answer and decides whether it is right.
 
-Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
+`grader.sandbox` runs it inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
 
 import ast
@@ -36,12 +36,12 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
-# Lines reported for an exception in functions that call each other.
+# Limit on the lines reported for an exception in functions that call each other.
 MOST_PLACES = 8
-# Limits on what is sent along with an attribute: a small tree whose nodes have few, small values.
+# Limits on the data sent along with an attribute, which suit a tree whose nodes are small.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
-# Names that are undefined because their import was refused, and the refused modules.
+# Names that are undefined because their import was refused, each with the refused module.
 _REFUSED: dict[str, str] = {}
 
 
@@ -51,7 +51,7 @@ def main(read_end: int, write_end: int) -> None:
     prefer_for_oom_kill()
     change_user(rules["user"])
     set_limits(rules["limits"])
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # permanent after the next line
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # the next line makes it permanent
     syscalls.deny(sockets=rules.get("sockets", True))
     semaphores.poll()
     sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
@@ -73,7 +73,7 @@ def main(read_end: int, write_end: int) -> None:
     }
     edited_parts = (start["edited"], *own) if start["edited"] else ()
     theirs = definitions_of(edited_parts, start["names"], statements)
-    # A helper may have passed its own checks, so among equally likely edits those in it come last.
+    # A helper may have passed its own checks, so its edits come last among equally likely ones.
     own_first = sorted(theirs, key=lambda statement: start["edited"] not in statement.binds)
     edits = edits_of(start["cells"], own_first)
     told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
@@ -112,9 +112,9 @@ def main(read_end: int, write_end: int) -> None:
 def with_given_code(
     statements: list[slicing.Statement], names: list[str], given: dict
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
-    """Replace the notebook's versions of given code by the lesson's, unless they may change.
+    """Replace the notebook's versions of given code with the lesson's, except open names.
 
-    If the notebook redefines open names above the last check of them, its versions stay.
+    A redefinition of an open name stays if it is above the last check of these names.
 
     Parameters
     ----------
@@ -123,8 +123,8 @@ def with_given_code(
     names : list of str
         Functions and classes that will be called.
     given : dict
-        ``names`` that the lesson gives, those of them that are ``open`` to changes, and their
-        ``source`` as it was released.
+        The ``names`` that the lesson gives, the names among them that are ``open`` to changes, and
+        the ``source`` of all of them as it was released.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def add_missing_methods(own: Iterable[str], source: str, namespace: dict) -> Non
     if not own:
         return
     lessons = {}
-    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name not be a class
+    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name may not be a class
         for statement in slicing.parse_notebook([source])[0]:
             exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
         for name in own:
@@ -204,8 +204,8 @@ def without_forbidden(
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Leave out imports that the lesson forbids; also return a sentence for each cell with one.
 
-    The names that such an import binds are stored, for the message when one is used. An import
-    inside another statement is replaced by a statement that raises.
+    The names that such an import binds go into `_REFUSED`, for the message when one of them is
+    used. If the import is inside another statement, it becomes a statement that raises an error.
     """
     kept, sentences = [], {}
     for statement in statements:
@@ -246,7 +246,7 @@ def definitions_of(
 
 
 def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict:
-    """Define some functions again, one of them with an edit."""
+    """Run the definitions of an answer again, one of them with an edit; return the reply."""
     try:
         node = ast.parse(edit.statement).body[0]
         for statement in theirs:
@@ -270,13 +270,13 @@ def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list
 
 
 def prefer_for_oom_kill() -> None:
-    """Let Linux end this process and not the grader when the machine runs out of memory."""
+    """Make Linux kill this process and not the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
 
 def change_user(user: int | None) -> None:
-    """Change to an unused user permanently, because process limits do not bind root."""
+    """Permanently change to an unused user, because process limits do not apply to root."""
     if user is not None:
         os.setgroups([])
         os.setgid(user)
@@ -284,7 +284,7 @@ def change_user(user: int | None) -> None:
 
 
 def set_limits(limits: dict[str, int]) -> None:
-    """Set resource limits, including the hard ones, which cannot be raised again."""
+    """Set soft and hard resource limits; the hard limits cannot be raised again."""
     for name, value in limits.items():
         which = getattr(resource, name)
         allowed = resource.getrlimit(which)[1]
@@ -308,13 +308,13 @@ class _Agreeable:
 
 
 def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
-    """Execute statements one by one; return a description of each failure with its line."""
+    """Execute statements one by one; return a description of each failure, with its line."""
     failures = []
     for statement in statements:
         try:
             code = slicing.compile_statement(statement, f"code cell {statement.cell}")
             exec(code, namespace)
-        except BaseException as error:  # including SystemExit, so that judging goes on
+        except BaseException as error:  # even SystemExit, so that judging continues
             failure = describe(error)
             failure["place"] = (
                 failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
@@ -326,9 +326,9 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
 def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Carry out a request; return the result, or a description of the exception.
 
-    A request names a function of the notebook, or a method or attribute of an object that an
-    earlier reply referred to by a number; dots separate nested attributes. With `each` there are
-    several calls, and the result is a list. `seconds` limits their time, unless it is None.
+    A request names a function of the notebook, or a method or attribute of an object. An earlier
+    reply has given the number of this object. Dots separate nested attributes. With `each` there
+    are several calls, and the result is a list. `seconds` limits their time, unless it is None.
     """
     try:
         if request["object"] is None:
@@ -354,15 +354,15 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
 
 
 class TookTooLong(BaseException):
-    """A call takes too long. It derives from BaseException, which few answers catch."""
+    """A call took too long. It derives from `BaseException`, which few answers catch."""
 
 
 @contextlib.contextmanager
 def interrupted_after(seconds: float | None) -> Iterator[None]:
-    """Raise `TookTooLong` after some seconds of processor time, which saves a new process.
+    """Raise `TookTooLong` after some seconds of processor time.
 
-    Code that catches it is interrupted again. Code that sleeps is not interrupted; the judge's own
-    limit ends it.
+    The judge then need not replace the process. Code that catches the exception is interrupted
+    again. Code that sleeps uses no processor time, so only the judge's own limit ends it.
     """
 
     def stop(*signal_and_frame: object) -> None:
@@ -387,11 +387,11 @@ def held(value: object, objects: dict[int, object]) -> dict:
 
 
 def nearby_attributes(number: int, objects: dict[int, object]) -> list:
-    """Return the attributes of an object and of all that it refers to, for callers that walk trees.
+    """Return the attributes of an object and of the objects that it refers to, within limits.
 
-    The result has two tables as lists of columns. The first has the plain attributes: number of
-    the object, name, value. The second has the others: number of the object, name, number and type
-    of the value.
+    A caller that walks a tree then needs fewer requests. The result has two tables, each a list of
+    columns. The first table has small plain values: number of the object, name, value. The second
+    table has references to objects: number of the object, name, number and type of the value.
     """
     plain, others = [[], [], []], [[], [], [], []]
     waiting = [number]
@@ -424,7 +424,7 @@ def is_small(value: object) -> bool:
 
 
 def methods(value: object) -> list[str]:
-    """Return the names of the public methods of an object's class."""
+    """Return the names of at most `MOST_ATTRIBUTES` public methods of an object's class."""
     names = [name for name, member in vars(type(value)).items() if callable(member)]
     return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
 
@@ -492,7 +492,7 @@ def describe(error: BaseException) -> dict:
 
 
 def serve(read_end: int, write_end: int) -> None:
-    """Serve one notebook with standard input and output closed off."""
+    """Serve one notebook with standard input, output and error connected to the null device."""
     silence = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
         os.dup2(silence, standard)

@@ -1,8 +1,8 @@
-"""The package that student code imports as `utils`: what `utils.in_sandbox` has, and stand-ins.
+"""The package that student code imports as `utils`: the names of `utils.in_sandbox`, and stand-ins.
 
-A notebook imports `check`, `plots` and more, and its functions may call them. In the sandbox, plots
-are not looked at, and checks run outside. So every other name accepts every call, does nothing, and
-solves no exercise.
+A notebook imports `check`, `plots` and more, and its functions may call them. The sandbox shows no
+plots, and checks run outside it. So every other name is a stand-in that accepts every call, does
+nothing, and does not solve an exercise.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-# Real modules come from the students' own library; the sandbox shows nothing else of it.
+# Real modules come from the course's `utils`; the sandbox does not contain its other modules.
 __path__ = [str(Path(__file__).resolve().parents[4] / "utils")]
 
 from utils import in_sandbox  # noqa: E402
@@ -54,7 +54,7 @@ class Agreeable:
 
 
 class _Everything(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finds every module of `utils` that is not real, and fills it with stand-ins."""
+    """Finder for all modules of `utils` that are not real; it fills them with stand-ins."""
 
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
