@@ -1,8 +1,8 @@
-"""What grading on a cluster costs: core seconds for each notebook, and money for many.
+"""Measure the cost of grading on a cluster, in core seconds per notebook and in money.
 
-Students of all lessons, who are right and wrong in many ways, are judged on one worker that has
-this machine's processors. Run it on a quiet machine, and name the price of a core at your
-provider: ``python tests/benchmarks/bench_cluster.py --price 0.03``
+The sample class submits right and wrong answers of many kinds to all lessons. One worker judges
+them with all processors of this machine. Run the script on a quiet machine, and state the price of
+a core per hour at your provider: ``python tests/benchmarks/bench_cluster.py --price 0.03``
 """
 
 import argparse
@@ -31,7 +31,7 @@ PRICE = 0.0425
 
 
 def make_class(root, students):
-    """Return a course in which the students submit different kept answers to each exercise."""
+    """Return a course in which the students submit different stored answers to each exercise."""
     course = Course(root)
     for number in range(students):
         for lesson in all_lessons():
@@ -46,12 +46,12 @@ def make_class(root, students):
 
 
 def cpu_seconds(course, sandbox):
-    """Return the processor seconds per notebook if all are judged here, one after another.
+    """Return the processor seconds per notebook if this process judges all, one after another.
 
     This is a lower bound, because processes of a killed sandbox are not counted.
     """
     submissions = find_submissions(course)
-    for submission in submissions[: len(all_lessons())]:  # fills caches of scenes and right answers
+    for submission in submissions[: len(all_lessons())]:  # fill caches of scenes and right answers
         judge(course, submission, sandbox)
     begin = sum(os.times()[:4])
     for submission in submissions:
@@ -65,7 +65,7 @@ def judge(course, submission, sandbox):
 
 
 def core_seconds(course, sandbox):
-    """Return the core seconds to pay per notebook: time of the run with joining, times cores."""
+    """Return the paid core seconds per notebook: the run's time, with joining, times the cores."""
     with LocalCluster(
         n_workers=1, threads_per_worker=processors(), dashboard_address=None
     ) as cluster:

@@ -53,12 +53,12 @@ def scans() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield the name, points and right labels of clouds in which a grid of cells gains least."""
+    """Yield the name, points and right labels of clouds for which a grid of cells saves least."""
     rng = np.random.default_rng(3)
     inner, outer = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.normal(size=(2, 30_000, 3)))
     nested = np.vstack([0.05 * inner, (0.05 + RADIUS + 1e-4) * outer])
     yield "a heap of 30 000 points within a shell of as many", nested, np.arange(60_000) // 30_000
-    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # a point to ten cells
+    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # one point per ten cells
     sparse = rng.uniform(0, edge, (1_000_000, 3))
     yield "a million points, one to ten cells", sparse, all_pairs(sparse)()
 

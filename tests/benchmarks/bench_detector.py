@@ -1,14 +1,14 @@
 """Time the steps of lesson 12's detector next to PCL's pipeline, and measure its quality.
 
-Times are medians over ROUNDS, in turn on `cloud.txt`. Quality is F1 over one frame of each of the
-eight streets of lesson 12, and of eight others, with standard errors by the jackknife over streets.
-The labelled frames in REAL_CLOUDS give recall with Wilson's 95 % interval, which is wide because
-there are only a few cars.
+The two detectors run in turn on `cloud.txt`, ROUNDS times each. Quality is the F1 score over one
+frame of each of the eight streets of lesson 12, and of eight other streets. The standard errors
+come from a jackknife over streets. The labelled frames in REAL_CLOUDS give recall with Wilson's
+95 % interval, which is wide because there are only a few cars.
 
-The rows cannot be compared with each other directly, and a note below them says why.
+The rows cannot be compared with each other directly; a note below them says why.
 `search_detector.py` searches for better parameters.
 
-The script adds to `.bench/measured.json`, under "detector by steps" and "quality".
+The script adds its results to `.bench/measured.json`, under "detector by steps" and "quality".
 """
 
 from __future__ import annotations
@@ -117,7 +117,10 @@ def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
-    """Yield each labelled recording with the corners of the boxes in the region, (N, 8, 3)."""
+    """Yield each labelled recording, and the corners of its boxes in the region, (N, 8, 3).
+
+    Boxes with fewer than 30 returns are left out.
+    """
     for table in sorted(folder.rglob("*_boxes.csv")):
         with table.open() as file:
             rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
@@ -138,7 +141,7 @@ def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
 
 
 def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
-    """Return Wilson's interval of a proportion (1927), which is also valid at 0 and 1."""
+    """Return Wilson's interval for a proportion (1927), which is also valid at 0 and 1."""
     share, spread = hits / count, z**2 / count
     middle = (share + spread / 2) / (1 + spread)
     half = z / (1 + spread) * np.sqrt(share * (1 - share) / count + spread / (4 * count))

@@ -1,7 +1,7 @@
 """Time how fast one writer enters a class into a growing gradebook, in SQLite and PostgreSQL.
 
-All students submit the solved notebooks of the first stage, which are judged once. PostgreSQL is
-left out if Debian's ``postgresql`` is not installed.
+All students submit the solved notebooks of the first stage, which are judged only once. The script
+leaves PostgreSQL out if Debian's ``postgresql`` is not installed.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def make_course(root, database):
 
 
 def hand_in(course, verdicts, students):
-    """Write the solved notebooks of these students and return (submission, verdict) of each."""
+    """Submit the solved notebooks for these students; return (submission, verdict) pairs."""
     judged = []
     for student in students:
         for lesson, verdict in verdicts.items():
@@ -55,7 +55,7 @@ def seconds(function, *arguments):
 
 
 def measure(name, course, verdicts, students, step):
-    """Enter `step` students at a time and print the time it takes."""
+    """Enter `step` students at a time and print how long each step takes."""
     judged, told = [], lambda *news: None
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]

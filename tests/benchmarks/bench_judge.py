@@ -1,21 +1,21 @@
 """Compare the speed of the judge with nbgrader's own autograde on the same submissions.
 
-Both grade copies of each lesson's solved notebook, from the command line and in turns, each in its
-own copy of the course. If either gives less than full marks, the race ends. nbgrader executes one
-notebook after another in a kernel. The time for one more notebook is the difference between a
-class of two and a class of one, which excludes the start. The judge is timed on a whole class,
-including the start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
+Both programs grade copies of each lesson's solved notebook. They run in turn from the command line,
+each in its own copy of the course. The benchmark stops if either gives less than full marks.
+nbgrader executes one notebook after another in a kernel. Its time per notebook is the difference
+between a class of two and a class of one, which excludes the start. The judge is timed on a whole
+class, including the start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
 
 The time for a class of 200 in all lessons is computed from a run inside this process, which can
 observe each verdict as it arrives.
 
-Run it on an otherwise idle machine. nbgrader keeps one hardware thread busy and has the whole core
-while the core's other thread is idle, but the judge fills all threads anyway. Other work on the
-machine may therefore slow nbgrader more than the judge.
+Run the benchmark on an otherwise idle machine. nbgrader keeps one hardware thread busy, and has the
+whole core while the core's other thread is idle. The judge fills all threads anyway. Other work on
+the machine may therefore slow nbgrader more than the judge.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
 
-It adds to `.bench/measured.json`, under "judge".
+The script adds its results to `.bench/measured.json`, under "judge".
 """
 
 import json
@@ -47,7 +47,7 @@ STUDENTS = 20
 ROUNDS = int(os.environ.get("ROUNDS", 3))
 # Seconds that nbgrader took for one of the shorter notebooks of the course's first edition.
 FIRST_EDITION = 4.0
-# A configuration of plain nbgrader, which executes notebooks and counts the visible checks passed.
+# Configuration of plain nbgrader, which executes notebooks and counts the visible checks that pass.
 PLAIN = """\
 c = get_config()
 c.CourseDirectory.source_directory = "solutions"
@@ -61,7 +61,7 @@ SEED = 1
 class Times:
     """Seconds for a stage, and peak megabytes of this process, which reads and writes files.
 
-    `further` has the seconds of judging for each further student, by the name of the lesson.
+    `further` has the seconds to judge one more notebook, by the name of the lesson.
     """
 
     first: float
@@ -93,7 +93,11 @@ def make_course(root, students, lessons):
 
 
 def _as_written_by(number, lesson):
-    """Return the solved notebook with a comment in each answer, as right answers are cached."""
+    """Return the solved notebook with a student's comment in each answer.
+
+    Without these comments the notebooks would be identical, and the judge would take all results
+    but the first from its cache.
+    """
     notebook = json.loads(lesson.solved.read_text("utf-8"))
     for cell in notebook["cells"]:
         if cell["metadata"].get("nbgrader", {}).get("solution") and cell["cell_type"] == "code":
@@ -136,7 +140,7 @@ def time_ours(lessons, folder):
 
 
 def steady(times):
-    """Return the seconds between verdicts in the middle half, without the costs of starting."""
+    """Return the mean seconds between verdicts in the middle half, which excludes the start."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
 
@@ -147,7 +151,7 @@ def stages_of(lessons):
 
 def command_line(root, *words):
     """Return the seconds that a command takes in a course, run from a shell."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # nbgrader's alembic
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # nbgrader runs alembic
     environment = {**os.environ, "PATH": path, "PYTHONPATH": str(root)}
     begin = time.perf_counter()
     done = subprocess.run(
@@ -198,7 +202,15 @@ def time_grade(lessons, folder):
 
 
 def race(lessons):
-    """Return seconds per notebook of nbgrader and ours, (rounds, 2), and nbgrader's start time."""
+    """Return the seconds per notebook of nbgrader and the judge, and the start time of nbgrader.
+
+    Returns
+    -------
+    seconds : ndarray, shape (rounds, 2)
+        Seconds per notebook of nbgrader and of the judge.
+    starts : ndarray, shape (rounds,)
+        Seconds that nbgrader takes to start.
+    """
     found, starts = [], []
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as place:

@@ -34,7 +34,7 @@ def seconds(call: Callable[[], object], runs: int = 7) -> float:
 
 
 def street_of(obstacles: int) -> Callable[[], Frame]:
-    """Return a function that makes the least crowded random street with so many obstacles."""
+    """Return a function that makes the least crowded random street with this many obstacles."""
     for percent in range(101):
         if len(random_street(0, percent / 100).boxes) >= obstacles:
             return partial(random_street, 0, percent / 100)
@@ -42,7 +42,7 @@ def street_of(obstacles: int) -> Callable[[], Frame]:
 
 
 def without_culling(call: Callable[[], Frame]) -> float:
-    """Return the seconds for one frame if every ray is tested against every solid."""
+    """Return the seconds for one frame if the scanner tests every ray against every solid."""
     blocks = scanner._blocks
     scanner._blocks = lambda solid, sensor: [(slice(None), slice(None))]
     try:

@@ -44,7 +44,7 @@ def highway_counts(points: np.ndarray) -> list[int]:
 
 
 def neighbours(cloud: np.ndarray) -> list[float]:
-    """Return quartiles of the number of neighbours within 0.5 m, over a 30th of the points."""
+    """Return quartiles of the number of neighbours within 0.5 m, for every 30th point."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(cloud[:, :3])
@@ -61,7 +61,7 @@ def read_pcd(path: Path) -> np.ndarray:
 
 
 def labelled_cars(folder: Path) -> list[tuple[float, int]]:
-    """Return the distance and points of every labelled car that is not badly truncated."""
+    """Return the distance and number of points of each labelled car with truncation below 0.3."""
     with (folder / "kitti_000008_boxes.csv").open() as table:
         rows = [row for row in csv.DictReader(table) if float(row["trunc"]) < 0.3]
     return [(float(np.hypot(float(r["cx"]), float(r["cy"]))), int(r["npts"])) for r in rows]
@@ -152,7 +152,7 @@ def draw_street(frame: Frame, folder: Path) -> None:
 
 
 def draw(simulated: Frame, folder: Path, cars: list[tuple[float, int]], clouds: dict) -> None:
-    """Draw counts of returns by distance, by height and per car, without any real point."""
+    """Draw shares of returns by distance and height, and returns per car, but no real points."""
     import matplotlib
 
     matplotlib.use("Agg")

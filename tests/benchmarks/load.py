@@ -1,8 +1,9 @@
 """Check that right notebooks lose no points on a busy machine.
 
-A class of right answers is judged with one job per processor. At first the machine is otherwise
-idle. Then there are one, two and four busy processes for each processor. Rehearsals are done first.
-The exit status is 1 if a right notebook has lost a point. Run it on an otherwise idle machine:
+The script judges a class of right answers with one job per processor. At first the machine is
+otherwise idle. Then there are one, two and four busy processes for each processor. Rehearsals come
+first. The exit status is 1 if a right notebook has lost a point. Run the script on an otherwise
+idle machine:
 
     PYTHONPATH=. python tests/benchmarks/load.py [NOTEBOOKS]     # 100 by default; an hour or two
 """
@@ -46,7 +47,7 @@ def hand_in(course, count):
 @contextlib.contextmanager
 def busy(count):
     """Run `count` busy processes of the same priority as this one."""
-    # Each has its own session, because some kernels divide processor time between sessions.
+    # Each process has its own session, because some kernels divide processor time by session.
     command = [sys.executable, "-c", "while True: pass"]
     others = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
     try:

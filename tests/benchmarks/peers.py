@@ -31,7 +31,8 @@ PCL_SOURCE = Path(__file__).with_name("pcl_peer.cpp")
 PCL_LIBRARIES = ("segmentation", "filters", "sample_consensus", "search", "kdtree", "common")
 
 if os.environ.get("PEERS"):
-    sys.path.append(os.environ["PEERS"])  # last, so that the project's own libraries win
+    # Last, so that the project's own libraries take precedence.
+    sys.path.append(os.environ["PEERS"])
 
 
 def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
@@ -45,7 +46,7 @@ def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
 
 
 def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
-    import numba  # noqa: F401  without it the lesson works, hundreds of times as slowly
+    import numba  # noqa: F401  raises if missing; the lesson would take hundreds of times as long
 
     return getattr(load_reference("13_compiled_loops", name), name)
 
@@ -153,7 +154,7 @@ class PclPeer:
     Raises
     ------
     tests.benchmarks.racing.Missing
-        There is no program, and it cannot be built.
+        If there is no program and it cannot be built.
     """
 
     def __init__(self, work: str, cloud: np.ndarray) -> None:

@@ -69,7 +69,7 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
     ways : dict of str to callable
     cloud : ndarray, shape (n, 3)
     memory : bool
-        Whether to measure memory as well, which takes a process for each implementation.
+        Whether to measure memory as well, in a separate process for each implementation.
 
     Returns
     -------

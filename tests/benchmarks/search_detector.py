@@ -5,11 +5,12 @@ is the mean of two numbers: F1 of the boxes on the carriageway, averaged over th
 the recall of pedestrians and cyclists in the whole region. Without the recall, the search would
 choose a minimum cluster size that excludes all pedestrians.
 
-The best five settings then run on streets that were held back from the search. Today's parameters
-and today's with voxels of half the side run there as well. The result is the difference from
-today's score, street by street, with a standard error by the jackknife. The best of many settings
-was partly lucky in the search, but this luck does not carry over to held-back streets. A voxel's
-centroid is up to half a voxel inside the surface, which matters for a person but hardly for a car.
+The best five settings then run on streets that were held back from the search. The best of many
+settings was partly lucky in the search, but this luck does not carry over to other streets. Today's
+parameters run there as well, and so does FINER, with voxels of half the side and at least 30 points
+in a cluster. The centroid of a voxel is up to half a voxel inside the surface, which matters for a
+person but hardly for a car. The result is the difference from today's score, street by street, with
+a standard error by the jackknife.
 
 Lesson 12 still keeps today's parameters. Its detector is also used for driving, with a scanner
 that has a third of the returns. There, a minimum of 30 points would detect a child too late.
@@ -34,7 +35,7 @@ from utils.scoring.counting import match
 from utils.simulator.frames import Frame
 
 SETTINGS = int(os.environ.get("SETTINGS", 150))
-SEARCHED, HELD_BACK = range(200, 212), range(300, 324)  # lesson 12 looks at 0 to 7
+SEARCHED, HELD_BACK = range(200, 212), range(300, 324)  # lesson 12 uses seeds 0 to 7
 PEOPLE = ("pedestrian", "cyclist")
 BEST = 5
 TIMED = 4  # frames, each three times
@@ -79,7 +80,7 @@ def drawn(rng: np.random.Generator) -> Setting:
 
 
 def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
-    """Return lesson 12's detector with a setting; values that are not parameters are patched."""
+    """Return lesson 12's detector with a setting; steps are patched for its fixed values."""
 
     def changed(steps: dict) -> dict:
         search, fit, thin = steps["ransac_plane"], steps["fit_plane"], steps["voxel_grid"]
@@ -87,7 +88,8 @@ def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
             "ransac_plane": lambda low, rounds, _, seed: search(
                 low, rounds, setting.tolerance, seed
             ),
-            # The detector tests for more than 0.3 m, and a longer normal lowers that limit.
+            # The detector's limit is fixed at 0.3 m. Scaling the plane scales the distances, which
+            # has the same effect as the limit `near_road`.
             "fit_plane": lambda road: np.multiply(fit(road), 0.3 / setting.near_road),
             "voxel_grid": lambda points, _: thin(points, setting.voxel),
         }
@@ -128,7 +130,7 @@ def quality(sums: np.ndarray) -> float:
 
 
 def asked(setting: Setting, frames: Sequence[Frame]) -> np.ndarray:
-    """Run a setting on frames and return the counts of each, (frames, 6)."""
+    """Run a setting on frames and return the counts of each frame, (frames, 6)."""
     detect = detector(setting)
     return np.array([counts(detect(frame.cloud), frame) for frame in frames])
 
