@@ -1,4 +1,4 @@
-"""Reading the roster, and finding people by folder, login or name."""
+"""Reading the roster, and finding people by id, name, email or login."""
 
 import unicodedata
 

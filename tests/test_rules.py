@@ -1,4 +1,4 @@
-"""Single rules of the judge, without judging a notebook."""
+"""Individual rules of the judge and the gradebook, tested without judging a notebook."""
 
 import dataclasses
 import itertools
@@ -41,7 +41,7 @@ WRITTEN = find_lesson("12_streaming_obstacles")
 NO = CheckFailed("no")
 
 
-# ---- right helpers -----------------------------------------------------------------------------
+# ---- error carried forward -----------------------------------------------------------------------
 
 
 def outcomes_of(exercise, *held):
@@ -52,7 +52,7 @@ def outcomes_of(exercise, *held):
 
 
 def follow(monkeypatch, uses, outcomes, again):
-    """Return the result of `carry_forward`, and the programs that ran a second time."""
+    """Return the better results from `carry_forward`, and the corrected programs that it ran."""
     programs = []
 
     program = Program(("pass",), LINE.names)
@@ -73,7 +73,7 @@ ALL_HOLD = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line"
 
 
 def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
-    """Otherwise `line_through` could find its answer in a right `ransac_line`."""
+    """Otherwise `line_through` could take its answer from a right `ransac_line`."""
     uses = {"ransac_line": ("line_through",), "line_through": ("ransac_line",)}
     better, asked = follow(monkeypatch, uses, BOTH_WRONG, ALL_HOLD)
     assert set(better) == {"ransac_line"} and len(asked) == 1
@@ -126,7 +126,7 @@ def test_which_of_three_tries_counts(first, once_more, with_right, counts):
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
 def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
-    """Neither does an answer that stops its process in any of the tries."""
+    """An answer that stops its process in any of the tries gains nothing either."""
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
@@ -144,7 +144,7 @@ def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
 
 
 def test_a_perfect_exercise_is_also_run_again(monkeypatch):
-    """Otherwise a random answer would get a second chance only after a failure."""
+    """Otherwise a random answer would run again only after a failure, and could only gain."""
     uses = {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, True)]
     for again, held in (((True, True), None), ((False, False), [False, False])):
@@ -194,7 +194,7 @@ def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
 
 
 def test_each_exercise_is_rerun_on_its_own(monkeypatch):
-    """An exercise that is not carried forward does not keep later ones from it."""
+    """If an exercise cannot be carried forward, later ones still can."""
     plane = find_lesson("03_ransac_plane")
     names = [exercise.name for exercise in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
@@ -243,7 +243,7 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
 
 @pytest.fixture
 def submitted_files(tmp_path):
-    """A course and its one submission, with a valid verdict."""
+    """Return a course, its only submission, and a valid verdict on that submission."""
     course = Course(tmp_path)
     path = course.submitted / "ada" / FILTER.stage / f"{FILTER.name}.ipynb"
     path.parent.mkdir(parents=True)
@@ -306,7 +306,7 @@ def test_a_missing_notebook_needs_no_manual_grading():
 
 
 def notebook(*cells):
-    """Return a notebook of lesson 06 or 12 without metadata, as some editors save it."""
+    """Return a notebook without metadata, as some editors save it."""
     made = [
         {"cell_type": kind, "metadata": {}, "source": source}
         | ({"outputs": [], "execution_count": None} if kind == "code" else {})
@@ -347,7 +347,7 @@ def test_a_written_answer_is_found_below_the_last_copy_of_its_question():
     assert made.answers["write_up"].text == "It finds 14 of 17 cars."
 
 
-# ---- samples of hidden tests -------------------------------------------------------------
+# ---- the simulator -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4])

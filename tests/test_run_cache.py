@@ -1,4 +1,4 @@
-"""Assertions that many checks need run once per run."""
+"""The cache of a run: assertions and answers that many checks share are computed once."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from utils.checks.run_cache import answer_to, once, one_run
 
 
 def counted(outcomes):
-    """Return an assertion with given outcomes, call by call, and a list of its calls."""
+    """Return an assertion with one given outcome for each call, and a list of its calls."""
     asked = []
 
     @once
@@ -58,7 +58,7 @@ def test_the_next_run_starts_with_an_empty_cache():
 
 
 def test_other_exceptions_are_not_cached():
-    """A stopped process may answer the next time."""
+    """A process that was stopped may answer next time."""
     assertion, asked = counted([OSError("stopped"), None])
     with one_run():
         with pytest.raises(OSError):

@@ -35,7 +35,7 @@ about = dict(title="It holds", hint="Look at it.")
 
 @pytest.fixture
 def made(tmp_path, monkeypatch):
-    """Return a function that makes a lesson of two exercises from hidden and visible checks."""
+    """Return a function that makes a lesson with exercises f and g from the given checks."""
 
     def make(hidden="", shown=()):
         tests = tmp_path / "06_made_here" / "hidden_tests.py"
@@ -110,7 +110,7 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
 
 
 def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
-    """Otherwise each notebook would take longer in a home with many folders."""
+    """Otherwise each notebook would take longer in a home directory with many folders."""
     lesson, listed, scandir = made(TWO), [], os.scandir
 
     def noted(path="."):
@@ -133,7 +133,7 @@ def test_only_selected_checks_run(made):
 
 
 def test_the_rest_is_skipped_if_one_failure_decides(made):
-    """Calls of a slow answer may take seconds each."""
+    """Each call of a slow answer may take seconds."""
     student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
     checks = [shown("holds", "g", lambda function: function("shown"))]
     outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
@@ -242,7 +242,7 @@ def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
 
 def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
-    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # seconds
+    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # takes seconds
     student, before = Nobody(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
@@ -258,7 +258,7 @@ def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(made, monk
 
 
 def test_a_test_may_compute_for_seconds():
-    assert 5 <= runner.SECONDS_OF_A_TEST <= 60  # the slowest right one takes two
+    assert 5 <= runner.SECONDS_OF_A_TEST <= 60  # the slowest test of a right answer takes two
 
 
 def test_in_another_thread_there_is_no_time_limit(made):
@@ -303,7 +303,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
-# ---- no influence from outside -------------------------------------------------------------------
+# ---- independence from the environment -----------------------------------------------------------
 
 
 def test_each_lesson_has_its_own_seed_of_120_bits(made):
@@ -342,7 +342,7 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
 
 @pytest.fixture
 def asked_once(monkeypatch):
-    """Return a function that runs checks with given outcomes, and a record of its calls."""
+    """Return a function that calls `run_program` with given outcomes, and a record of its calls."""
     seen = SimpleNamespace(looked=[], closed=[])
 
     class Somebody(SimpleNamespace):

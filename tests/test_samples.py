@@ -38,7 +38,7 @@ def test_an_oracle_runs_once_for_each_content(counted):
     assert len(asked) == 1
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
-    # The same bytes in another shape or type, another cloud, other settings.
+    # The same bytes in another shape or type, other clouds, and (below) another setting.
     others = [cloud.reshape(3, 4), cloud.view(np.int64), cloud + 1, cloud[:0], cloud[:0, :2]]
     for other in others:
         assert np.array_equal(doubled(other, 0.5), 2 * other)
@@ -81,7 +81,7 @@ def test_a_generator_for_students_is_drawn_from_a_digest():
 
 
 def assert_rows_of(part, cloud):
-    """Assert that each row of a part is a row of a cloud, and not more often than there."""
+    """Assert that a cloud contains each row of a part, at least as often as the part does."""
     assert Counter(map(bytes, part)) <= Counter(map(bytes, cloud))
 
 
@@ -114,7 +114,7 @@ def test_no_two_points_are_left_at_the_threshold(columns):
     kept = samples.without_ties(cloud, 0.8, 5e-3)
     assert (np.abs(pdist(kept[:, :3]) - 0.8) > 5e-3).all()
     assert_rows_of(kept, cloud)
-    # Of each pair near the threshold only the later point is removed.
+    # Only the later point of each pair near the threshold is removed.
     doubtful = np.abs(squareform(pdist(cloud[:, :3])) - 0.8) < 5e-3
     goes = np.triu(doubtful).any(axis=0)
     assert 20 < goes.sum() < 200 and np.array_equal(kept, cloud[~goes])
@@ -140,7 +140,7 @@ def test_centroids_of_voxels(columns):
     order = np.lexsort(voxels.T), np.lexsort(np.array(expected).T)
     assert np.allclose(voxels[order[0]], np.array(expected)[order[1]], atol=1e-12)
     assert samples.voxel_centroids(cloud[:0], 0.5).shape == (0, columns)
-    # With another dtype, so that bytes cannot be mistaken for columns.
+    # A second dtype would show if the function confused bytes with columns.
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
 
 
