@@ -20,7 +20,7 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Limits on the values and containers in a tree: about twice as many as the largest cloud has as a
+# Limits on the values and containers in a tree: about twice as many as the largest array has as a
 # list of rows. Without them a message could fill the memory, because a value may take forty times
 # as much memory as its bytes.
 MAXIMUM_COMMAS = 2**20
