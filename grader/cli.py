@@ -96,7 +96,7 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
 def _add_try(subparsers: argparse._SubParsersAction) -> None:
     attempt = subparsers.add_parser(
         "try",
-        help="build the course, judge all that is kept with one lesson, and say what is missing",
+        help="build a lesson, run its notebooks, judge its kept answers, and list what is missing",
     )
     attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
     add_sandbox_option(attempt)

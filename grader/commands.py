@@ -11,6 +11,7 @@ import functools
 import itertools
 import json
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
@@ -68,7 +69,8 @@ def run_try(options: argparse.Namespace) -> int:
     console.warn_if_unprotected(sandbox)
     findings = []
     for finding in try_lesson(lesson, sandbox):
-        print("  ok  " if finding.good else "  !!  ", finding.sentence, flush=True)
+        mark = "ok" if finding.good else "!!"
+        print(f"  {mark}   {textwrap.indent(finding.sentence, ' ' * 7).lstrip()}", flush=True)
         findings.append(finding)
     left = sum(not finding.good for finding in findings)
     print(f"{lesson.name}: {left} to do." if left else f"{lesson.name} is complete.")

@@ -1,5 +1,6 @@
 """Authoring a lesson: the skeleton, and `grader try` with its kept answers."""
 
+import contextlib
 import dataclasses
 import os
 import shutil
@@ -42,18 +43,27 @@ def test_true_claims_are_not_reported():
     ("answer", "verdict", "says"),
     [
         (RIGHT, verdict_on("keeps"), "It loses keeps."),
-        (WRONG, verdict_on("sorts"), "It passes test_a; it loses sorts."),
+        (WRONG, verdict_on("sorts"), "It loses sorts; its note says sorts, test_a."),
         (
             dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
             verdict_on("sorts", "test_a[1]"),
             "There is no check test_c. The checks are: sorts, keeps, test_a[1], test_b.",
         ),
-        (WRONG, verdict_on("sorts", "test_a[1]", "keeps"), "It also loses keeps."),
+        (
+            WRONG,
+            verdict_on("sorts", "test_a[1]", "keeps"),
+            "It loses sorts, keeps, test_a[1]; its note says sorts, test_a.",
+        ),
+        (
+            dataclasses.replace(WRONG, loses=("sort", "test_a")),
+            verdict_on("sorts", "test_a[1]"),
+            "There is no check sort. The checks are:",
+        ),
         (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns everything, although"),
         (
             dataclasses.replace(WRONG, says="Bananas"),
             verdict_on("sorts", "test_a[1]"),
-            "No message says 'Bananas'.",
+            "No message says 'Bananas'. The messages are: \n2 rows too many",
         ),
         (
             dataclasses.replace(WRONG, told="rounded"),
@@ -133,23 +143,63 @@ def test_a_skeleton_is_complete_and_removed_parts_are_reported(copy, sandbox):
     assert run(copy, "build", "--check").returncode == 0
 
     folder = copy / "solutions" / "stage5_own" / "14_free_distance"
-    hidden = (folder / "hidden_tests.py").read_text("utf-8")
-    (folder / "hidden_tests.py").write_text("")
-    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    with replaced(folder / "hidden_tests.py", "", ""):
+        tried = run(copy, "try", "14", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "free_distance has no hidden test. Write one in 14_free_distance/hidden" in tried.stdout
     assert "The lesson cannot be judged: " in tried.stdout and "2 to do." in tried.stdout
-    (folder / "hidden_tests.py").write_text(hidden, "utf-8")
-    answers = folder / "answers" / "free_distance.txt"
-    answers.write_text(answers.read_text("utf-8").replace("# %% right: a loop", "# %% wrong: it"))
-    checks = copy / "utils" / "checks" / "lesson_14.py"
-    checks.write_text(checks.read_text("utf-8").replace("7.505553499465135", "7.6"))
-    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+
+    changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
+    answers, hidden = folder / "answers" / "free_distance.txt", folder / "hidden_tests.py"
+    with replaced(answers, *changed[0]), replaced(hidden, *changed[1]):
+        tried = run(copy, "try", "14", "--sandbox", sandbox.name)
     assert tried.returncode == 1
-    for sentence in (
-        "The solution earns",
-        "free_distance has no right answer. Write one in",
-        "free_distance, wrong: it: ",
-        "14_free_distance: 4 to do.",
+    assert "free_distance has no right answer. Write one in" in tried.stdout
+    assert "14_free_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
+
+    hidden.rename(folder / "away")
+    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    (folder / "away").rename(hidden)
+    assert "There is no file solutions/stage5_own/14_free_distance/hidden_t" in tried.stdout
+
+
+@pytest.mark.slow
+def test_faults_of_the_solution_and_the_checks_are_reported_once(copy, sandbox):
+    run(copy, "new", "15_mean_square")
+    source = copy / "solutions" / "stage5_own" / "15_mean_square" / "lesson.py"
+    checks = copy / "utils" / "checks" / "lesson_15.py"
+    with replaced(checks, "7.505553499465135", "7.6"):
+        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+    assert "The solution earns " in tried.stdout and "15_mean_square: 1 to do." in tried.stdout
+    assert "mean_square, “The plain case is right”: The number is wrong." in tried.stdout
+    assert "Hint: Square, mean, square root" in tried.stdout
+
+    for old, new, line, reason in (
+        ('promise("names")', 'promise("name")', 32, "There is no promise 'name'; choose names,"),
+        ("weight=4,", "weight=4", 10, "SyntaxError: "),
     ):
-        assert sentence in tried.stdout, tried.stdout
+        with replaced(checks, old, new):
+            tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+        assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
+        assert reason in tried.stdout and "15_mean_square: 1 to do." in tried.stdout
+
+    cell = "# Look.\n\n# %%\nprint(1 + mean_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
+    with replaced(source, "# ## Summary", cell.replace("print(1", "draw(1")):
+        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+    assert "cell that begins with `draw(1 + mean_square([3, 4]))` raises NameE" in tried.stdout
+
+    # The untouched notebook goes on with the solution's answers, which `try` stores.
+    with replaced(source, "# ## Summary", cell):
+        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+    assert tried.returncode == 0, tried.stdout
+    assert "were written to utils/lent/lesson_15.json." in tried.stdout
+
+
+@contextlib.contextmanager
+def replaced(path, old, new):
+    """Replace a text in a file, or the whole file if there is no old text, for a while."""
+    before = path.read_text("utf-8")
+    assert old in before
+    path.write_text(before.replace(old, new) if old else new, "utf-8")
+    yield
+    path.write_text(before, "utf-8")

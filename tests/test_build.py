@@ -224,6 +224,8 @@ def test_nbgrader_sees_the_stages_and_the_optional_lesson():
 TOY = """# %% [markdown]
 # # 01 · A toy
 #
+# **You write** `toy` (points), `other` (points).
+#
 # **Time:** (time).
 #
 # ## Reading
@@ -243,7 +245,7 @@ def toy():
 # %% tags=["folded"]
 print(toy() + 1)
 
-# %% nbgrader={"grade": true, "grade_id": "test_toy"}
+# %% nbgrader={"grade": true, "grade_id": "test_toy", "points": 7}
 check(toy)
 
 # %%
@@ -284,6 +286,10 @@ def test_run_all_continues_after_failing_answers_and_checks(toy):
 def test_the_next_lesson_is_a_link(toy):
     assert "**Next:** [04 · Trees](../stage2_clustering/04_kd_tree.ipynb)" in toy.cells[-1].source
     assert "**Next:** 99 · Nowhere" in toy.cells[-1].source
+
+
+def test_points_are_read_from_the_cells_that_nbgrader_reads(toy):
+    assert "**You write** `toy` (7 points), `other` (points)." in toy.cells[0].source
 
 
 def test_minutes_are_computed(toy):

@@ -64,6 +64,19 @@ return a + b
         answers_to("sub")
 
 
+def test_an_unknown_note_is_named_and_a_comment_of_the_student_stays(tmp_path, monkeypatch):
+    folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(kept_answers, "PROJECT", tmp_path)
+    text = "# %% wrong: minus\n# loses: adds\n# say: 3\nreturn a - b\n"
+    (folder / "add.txt").write_text(text, "utf-8")
+    with pytest.raises(kept_answers.MalformedAnswers, match="add, minus: there is no note say"):
+        answers_to("add")
+    (folder / "add.txt").write_text(text.replace("# say", "\n# say"), "utf-8")
+    (minus,) = answers_to("add")
+    assert (minus.loses, minus.source) == (("adds",), "# say: 3\nreturn a - b\n")
+
+
 @pytest.mark.parametrize("heading", ["# %% Wrong: a sum", "# %%wrong: a sum", "# %% wrong a sum"])
 def test_a_misspelt_heading_is_named_with_its_line(heading, tmp_path, monkeypatch):
     folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"

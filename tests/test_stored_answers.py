@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from grader.course.recorded_answers import changed_answers
 from utils import lent
 from utils.lent import encoding
 
@@ -276,3 +277,21 @@ def test_an_experiment_is_recorded_again_although_it_is_stored():
     lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
     stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
     assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]
+
+
+def stored(**answers):
+    """Return stored answers of functions of one call each."""
+    functions = {name: {"key": {"answer": answer}} for name, answer in answers.items()}
+    return json.dumps({"functions": functions}).encode()
+
+
+def test_changed_answers_are_named():
+    cloud = encoding.encode(CLOUD[:3])
+    before = stored(box=[1.0, [2, None]], mask=cloud, count=7)
+    assert changed_answers(before, before) == []
+    assert changed_answers(before, stored(box=[1.01, [2, None]], mask=cloud, count=7)) == []
+    now = stored(box=[1.2, [2, None]], mask=encoding.encode(CLOUD[:2]), count=8)
+    assert changed_answers(before, now) == ["box", "count", "mask"]
+    assert changed_answers(before, stored(box=[1.0, 2], mask=None, count=7)) == ["box", "mask"]
+    assert changed_answers(before, stored(count=7)) == ["box", "mask"]
+    assert changed_answers(b"{}", before) == ["box", "count", "mask"]

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
-from collections.abc import Iterator
+import traceback
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import nbformat
+
+from grader.course import recorded_answers
 from grader.course.kept_answers import KeptAnswer, MalformedAnswers, answers_to, fill_in
 from grader.course.lessons import Exercise, Lesson
+from grader.course.notebook_runs import NotebookStopped, run_notebook
+from grader.course.paths import PROJECT
 from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, ExerciseResult, Verdict
 from grader.sandbox import Sandbox
@@ -27,7 +34,7 @@ class Finding:
     ----------
     good : bool
     sentence : str
-        What was found, and what to do if it is not good.
+        What was found, and what to do if it is not good. Lines after the first quote messages.
     """
 
     good: bool
@@ -37,6 +44,8 @@ class Finding:
 def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     """Yield what is right, wrong or missing in a lesson that has been built.
 
+    The trial stops after a finding that would cause most of the others.
+
     Parameters
     ----------
     lesson : grader.course.lessons.Lesson
@@ -44,54 +53,82 @@ def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
         What runs the answers.
     """
     try:
-        yield from _findings(lesson, sandbox)
-    except MalformedAnswers as error:
+        yield from _missing_parts(lesson)
+        if lesson.machine_graded:
+            yield _judged_solution(lesson, sandbox)
+        yield from _notebooks(lesson)
+        if lesson.machine_graded:
+            yield from _judged_answers(lesson, sandbox)
+        else:
+            yield Finding(True, "It has no exercise with points: there is nothing to judge.")
+    except (_Unusable, MalformedAnswers) as error:
         yield Finding(False, str(error))
 
 
-def _findings(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    if not lesson.machine_graded:
-        yield Finding(True, "It has no exercise with points: there is nothing to judge.")
-        return
+class _Unusable(Exception):
+    """A file of the lesson cannot be used; `str()` is the sentence to show."""
+
+
+def _missing_parts(lesson: Lesson) -> Iterator[Finding]:
     for exercise in lesson.machine_graded:
-        yield from _what_is_missing(exercise, lesson)
-    verdict = judge(lesson.solved, SEEDS[0], sandbox)
-    if verdict.status == FAILED:
-        reason = verdict.faults[0].strip().splitlines()[-1]
-        yield Finding(False, f"The lesson cannot be judged: {reason}")
-        return
-    yield from _solution_and_stub(lesson, sandbox)
+        yield from _missing_from_exercise(exercise, lesson)
+    if lesson.machine_graded and not lesson.tests.is_file():
+        raise _Unusable(f"There is no file {lesson.tests.relative_to(PROJECT)}. Write it.")
+
+
+def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
+    for seed in SEEDS:
+        verdict = judge(lesson.solved, seed, sandbox)
+        if verdict.status == FAILED:
+            raise _Unusable(f"The lesson cannot be judged: {_place_and_reason(verdict, lesson)}")
+        if verdict.score < verdict.max_score:
+            raise _Unusable(
+                f"The solution earns {verdict.score:g} of {verdict.max_score:g} points with seed "
+                f"{seed}.{_failures(verdict)}"
+            )
+    points = f"{verdict.max_score:g} points"
+    return Finding(True, f"The solution earns all {points} with {len(SEEDS)} seeds.")
+
+
+def _notebooks(lesson: Lesson) -> Iterator[Finding]:
+    """Run the solved and the untouched notebook, and bring the stored answers up to date."""
+    try:
+        recorded = recorded_answers.record(lesson)
+    except recorded_answers.UnstorableAnswers as reason:
+        raise _Unusable(str(reason)) from None
+    yield Finding(True, "The solved notebook runs to its end.")
+    path = recorded_answers.answers_path(lesson)
+    stored = path.read_bytes() if path.is_file() else b"{}"
+    if lesson.machine_graded and recorded_answers.changed_answers(stored, recorded):
+        path.write_bytes(recorded)
+        yield Finding(
+            True, f"Its answers, which stubs lend, were written to {path.relative_to(PROJECT)}."
+        )
+    try:
+        notebook = nbformat.read(lesson.released, as_version=4)
+        run_notebook(notebook, lesson.released.parent, checks_may_fail=True)
+        yield Finding(True, "The untouched notebook runs to its end.")
+    except NotebookStopped as reason:
+        yield Finding(False, f"The untouched notebook does not run to its end: {reason}")
+
+
+def _judged_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
+    score = judge(lesson.released, SEEDS[0], sandbox).score
+    sentence = f"The untouched notebook earns {score:g} points."
+    yield Finding(score == 0, sentence if score == 0 else f"{sentence} It should earn none.")
     for exercise in lesson.machine_graded:
         yield from _answers(exercise, lesson, sandbox)
 
 
-def _solution_and_stub(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    for seed in SEEDS:
-        verdict = judge(lesson.solved, seed, sandbox)
-        most = f"{verdict.max_score:g}"
-        if verdict.score < verdict.max_score:
-            yield Finding(
-                False,
-                f"The solution earns {verdict.score:g} of {most} points with seed {seed}. "
-                f"{_first_failure(verdict)}",
-            )
-            return
-    yield Finding(True, f"The solution earns {most} of {most} points with {len(SEEDS)} seeds.")
-    score = judge(lesson.released, SEEDS[0], sandbox).score
-    sentence = f"The untouched notebook earns {score:g} points."
-    yield Finding(score == 0, sentence if score == 0 else f"{sentence} It should earn none.")
-
-
-def _what_is_missing(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
-    name, count = exercise.name, len(checks_of(exercise.name))
+def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
+    name, count = exercise.name, _count_checks(exercise.name)
     if count < FEWEST_CHECKS:
         yield Finding(
             False,
             f"{name} has {count} visible checks. Add an example for each property to "
             f"utils/checks/lesson_{lesson.number}.py, until there are {FEWEST_CHECKS}.",
         )
-    hidden = lesson.tests.is_file() and f'"{name}"' in lesson.tests.read_text("utf-8")
-    if not hidden:
+    if lesson.tests.is_file() and f'"{name}"' not in lesson.tests.read_text("utf-8"):
         yield Finding(
             False, f"{name} has no hidden test. Write one in {lesson.name}/{lesson.tests.name}."
         )
@@ -103,6 +140,37 @@ def _what_is_missing(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
                 f"{name} has no {word} answer. Write one in {lesson.name}/answers/{name}.txt, as "
                 "a student would.",
             )
+
+
+def _count_checks(exercise: str) -> int:
+    """Return the number of visible checks; raise `_Unusable` if their file cannot be imported."""
+    try:
+        return len(checks_of(exercise))
+    except LookupError:
+        return 0
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        places = [(frame.filename, frame.lineno) for frame in frames if _is_of_a_lesson(frame)]
+        if isinstance(error, SyntaxError):
+            places.append((error.filename, error.lineno))
+        where = "".join(f"{_short(path)}, line {line}: " for path, line in places[-1:])
+        raise _Unusable(f"{where}{type(error).__name__}: {error}") from None
+
+
+def _is_of_a_lesson(frame: traceback.FrameSummary) -> bool:
+    return "/utils/checks/lesson_" in Path(frame.filename).as_posix()
+
+
+def _short(path: str) -> str:
+    return Path(path).as_posix().removeprefix(f"{PROJECT.as_posix()}/")
+
+
+def _place_and_reason(verdict: Verdict, lesson: Lesson) -> str:
+    text = verdict.faults[0].strip()
+    lines = re.findall(rf'{re.escape(lesson.tests.name)}(?:", line |:)(\d+)', text)
+    reason = re.sub(r"^E\s+", "", text.splitlines()[-1])
+    where = f"{lesson.tests.relative_to(PROJECT)}, line {lines[-1]}: " if lines else ""
+    return where + reason
 
 
 def _answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
@@ -149,15 +217,13 @@ def _broken_losses(
 ) -> Iterator[str]:
     if not answer.loses:
         yield "It does not say which checks it loses: add a line `# loses: ...`."
-    for name in answer.loses:
-        if not any(test.name.startswith(name) for test in result.tests):
-            names = _names(test.name for test in result.tests)
-            yield f"There is no check {name}. The checks are: {names}."
-        elif not any(key.startswith(name) for key in failed):
-            yield f"It passes {name}; it loses {_names(failed)}."
-    others = [name for name in failed if not name.startswith(answer.loses)]
-    if answer.loses_only and others:
-        yield f"It also loses {_names(others)}."
+    names, claimed = [test.name for test in result.tests], {*answer.loses}
+    passed = claimed - _with_short_names(failed)
+    others = [name for name in failed if not _with_short_names([name]) & claimed]
+    if unknown := claimed - _with_short_names(names):
+        yield f"There is no check {_names(sorted(unknown))}. The checks are: {_names(names)}."
+    elif passed or (answer.loses_only and others):
+        yield f"It loses {_names(failed)}; its note says {_names(answer.loses)}."
     if result.score == result.max_score:
         yield "It earns everything, although it is wrong."
 
@@ -165,7 +231,7 @@ def _broken_losses(
 def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
-        yield f"No message says {answer.says!r}."
+        yield f"No message says {answer.says!r}. The messages are: {_quoted(result)}"
     shown = [
         mistake.says for mistake in known_mistakes(answer.exercise) if mistake.says in result.cause
     ]
@@ -174,13 +240,29 @@ def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
         yield f"It should be shown {wanted}; it is shown {shown or 'none'}."
 
 
-def _names(checks: object) -> str:
+def _with_short_names(tests: Iterable[str]) -> set[str]:
+    """Return the names of tests, and those of parametrized tests without the id as well."""
+    return {form for name in tests for form in (name, name.partition("[")[0])}
+
+
+def _names(checks: Iterable[str]) -> str:
     return ", ".join(checks) or "no check"
 
 
-def _first_failure(verdict: Verdict) -> str:
+def _quoted(result: ExerciseResult) -> str:
+    messages = dict.fromkeys(test.message for test in result.tests if not test.passed)
+    return "\n".join(("", *messages)) if messages else "none."
+
+
+def _failures(verdict: Verdict) -> str:
+    """Return, in lines of their own, the problems of a verdict, or the first failures.
+
+    The first failed check of an exercise comes with its message; the others often follow from it.
+    """
+    lines = [*verdict.problems]
     for exercise in verdict.exercises:
-        for test in exercise.tests:
-            if not test.passed:
-                return f"{exercise.name}, “{test.title}”: {test.message.splitlines()[0]}"
-    return " ".join(verdict.problems)
+        failed = [test for test in exercise.tests if not test.passed]
+        if failed and not verdict.problems:
+            lines.append(f"{exercise.name}, “{failed[0].title}”: {failed[0].message}")
+            lines += [f"It fails {len(failed) - 1} more checks."] * (len(failed) > 1)
+    return "".join(f"\n{line}" for line in lines)

@@ -39,6 +39,8 @@ HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-inpu
 # Address and revision become part of links and of a command, so unusual characters are refused.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
+# An exercise whose points a lesson mentions, such as `` `insert` (points)``.
+POINTS_MARK = re.compile(r"`(?P<exercise>\w+)` \(points\)")
 NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
@@ -148,6 +150,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     seen = {}
+    _insert_points(notebook)
     durations.insert_durations(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
@@ -327,6 +330,25 @@ def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
         return found[0]
     folder = "" if following.stage == lesson.stage else f"../{following.stage}/"
     return f"**Next:** [{found['title']}]({folder}{following.name}.ipynb)"
+
+
+def _insert_points(notebook: NotebookNode) -> None:
+    """Replace each mark by the points of its exercise, which nbgrader's metadata contain."""
+    grading = [cell.metadata.get("nbgrader", {}) for cell in notebook.cells]
+    points = {
+        cell["grade_id"].removeprefix("test_"): f"{cell['points']:g}"
+        for cell in grading
+        if cell.get("grade")
+    }
+
+    def with_points(mark: re.Match) -> str:
+        number = points.get(mark["exercise"])
+        unit = "point" if number == "1" else "points"
+        return f"`{mark['exercise']}` ({number} {unit})" if number else mark[0]
+
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            cell.source = POINTS_MARK.sub(with_points, cell.source)
 
 
 def _fold_tagged_cell(cell: NotebookNode) -> None:

@@ -23,7 +23,9 @@ from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 
 ANOTHER_CELL = "# ---- another cell ----\n"
+NOTES = ("like", "loses", "loses only", "says", "told")
 _HEADING = re.compile(r"^# %% (right|wrong): (.+)\n", re.M)
+_NOTE = re.compile(r"# ([a-z ]+): *(.*)\n")
 
 
 class MalformedAnswers(ValueError):
@@ -71,6 +73,11 @@ def _kept_answer(
     exercise: str, right: bool, name: str, body: str, bodies: Mapping[str, str]
 ) -> KeptAnswer:
     notes, source = _notes_and_source(body)
+    if unknown := notes.keys() - {*NOTES}:
+        raise MalformedAnswers(
+            f"{exercise}, {name}: there is no note {', '.join(unknown)}. The notes are: "
+            f"{', '.join(NOTES)}. If it is a comment of the student, leave a line free above it."
+        )
     if like := notes.get("like"):
         if like not in bodies:
             raise MalformedAnswers(f"{exercise}, {name}: there is no answer {like!r} to be like.")
@@ -90,8 +97,10 @@ def _kept_answer(
 
 
 def _notes_and_source(body: str) -> tuple[dict[str, str], str]:
-    notes = r"^# (like|loses only|loses|says|told): (.+)\n"
-    return dict(re.findall(notes, body, flags=re.M)), re.sub(notes, "", body, flags=re.M).strip()
+    notes, end = {}, 0
+    while note := _NOTE.match(body, end):
+        notes[note[1]], end = note[2], note.end()
+    return notes, body[end:].strip()
 
 
 def edited(source: str, edits: str, name: str) -> str:

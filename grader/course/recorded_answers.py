@@ -12,8 +12,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from grader.course.lessons import Lesson, all_lessons
+from grader.course.notebook_runs import NotebookStopped, run_notebook
 from grader.course.paths import PROJECT
+from utils.lent.encoding import decode
 
 if TYPE_CHECKING:
     from nbformat import NotebookNode
@@ -39,24 +43,18 @@ def record(lesson: Lesson) -> bytes:
     UnstorableAnswers
         If a cell fails, an answer cannot be stored, or the file would be too large.
     """
-    import nbclient
     import nbformat
 
     notebook = nbformat.read(lesson.solved, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "answers.json"
         add_recorder(notebook, lesson, path)
-        client = nbclient.NotebookClient(
-            notebook,
-            timeout=120,
-            resources={"metadata": {"path": str(lesson.released.parent)}},
-            force_raise_errors=True,
-        )
-        client.comm_open_handlers.clear()
         try:
-            client.execute()
-        except nbclient.exceptions.CellExecutionError as error:
-            raise UnstorableAnswers(f"{lesson.name}: {str(error)[-2000:]}") from None
+            run_notebook(notebook, lesson.released.parent)
+        except NotebookStopped as reason:
+            raise UnstorableAnswers(
+                f"{lesson.name}: the solved notebook does not run to its end: {reason}"
+            ) from None
         return stored_bytes(lesson, path)
 
 
@@ -120,6 +118,54 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
 def answers_path(lesson: Lesson) -> Path:
     """Return the file of a lesson's stored answers."""
     return ANSWERS_FOLDER / f"lesson_{lesson.number}.json"
+
+
+def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
+    """Compare the stored answers of a lesson with newly recorded ones.
+
+    Parameters
+    ----------
+    stored, recorded : bytes
+        What `record` returns, earlier and now.
+
+    Returns
+    -------
+    list of str
+        Names of the functions whose calls or answers differ, other than in the last digits.
+    """
+    before, now = _by_call(stored), _by_call(recorded)
+    different = before.keys() ^ now.keys() | {
+        call for call in before.keys() & now.keys() if not _nearly_equal(before[call], now[call])
+    }
+    return sorted({name for _, name, _ in different})
+
+
+def _by_call(stored: bytes) -> dict[tuple[str, str, str], object]:
+    return {
+        (kind, name, key): answer["answer"]
+        for kind, functions in json.loads(stored).items()
+        for name, answers in functions.items()
+        for key, answer in answers.items()
+    }
+
+
+def _nearly_equal(first: object, second: object) -> bool:
+    if type(first) is not type(second):
+        return False
+    if isinstance(first, dict) and first.keys() != second.keys():
+        return False
+    if isinstance(first, dict) and "shape" in first:
+        first, second = decode(first, (), {}), decode(second, (), {})
+        return first.shape == second.shape and np.allclose(first, second, atol=0.02, equal_nan=True)
+    if isinstance(first, dict):
+        return all(_nearly_equal(first[key], second[key]) for key in first)
+    if isinstance(first, list):
+        return len(first) == len(second) and all(map(_nearly_equal, first, second))
+    if isinstance(first, float):
+        # The order in which NumPy sorts equal values depends on the kind of processor. Trees in
+        # another order are also right, but a search in them visits a few more or fewer nodes.
+        return bool(np.isclose(first, second, rtol=0.05, equal_nan=True))
+    return first == second
 
 
 def main(numbers: Sequence[str]) -> None:

@@ -9,7 +9,6 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import datetime
 from pathlib import Path
 
-import nbclient
 import nbformat
 from nbformat import NotebookNode
 
@@ -18,12 +17,12 @@ from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Deadlines, StageDates
 from grader.course.lessons import Lesson
 from grader.course.mathml import STYLE, MathPage
+from grader.course.notebook_runs import NotebookStopped, run_notebook
 from grader.course.paths import PROJECT
 from grader.course.release import TOP_FOLDER, course_tools
 from grader.course.standalone import ReleaseError
 
 TEMPLATES = Path(__file__).parent / "templates"
-LONGEST_CELL = 300  # seconds, on a machine with other work
 MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
@@ -166,31 +165,11 @@ def _run(lesson: Lesson, extra_code: str) -> bytes:
     tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
     setup = next(number for number, names in enumerate(tags) if "setup" in names)
     notebook.cells.insert(setup + 1, extra)
-    client = nbclient.NotebookClient(
-        notebook,
-        timeout=LONGEST_CELL,
-        resources={"metadata": {"path": str(lesson.released.parent)}},
-        store_widget_state=False,
-        force_raise_errors=True,  # although tags let a student's notebook go on after an error
-        extra_arguments=["--log-level=ERROR"],  # messages of kernels would spoil the progress bar
-    )
-    client.comm_open_handlers.clear()  # so that the output of a widget stays in its cell
     try:
-        client.execute()
-    except nbclient.exceptions.CellExecutionError as error:
+        run_notebook(notebook, lesson.released.parent)
+    except NotebookStopped as reason:
         raise ReleaseError(
-            f"{lesson.name}: its solution does not run to its end, so nothing was written. "
-            f"{str(error)[-1000:]}"
-        ) from None
-    except nbclient.exceptions.CellTimeoutError:
-        raise ReleaseError(
-            f"{lesson.name}: a cell of its solution took more than {LONGEST_CELL} seconds, so "
-            "nothing was written. Is the machine busy? The same command tries again."
-        ) from None
-    except nbclient.exceptions.DeadKernelError:
-        raise ReleaseError(
-            f"{lesson.name}: Python ended while its solution ran, so nothing was written. Is "
-            "there memory left? The same command tries again."
+            f"{lesson.name}: its solution does not run to its end, so nothing was written: {reason}"
         ) from None
     notebook.cells.remove(extra)
     _remove_volatile_data(notebook)

@@ -112,7 +112,14 @@ class Exercise:
             One of `PROMISES`.
         **words : object
             Why, hint, title and weight; most have a default.
+
+        Raises
+        ------
+        ValueError
+            If there is no such promise.
         """
+        if kind not in PROMISES:
+            raise ValueError(f"There is no promise {kind!r}; choose {', '.join(PROMISES)}.")
         declare, name, usual = PROMISES[kind]
         declare(self._case, name, **(usual | words))
 

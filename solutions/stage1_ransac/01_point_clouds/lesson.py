@@ -20,7 +20,7 @@
 # - treat a hundred thousand points with one line of NumPy instead of a loop, and measure what that gains,
 # - throw out the returns that are not points at all.
 #
-# **You write** `horizontal_distance` (5 points) and `drop_invalid` (5 points). **Time:** (time). **You need** Python; a little NumPy helps, and what is used is explained.
+# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time). **You need** Python; a little NumPy helps, and what is used is explained.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -320,7 +320,7 @@ print(f"without its height, too:                {np.linalg.norm(strip[worst, :2]
 #
 # All points of a lamp post have the same $d$, from foot to lamp.
 #
-# ## Exercise 1 · `horizontal_distance` (5 points)
+# ## Exercise 1 · `horizontal_distance` (points)
 #
 # Return one distance per point. The cloud may have three columns or four, and it may be empty.
 
@@ -517,7 +517,7 @@ print("a 0 in the row:    ", (table == 0).any(axis=1))
 print("no 0 in the row:   ", ~(table == 0).any(axis=1))
 
 # %% [markdown]
-# ## Exercise 2 · `drop_invalid` (5 points)
+# ## Exercise 2 · `drop_invalid` (points)
 #
 # Keep the rows that are points. A row is *not* a point when one of its coordinates is not finite, or when all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is fine; so is a point whose intensity is missing.
 

@@ -20,7 +20,7 @@
 # - say how often it fails, and how many rounds it needs,
 # - name what real systems add to it.
 #
-# **You write** `line_through` (5 points), `point_line_distance` (10 points) and `ransac_line` (25 points). **Time:** (time). **You need** Python and arrays. Nothing from lesson 01 is taken for granted.
+# **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time). **You need** Python and arrays. Nothing from lesson 01 is taken for granted.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -124,7 +124,7 @@ except ZeroDivisionError as error:
 #
 # When p and q are the same point, the length is 0, and no line is *the* line through them. The function then returns `None`.
 #
-# ## Exercise 1 · `line_through` (5 points)
+# ## Exercise 1 · `line_through` (points)
 #
 # The line through two points. Whether the normal points to one side or to the other does not matter.
 
@@ -208,7 +208,7 @@ check(line_through)
 #
 # A word on arrays: `points[:, 0]` is the column of all x, one number per point. Arithmetic on columns treats all points at once, `np.abs` too. No loop is needed: `3 * points[:, 0] + 2` is an array of 20 numbers.
 #
-# ## Exercise 2 · `point_line_distance` (10 points)
+# ## Exercise 2 · `point_line_distance` (points)
 #
 # The distances of all points from one line, in metres.
 
@@ -351,7 +351,7 @@ for name, drawn in samples.items():
 # %% [markdown]
 # Such a sample is called *degenerate*: it does not determine a model. Your `line_through` answers `None`, and the round is lost; RANSAC simply goes on with the next. Code that does not ask for `None` stops with an exception: rarely, and so hardly ever while you are looking.
 #
-# ## Exercise 3 · `ransac_line` (25 points)
+# ## Exercise 3 · `ransac_line` (points)
 #
 # Put it together. Use your own `line_through` and `point_line_distance`.
 

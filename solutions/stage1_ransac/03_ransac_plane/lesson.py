@@ -21,7 +21,7 @@
 # - find the ground among cars, walls and people with RANSAC, and notice when a wall has won,
 # - sharpen the plane, tell scatter from bias, and say how many rounds RANSAC needs.
 #
-# **You write** `plane_through` (5 points), `point_plane_distance` (10 points), `ransac_plane` (25 points), `fit_plane` (5 points) and `iterations_needed` (5 points). **You need** the idea of RANSAC from lesson 02. There is a place to stop half way. **Time:** (time).
+# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). **You need** the idea of RANSAC from lesson 02. There is a place to stop half way. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -127,7 +127,7 @@ print("v x u =", np.cross(v, u), "  the other side")
 print("u x 2u =", np.cross(u, 2 * u), "  one line, no plane")
 
 # %% [markdown]
-# ## Exercise 1 · `plane_through` (5 points)
+# ## Exercise 1 · `plane_through` (points)
 #
 # The plane through three points, with a normal of length 1; `None` when the points lie on one line.
 
@@ -196,7 +196,7 @@ axes.plot(corners[:, 0], corners[:, 2], "s", color="black", markersize=8);
 check(plane_through)
 
 # %% [markdown]
-# ## Exercise 2 · `point_plane_distance` (10 points)
+# ## Exercise 2 · `point_plane_distance` (points)
 #
 # *With a unit normal, putting a point into the equation gives its distance.*
 #
@@ -305,7 +305,7 @@ all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
 # %% [markdown]
 # A sample that touches a car gives a plane that cuts through the street at an odd angle and has few inliers. As soon as all three points are ground and lie well apart, the count jumps. So: play many rounds, and keep the plane with the most inliers. Nothing about roads goes into it, only one assumption: the ground is the largest plane there is.
 #
-# ## Exercise 3 · `ransac_plane` (25 points)
+# ## Exercise 3 · `ransac_plane` (points)
 #
 # Return the best plane and the mask of its inliers. A sample may lie on one line (`plane_through` says `None`): skip it, and count the round. With fewer than three points there is no sample.
 
@@ -535,7 +535,7 @@ for value, direction in zip(singular, directions):
 # %% [markdown]
 # `full_matrices=False` matters: without it, NumPy builds an n x n matrix as well, and for 50,000 points that is 20 gigabytes.
 #
-# ## Exercise 4 · `fit_plane` (5 points)
+# ## Exercise 4 · `fit_plane` (points)
 #
 # The plane with the smallest sum of squared distances, for any direction: a wall is a plane, too.
 
@@ -659,7 +659,7 @@ check(fit_plane)
 #
 # The direction of the inequality turns because $\log(1 - w^s)$ is negative. Mind both ends: with $w = 1$ every sample is good and one is enough; with $w = 0$ no number is.
 #
-# ## Exercise 5 · `iterations_needed` (5 points)
+# ## Exercise 5 · `iterations_needed` (points)
 
 # %% nbgrader={"grade": false, "grade_id": "iterations_needed", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def iterations_needed(inlier_ratio, sample_size, confidence):

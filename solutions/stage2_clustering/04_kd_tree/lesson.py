@@ -22,7 +22,7 @@
 # - search it within a radius, and say for every branch why it was looked at or left out,
 # - balance it, and show by counting what you gain from balance.
 #
-# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time).
+# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -200,7 +200,7 @@ where.compare(place_of(first_of(8).root, 7),
 plots.kd_tree(first_of(8).root, title="The same tree drawn as a tree, with row 7 at (2, 5)");
 
 # %% [markdown]
-# ## Exercise 1 · `insert` (15 points)
+# ## Exercise 1 · `insert` (points)
 #
 # *Walk down, one question per level, and take the first free place.*
 #
@@ -345,7 +345,7 @@ plots.kd_tree(better.root, visited=looked_at, found=near_ones, axes=diagram,
 #
 # The *box* decides where to go on, but the *circle* decides what is found: a corner of the box is 1.41 radii away (1.73 in space).
 #
-# ## Exercise 2 · `search` (25 points)
+# ## Exercise 2 · `search` (points)
 #
 # *At each node: is it near? And for each side: can a point be near there?*
 #
@@ -521,7 +521,7 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
 #
 # Of an even number of points there are two in the middle. We take the *lower* one: of $m$ sorted points, the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. Then the tree has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
 #
-# ## Exercise 3 · `median_order` (20 points)
+# ## Exercise 3 · `median_order` (points)
 #
 # *The median first; then the same for the points that are smaller, and for the rest.*
 #

@@ -22,7 +22,7 @@
 # - say what the threshold does, and why no threshold is right everywhere,
 # - predict from a measurement how long an algorithm will take on a full scan.
 #
-# **You write** `euclidean_clustering` (40 points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time).
+# **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -179,7 +179,7 @@ taken = np.array([4, 0, 0, 0])
 print("close and free:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 
 # %% [markdown]
-# ## Exercise · `euclidean_clustering` (40 points)
+# ## Exercise · `euclidean_clustering` (points)
 #
 # Give each point the number of its cluster: 1 for the cluster of the first point, 2 for the next new one, and so on. (Numbers in another order are as right; the text and its pictures then name others than yours.)
 #

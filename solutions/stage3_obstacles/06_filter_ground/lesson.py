@@ -19,7 +19,7 @@
 # - take the ground out of a scan with a single comparison, and say when that is not enough,
 # - thin a cloud to a fifth of its points, and say which objects gain by it and which lose.
 #
-# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time).
+# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -107,7 +107,7 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 #
 # With the road at about $-1.7$ m, $g = -1.2$ m leaves half a metre for kerbs, potholes and range noise. We lose wheels and feet, but nearly all of a car without wheels still makes one cluster. (Of nine cars within 25 m, six do at half a metre; three lose some points, and lesson 05 shows why.)
 #
-# ## Exercise 1 · `filter_ground` (10 points)
+# ## Exercise 1 · `filter_ground` (points)
 #
 # A mask of lesson 01, with the level as a parameter. Keep the rows at or above `ground_level`. The cloud may have three columns or four, and it may be empty.
 
@@ -328,7 +328,7 @@ print("np.add.at:             ", sums, "  10 + 5 + 2, and 1")
 # %% [markdown]
 # `sums[which] += prices` reads all old values first, which are zeros, and then writes 10, 1, 5 and 2 to their places. Place 0 is written three times, and the last write, 2, wins. `np.add.at` adds one after the other. It takes whole rows as well as single numbers.
 #
-# ## Exercise 2 · `voxel_grid` (20 points)
+# ## Exercise 2 · `voxel_grid` (points)
 #
 # Return one centroid per occupied cell, in any order.
 

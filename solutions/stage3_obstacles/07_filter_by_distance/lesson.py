@@ -18,7 +18,7 @@
 # - cut a region of interest out of a street,
 # - find and remove [returns](#Words-of-the-course) that are no obstacles at all.
 #
-# **You write** `filter_by_distance` (20 points), `crop_region` (5 points) and `remove_ego_returns` (5 points). **Time:** (time). **You need** boolean masks (lesson 01 or 06).
+# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **Time:** (time). **You need** boolean masks (lesson 01 or 06).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -94,7 +94,7 @@ print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum(
 # %% [markdown]
 # The straight line to the child starts 3.4 m above the road: even to the top of its head it is longer than 6 m, though along the road only 5.7 m are left. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
 #
-# ## Exercise 1 · `filter_by_distance` (20 points)
+# ## Exercise 1 · `filter_by_distance` (points)
 #
 # *What counts is how far we can still drive, and cars do not drive upwards.*
 #
@@ -288,7 +288,7 @@ print(table)
 print("all of the row:", table.all(axis=1), "  any of the row:", table.any(axis=1))
 
 # %% [markdown]
-# ## Exercise 2 · `crop_region` (5 points)
+# ## Exercise 2 · `crop_region` (points)
 #
 # Keep the rows inside the box, its faces included.
 
@@ -436,7 +436,7 @@ axes.text(1.05, -2.3, "a child here?", va="center");
 # %% [markdown]
 # Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; whoever builds a car measures it to the centimetre.
 #
-# ## Exercise 3 · `remove_ego_returns` (5 points)
+# ## Exercise 3 · `remove_ego_returns` (points)
 #
 # Keep the rows that `crop_region` would throw away. A point on a face is inside. You have the mask already: this exercise is one thought, and no new mask. What is the opposite of "inside in x and y and z"?
 

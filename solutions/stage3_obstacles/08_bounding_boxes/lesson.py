@@ -19,7 +19,7 @@
 # - put a box around every obstacle, from six numbers to eight corners,
 # - say what such a box promises, and what it costs when a car stands diagonally.
 #
-# **You write** `get_bounding_boxes` (20 points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
+# **You write** `get_bounding_boxes` (points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -148,7 +148,7 @@ block = [[0, 0, 0], [4, 0, 0], [0, 2, 0], [4, 2, 0],
 plots.corner_numbers(block, title="A block of 4 x 2 x 1.5 m");
 
 # %% [markdown]
-# ## Exercise · `get_bounding_boxes` (20 points)
+# ## Exercise · `get_bounding_boxes` (points)
 #
 # One box for each label above 0, in ascending order of the labels. Labels may have gaps. On an empty road there are no boxes; the answer is then an array of shape (0, 8, 3), so that the next step need not ask. The order of the corners costs no points; in another one, `check` tells you, and the edges in the pictures cross.
 

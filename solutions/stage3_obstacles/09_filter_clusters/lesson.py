@@ -19,7 +19,7 @@
 # - take small clusters out of a labelled cloud, without disturbing the others,
 # - say what a minimum size costs: which people it removes, and at which distance.
 #
-# **You write** `filter_clusters` (20 points). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05). **Time:** (time)
+# **You write** `filter_clusters` (points). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -144,7 +144,7 @@ print("np.bincount  of size 41:", np.bincount(shoes)[41], " of size 40:", np.bin
 # %% [markdown]
 # A table of counts, indexed with one entry per person, gives back one count per person: `how_many[which]` tells each of the eight how many wear the same size. No loop is needed.
 #
-# ## Exercise · `filter_clusters` (20 points)
+# ## Exercise · `filter_clusters` (points)
 #
 # Set the labels of clusters with fewer than `min_num_points` points to 0. A cluster of exactly `min_num_points` points stays. Points that have label 0 already keep it, however many they are. There may be gaps in the labels, and there may be no labels at all.
 

@@ -22,7 +22,7 @@
 # - cluster fifty thousand points exactly, in three steps: sure, cheap, exact,
 # - say why the answer is right, and build the input that breaks a careless short cut.
 #
-# **You write** three small functions (checked, not graded by themselves), and from them `euclidean_clustering_accelerated` (30 points). **You need** lesson 05, and the idea of lesson 04 (not its code). **Time:** (time)
+# **You write** three small functions (checked, not graded by themselves), and from them `euclidean_clustering_accelerated` (points). **You need** lesson 05, and the idea of lesson 04 (not its code). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -563,7 +563,7 @@ draw_seven(cells, first, pairs[exact[pairs[:, 0]] == exact[pairs[:, 1]]],
 check(join_exactly)
 
 # %% [markdown]
-# ## Exercise · `euclidean_clustering_accelerated` (30 points)
+# ## Exercise · `euclidean_clustering_accelerated` (points)
 #
 # *The same clusters as in lesson 05, to the last point.*
 #

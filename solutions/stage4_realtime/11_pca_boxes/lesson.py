@@ -22,7 +22,7 @@
 # - put an upright, turned box around any cluster, with every point inside,
 # - choose between principal axes, the smallest rectangle and the closest one, and say why.
 #
-# **You write** `principal_axes` (10 points) and `get_oriented_boxes` (20 points). **Time:** (time). **You need** axis-aligned boxes (lesson 08) and matrix products.
+# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **Time:** (time). **You need** axis-aligned boxes (lesson 08) and matrix products.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -158,7 +158,7 @@ print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n",
 # `np.cov` hides a fourth trap: by default it takes *rows* as variables. Without `rowvar=False` a cloud of 1,000 points gives a matrix of 1,000 x 1,000. (`bias=True` divides by $n$, as above, and not by $n - 1$.)
 
 # %% [markdown]
-# ## Exercise 1 · `principal_axes` (10 points)
+# ## Exercise 1 · `principal_axes` (points)
 #
 # Return the three axes as columns, by decreasing variance, right-handed. A cluster may hold a single point: any right-handed axes are right then.
 
@@ -562,7 +562,7 @@ draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_y
 # The function `turned` from above does steps 2 and 4. A turn keeps distances, so what is inside before is inside after it: the promise holds by construction, whatever yaw you choose.
 
 # %% [markdown]
-# ## Exercise 2 · `get_oriented_boxes` (20 points)
+# ## Exercise 2 · `get_oriented_boxes` (points)
 #
 # One [oriented box](#Words-of-the-course), upright and turned, for each label above 0, in ascending order. You choose the yaw: boxes along the first axis, smallest rectangles and closest ones earn the same points.
 

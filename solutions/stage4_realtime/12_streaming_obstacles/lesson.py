@@ -21,7 +21,7 @@
 # - measure how good it is against the truth, and choose its parameters by that,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one name, also while they are out of sight.
 #
-# **You write** `detect_obstacles` (20 points), `match_boxes` (5 points) and three small steps of a tracker (checked, not graded), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (points), `match_boxes` (points) and three small steps of a tracker (checked, not graded), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
 #
 # **Time:** (time)
 #
@@ -183,7 +183,7 @@ for notebook, functions in useful.items():
 ### END SOLUTION
 
 # %% [markdown]
-# ## Exercise 1 · `detect_obstacles` (20 points)
+# ## Exercise 1 · `detect_obstacles` (points)
 #
 # From a raw scan to oriented boxes. All parameters but the first are yours: change their defaults, add others, as long as `detect_obstacles(cloud)` works. Keep the five names given here if you can: the cells below use them.
 #
@@ -480,7 +480,7 @@ for number, axes in zip((0, 1, 2), rows):
 # %% [markdown]
 # Whenever a box appears or vanishes early in the list, all later numbers move. To know how fast somebody is, we must know that this box *is* that box of the frame before.
 #
-# ## Exercise 2 · `match_boxes` (5 points)
+# ## Exercise 2 · `match_boxes` (points)
 #
 # A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if no closer box wants it.
 #
