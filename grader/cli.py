@@ -14,6 +14,7 @@ from grader.course.extension import course_constant
 from grader.course.paths import PROJECT
 from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
+from grader.course.settings import course_title, version
 from grader.lms.exporters import EXPORTERS
 from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
@@ -73,9 +74,11 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
+    parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
     for add in (*COMMANDS, *course_constant("COMMANDS")):
         add(subparsers)
+    parser.set_defaults(parser=parser)
     return parser
 
 

@@ -62,7 +62,7 @@ def run_try(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return USAGE_ERROR
-    status = run_build(argparse.Namespace(check=False))
+    status = run_build(argparse.Namespace(check=False, parser=options.parser))
     if status != SUCCESS:
         return status
     sandbox = choose_sandbox(options.sandbox)
@@ -79,21 +79,22 @@ def run_try(options: argparse.Namespace) -> int:
 
 def run_build(options: argparse.Namespace) -> int:
     """Run ``build [--check]``."""
+    from grader import documentation
     from grader.course import build
 
     if options.check:
-        faults = build.check()
-        print("\n".join(faults) if faults else "Every notebook is what its source says.")
+        faults = [*build.check(), *documentation.check(options.parser)]
+        print("\n".join(faults) if faults else "Every generated file is up to date.")
         return FAULT if faults else SUCCESS
     try:
-        changes = build.build()
+        changes = [*build.build(), *documentation.write(options.parser)]
     except build.RegistryFault as error:
         print(error, file=sys.stderr)
         return FAULT
     for what, path in changes:
         print(what, path.relative_to(PROJECT))
     if not changes:
-        print("Every notebook is what its source says.")
+        print("Every generated file is up to date.")
     return SUCCESS
 
 

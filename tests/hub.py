@@ -1,6 +1,6 @@
 """Run a stage on a JupyterHub in a browser, from release to feedback; `.ci/hub` starts it.
 
-The commands for the hub, the exchange and the instructor are the blocks of grader/README.md.
+The commands for hub, exchange and instructor are the blocks of docs/platforms/jupyterhub.md.
 """
 
 import contextlib
@@ -45,10 +45,9 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """Return the blocks of shell commands in the README's section, by their first words."""
-    text = (PROJECT / "grader" / "README.md").read_text("utf-8")
-    section = re.search(r"^## On a JupyterHub\n(.*?)^## ", text, re.M | re.S)[1]
-    found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", section, re.M | re.S)
+    """Return the blocks of shell commands on the page, by their first words."""
+    text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
+    found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
     return {start: "#" + rest for start, rest in found}
 
 

@@ -1,4 +1,4 @@
-"""The README's commands delete all data of a student and none of the other students."""
+"""The guide's commands delete all data of a student and none of the other students."""
 
 import os
 import re
@@ -18,8 +18,8 @@ NEEDLE = "Needle-Eyre"  # a last name that no other file contains
 
 
 def readme_commands():
-    """Return the README's commands that delete a student, without the command for the report."""
-    text = (PROJECT / "grader" / "README.md").read_text("utf-8")
+    """Return the guide's commands that delete a student, without the command for the report."""
+    text = (PROJECT / "docs" / "privacy.md").read_text("utf-8")
     (block,) = re.findall(r"```sh\n(X=anna\n.*?)```", text, re.S)
     return block.replace("X=anna", "X=ada").replace("python -m grader report\n", "")
 

@@ -200,7 +200,7 @@ def run(root, *arguments):
 
 @pytest.mark.slow
 def test_a_lesson_is_added_by_its_two_places(project_copy, sandbox):
-    guide = (PROJECT / "solutions" / "README.md").read_text("utf-8")
+    guide = (PROJECT / "docs" / "authors.md").read_text("utf-8")
     listed_paths = {
         path.replace("stage4_realtime", "<stage>")
         .replace("14_toy", "<NN_name>")
@@ -218,7 +218,7 @@ def test_a_lesson_is_added_by_its_two_places(project_copy, sandbox):
         "wrote utils/checks/forbidden.json",
         "wrote utils/lent/cells.json",
     ]
-    assert "is what its source says" in run(project_copy, "grader", "build", "--check")
+    assert "is up to date" in run(project_copy, "grader", "build", "--check")
 
     def judge(path):
         options = ("--json", "--seed", 2**64 + 1, "--sandbox", sandbox.name)
@@ -391,7 +391,7 @@ def test_a_typo_in_the_header_is_reported(tmp_path, settings):
 def test_a_lesson_without_a_header_is_reported(tmp_path):
     path = tmp_path / "14_slip.py"
     path.write_text("# %%\n1\n", "utf-8")
-    with pytest.raises(ValueError, match="solutions/README.md"):
+    with pytest.raises(ValueError, match="docs/authors.md"):
         read_header(path)
     path.write_text(HEAD.format(settings=""), "utf-8")
     assert read_header(path) == LessonHeader()

@@ -258,11 +258,11 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
 
 
 def test_a_guide_links_to_pages_to_files_or_to_nothing():
-    here = guides.page("instructors", Origin("", "main"), Pictures())
-    there = guides.page("instructors", PUBLIC, Pictures())
-    assert "(authors.md)" in here
-    assert "](lms/late.py)" not in here and "[lms/late.py](" not in here
-    assert "[lms/late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
+    here = guides.page("nbgrader", Origin("", "main"), Pictures())
+    there = guides.page("nbgrader", PUBLIC, Pictures())
+    assert "(canvas_and_moodle.md)" in here
+    assert "[late.py](" not in here and "late.py" in here
+    assert "[late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
     assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is left alone"
 
 

@@ -77,7 +77,7 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
     if address.startswith("tls:") and not distributed.Security().tls_client_cert:
         raise ExecutorLost(
             f"{address} asks for certificates, and Dask's configuration here names none. Name "
-            "them under distributed.comm.tls, as grader/README.md shows."
+            "them under distributed.comm.tls, as docs/platforms/cluster.md shows."
         )
     try:
         client = _client(address)

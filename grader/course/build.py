@@ -13,7 +13,6 @@ import hashlib
 import json
 import re
 import tempfile
-import tomllib
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from typing import TYPE_CHECKING
 from grader.course import durations, earlier_lessons
 from grader.course.lessons import Lesson, all_lessons, every_lesson, registry_faults
 from grader.course.paths import PROJECT
+from grader.course.settings import course_settings
 
 if TYPE_CHECKING:
     from nbformat import NotebookNode
@@ -257,8 +257,7 @@ def read_origin() -> Origin:
 
     The git remote is ignored, so that every clone builds the same bytes.
     """
-    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))
-    chosen = settings["tool"]["lidar-obstacle-lab"]
+    chosen = course_settings()
     return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
 
 

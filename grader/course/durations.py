@@ -27,6 +27,8 @@ MOST_MINUTES_WITHOUT_STOP = 90  # minutes
 UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP_MARK = "**A good place to stop.**"
 OPTIONAL = "If you want more"
+_IN_WORDS = "about {} minutes"
+_STATED = re.compile(_IN_WORDS.format(r"(\d+)"))
 
 
 def section_minutes(notebook: NotebookNode) -> dict[str, float]:
@@ -73,10 +75,16 @@ def insert_durations(notebook: NotebookNode) -> None:
     notebook : nbformat.NotebookNode
         Changed in place.
     """
-    total, by_section = f"about {total_minutes(notebook)} minutes", _table(notebook)
+    total, by_section = _IN_WORDS.format(total_minutes(notebook)), _table(notebook)
     for cell in notebook.cells:
         if cell.cell_type == "markdown" and TIME_MARK in cell.source:
             cell.source = f"{cell.source.replace(TIME_MARK, total)}\n\n{by_section}"
+
+
+def stated_minutes(notebook: NotebookNode) -> int:
+    """Return the minutes that a built notebook states at its mark."""
+    text = "".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+    return int(_STATED.search(text)[1])
 
 
 def _table(notebook: NotebookNode) -> str:

@@ -61,7 +61,7 @@ def read_header(source: Path) -> LessonHeader:
     if not found:
         raise ValueError(
             f"{source.parent.name}/{source.name} has no header: it begins with a line `# ---`; see "
-            "solutions/README.md."
+            "docs/authors.md."
         )
     content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
     settings = content["jupyter"].get("lidar_obstacle_lab", {})

@@ -15,13 +15,13 @@ from grader.course import durations
 from grader.course.build import Origin
 from grader.course.lessons import OPTIONAL, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
+from grader.course.settings import stage_title
 from grader.site.html_outputs import TEMPLATES
 from grader.site.lesson import title_of
 from grader.site.pictures import Pictures
 
 README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
-STAGE = re.compile(r"^\| (\d+) · ([^|]+?) \|", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD = 480  # pixels of the longer side of a card's picture
 QUALITY = 80  # WebP quality of the film
@@ -59,12 +59,11 @@ def page(origin: Origin, pictures: Pictures) -> str:
 
 
 def titles() -> list[tuple[str, str]]:
-    """Return each stage with its title from the README, followed by the optional lessons."""
-    known = dict(STAGE.findall(README.read_text("utf-8")))
-    titled = []
-    for stage in stages():
-        number, _, name = stage.removeprefix("stage").partition("_")
-        titled.append((stage, f"Stage {number}: {known.get(number, name.replace('_', ' '))}"))
+    """Return each stage with its title, followed by the optional lessons."""
+    titled = [
+        (stage, f"Stage {number}: {stage_title(stage)}")
+        for number, stage in enumerate(stages(), start=1)
+    ]
     return [*titled, (OPTIONAL, "Optional: beside the course")] if optional_lessons() else titled
 
 
@@ -86,7 +85,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
         title_of(lesson),
         f"{lesson.stage}/{lesson.name}.html",
         picture,
-        durations.total_minutes(nbformat.read(lesson.solved, as_version=4)),
+        durations.stated_minutes(nbformat.read(lesson.released, as_version=4)),
         tuple(exercise.name for exercise in lesson.machine_graded) or lesson.steps,
     )
 

@@ -1,4 +1,4 @@
-"""The project's READMEs as pages: for students, instructors and authors, and about the data."""
+"""The guides in ``docs/`` and the READMEs for students and about the data, as pages."""
 
 from __future__ import annotations
 
@@ -12,11 +12,23 @@ from grader.site.pictures import Pictures
 
 PAGES = {
     "students": "notebooks/README.md",
-    "instructors": "grader/README.md",
-    "authors": "solutions/README.md",
     "data": "data/README.md",
+    "teaching": "docs/teaching.md",
+    "grading": "docs/grading.md",
+    "commands": "docs/commands.md",
+    "nbgrader": "docs/platforms/nbgrader.md",
+    "canvas_and_moodle": "docs/platforms/canvas_and_moodle.md",
+    "gradescope": "docs/platforms/gradescope.md",
+    "jupyterhub": "docs/platforms/jupyterhub.md",
+    "cluster": "docs/platforms/cluster.md",
+    "website": "docs/platforms/website.md",
+    "privacy": "docs/privacy.md",
+    "security": "docs/security.md",
+    "authors": "docs/authors.md",
+    "developers": "docs/developers.md",
+    "benchmarks": "docs/benchmarks.md",
 }
-"""README behind each page, in the order of the table of contents."""
+"""File behind each page, in the order of the table of contents."""
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 CODE = re.compile(r"(^ *```.*?^ *```|`[^`\n]+`)", re.M | re.S)
 
@@ -64,6 +76,8 @@ def _pages() -> dict[str, str]:
         f"notebooks/{lesson.stage}/{lesson.name}.ipynb": f"{lesson.stage}/{lesson.name}.ipynb"
         for lesson in every_lesson()
     }
-    readmes = {path: f"{name}.md" for name, path in PAGES.items()}
-    folders = {posixpath.dirname(path): page for path, page in readmes.items()}
-    return lessons | folders | readmes | {"README.md": "index.md"}
+    guides = {path: f"{name}.md" for name, path in PAGES.items()}
+    folders = {
+        posixpath.dirname(path): page for path, page in guides.items() if path.endswith("README.md")
+    }
+    return lessons | folders | guides | {"README.md": "index.md"}

@@ -1,6 +1,6 @@
 """Settings of Sphinx, MyST-NB and the theme."""
 
-TITLE = "LiDAR Obstacle Lab"
+from grader.course.settings import course_title, version
 
 
 def conf() -> str:
@@ -25,9 +25,10 @@ def settings() -> dict[str, object]:
         "pygments_dark_style": "a11y-high-contrast-dark",
     }
     return {
-        "project": TITLE,
-        "html_title": TITLE,
-        "copyright": "the authors of LiDAR Obstacle Lab. Code: MIT; text and pictures: CC BY 4.0",
+        "project": course_title(),
+        "html_title": course_title(),
+        "copyright": f"the authors of {course_title()} {version()}. "
+        "Code: MIT; text and pictures: CC BY 4.0",
         "language": "en",
         "extensions": ["myst_nb"],
         "exclude_patterns": ["_static/**", "_templates/**"],

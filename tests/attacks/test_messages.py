@@ -360,7 +360,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
     wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
     ends_otherwise = 1 + wrong + 10  # passes, fails with one of our messages, hangs or dies
     bits = math.ceil(math.log2(raised + ends_otherwise))
-    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {bits} bits about its question" in threats
     assert f"at most {MOST_LINES} lines" in threats
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
@@ -370,10 +370,10 @@ def test_the_threat_model_states_how_much_an_exercise_can_leak():
     """The searches for a known mistake and for a repairing edit see hidden questions."""
     exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
     mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
-    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for count, sentence in (
-        (mistakes, "of at most {} named mistakes an exercise is explained, which is {} bits"),
-        (edits.MOST_EDITS, "one of at most {} edits mends it, which is {}."),
+        (mistakes, "which of at most {} known mistakes explains an exercise, which is {} bits"),
+        (edits.MOST_EDITS, "which of at most {} edits repairs it, which is {} bits."),
     ):
         assert sentence.format(count, math.ceil(math.log2(count + 1))) in threats
 
@@ -397,7 +397,7 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
         for lesson in all_lessons()
     )
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
-    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {of_check} bits about each visible check" in threats
     assert f"{of_cell} about each of the first {MOST_FAILED_CELLS} cells" in threats
 

@@ -239,16 +239,19 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
     limits = Limits()
     again = limits.call_seconds * ONCE_MORE
     first = limits.call_seconds + limits.restarts * again
-    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for sentence in (
         f"{limits.total_seconds:.0f} seconds in which its code works",
-        f"and {limits.wall_seconds:.0f} of the wall",
-        f"the first {limits.call_seconds:.0f} seconds are waited for",
+        f"and {limits.wall_seconds:.0f} seconds of wall time",
+        f"waits for the first {limits.call_seconds:.0f} seconds",
         # The exercise runs once as it is and once with right helpers.
-        f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more where it is judged a second",
+        f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more if it is judged a second",
     ):
         assert sentence in threats
-    assert repair.CPU_SECONDS <= 1 and "an edit takes a second of the processor" in threats
+    assert (
+        repair.CPU_SECONDS <= 1
+        and "search for an edit takes one second of processor time" in threats
+    )
 
 
 SLEEPY = {
