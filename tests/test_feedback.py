@@ -1,6 +1,7 @@
 """Feedback for students: pages, and zips in which learning platforms find each student's file."""
 
 import csv
+import dataclasses
 import html
 import io
 import json
@@ -31,11 +32,13 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
+from grader.lms.cells import CellMark
 from grader.lms.check_summary import summarise_checks
-from grader.lms.feedback import Feedback, lateness_sentences
+from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, lateness_sentences
+from grader.lms.feedback_page import feedback_page
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.results import EXCUSED, MARKED, StageResult
+from grader.lms.results import EXCUSED, MARKED, NotebookResult, StageResult
 from tests import browser
 from tests.archives import canvas_files, moodle_files, zipped
 from tests.prerequisites import CHROMIUM
@@ -96,11 +99,11 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
     assert [test.name for test in folded.others] == ["hastens"]
     assert {fold.says: fold.count for fold in folded.folds} == {
         "1 more fails for the same reason.": 1,
-        "12 more cannot be judged before this is right.": 12,
+        "12 more cannot be tested before this is right.": 12,
         "2 more fail in the same way.": 2,
     }
     assert folded.folds[-1].titles == ("Right elsewhere (2 times)",)
-    assert folded.in_words == "1 of 18 checks hold" and folded.started
+    assert folded.in_words == "1 of 18 checks pass" and folded.started
 
 
 def test_every_check_is_counted_once():
@@ -130,8 +133,8 @@ def test_different_messages_are_not_folded_together():
     ("tests", "first", "words", "started"),
     [
         ((), "", "nothing could be checked", True),
-        ((check("a"), check("b")), "", "all 2 checks hold", True),
-        ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "none of 1 checks hold", False),
+        ((check("a"), check("b")), "", "all 2 checks pass", True),
+        ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "none of 1 checks pass", False),
     ],
 )
 def test_number_of_passed_checks_in_words(tests, first, words, started):
@@ -164,19 +167,19 @@ def test_times_are_in_the_zone_of_the_course():
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
     assert sentence == (
-        "Handed in 1 day late, on 25 October 2026 at 22:59 CET; it was due on 24 October 2026 at "
+        "Submitted 1 day late, on 25 October 2026 at 22:59 CET. It was due on 24 October 2026 at "
         "23:59 CEST."
     )
 
 
 def test_lateness_and_penalty_in_words(monkeypatch):
     (sentence,) = sentences(-timedelta(hours=1))
-    assert sentence.startswith("Handed in in time, on 20 November 2026 at ")
+    assert sentence.startswith("Submitted on time, on 20 November 2026 at ")
     late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
-    assert late.startswith("Handed in 2 days and 3 hours late, on 22 November 2026 at ")
-    assert "it was due on 20 November 2026 at " in late
-    assert penalty == "For lateness 12.5 points are taken off."
-    assert sentences(timedelta(seconds=5))[0].startswith("Handed in 1 minute late, ")
+    assert late.startswith("Submitted 2 days and 3 hours late, on 22 November 2026 at ")
+    assert "It was due on 20 November 2026 at " in late
+    assert penalty == "12.5 points are subtracted because it is late."
+    assert sentences(timedelta(seconds=5))[0].startswith("Submitted 1 minute late, ")
     assert sentences(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
     assert sentences(handed_in=None) == sentences(due=None) == []
 
@@ -191,7 +194,7 @@ def test_lateness_and_penalty_in_words(monkeypatch):
 )
 def test_undecided_lateness_has_one_sentence_for_every_reason(why):
     (sentence,) = sentences(handed_in=None, undecided=why)
-    assert "a person has still to decide: nobody knows yet when it was handed in" in sentence
+    assert "so your instructor has to decide whether it is late" in sentence
 
 
 def test_an_excuse_comes_first_and_without_a_penalty():
@@ -328,11 +331,64 @@ def test_each_student_who_submitted_gets_a_page(pages):
     assert sorted(pages) == ["ada", "bjorn", "cy"]
 
 
+STUB = ExerciseResult(
+    "insert", 0.0, 15.0, (check("keeps", "Begin.", kind=MessageKind.NOT_STARTED, subject="insert"),)
+)
+
+
+def feedback_on(*exercises, score=0.0, problems=()):
+    """Return feedback on a stage of one lesson, with these (result, points) of its exercises."""
+    lesson = find_lesson("04_kd_tree")
+    parts = tuple(
+        ExerciseFeedback(
+            exercise,
+            CellMark(points, False, False),
+            judged,
+            summarise_checks(judged) if judged else None,
+            None,
+            None,
+        )
+        for exercise, (judged, points) in zip(lesson.exercises, exercises, strict=False)
+    )
+    notebook = NotebookResult("ada", lesson.stage, lesson.name, MARKED, score, 60.0)
+    stage = StageResult("ada", lesson.stage, MARKED, score, 60.0)
+    return Feedback(
+        Person("ada"), stage, (LessonFeedback(lesson, "04 · Trees", notebook, problems, parts),)
+    )
+
+
+def test_a_stage_that_was_not_started_says_so_once_with_the_next_step():
+    page = words(feedback_page(feedback_on((STUB, 0.0), (STUB, 0.0))))
+    assert page.count("started") == 1
+    assert "If you can still submit, replace raise NotImplementedError with your code" in page
+    text = feedback_page(feedback_on((STUB, 0.0), problems=("It is cut off.",)))
+    assert "It is cut off." in text and 'href="#04_kd_tree"' in text and 'id="04_kd_tree"' in text
+    assert 'href="#test_insert"' not in text
+
+
+@pytest.mark.parametrize("other", [(WRONG, 6.25), (STUB, 2.0)])
+def test_a_stage_with_an_answer_or_a_mark_by_hand_was_started(other):
+    page = words(feedback_page(feedback_on((STUB, 0.0), other)))
+    assert "No exercise of this stage" not in page and "insert is not started." in page
+
+
+def test_points_kept_for_one_slip_are_explained():
+    text = words(feedback_page(feedback_on((WRONG, 6.25))))
+    kept = "1 of 18 checks pass. You still get 6.25 of 30 points, because one slip explains every"
+    assert kept in text and "(+" not in text
+    feedback = feedback_on((WRONG, 6.25))
+    (exercise,) = feedback.lessons[0].exercises
+    by_hand = dataclasses.replace(exercise, mark=CellMark(9.0, True, False))
+    lesson = dataclasses.replace(feedback.lessons[0], exercises=(by_hand,))
+    page = words(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
+    assert "You still get" not in page and "A grader set these points." in page
+
+
 def test_each_score_names_its_function(pages):
     text = words(pages["bjorn"])
     assert "euclidean_clustering_accelerated 6.25 of 30" in text
     assert "match_boxes 2.25 of 5" in text
-    assert "These points were set by a person; the checks earned 5." in text
+    assert "A grader set these points. The checks earned 5." in text
     assert "Björn Müller: 36 of 70 points" in text  # 6.25 + 20 + 2.25 + 7.5
 
 
@@ -340,7 +396,7 @@ def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
     text = words(pages["bjorn"])
     assert "✗ Begin here: It parts" in text
     assert "Hint: Compare <cells>." in text
-    assert "12 more cannot be judged before this is right." in text
+    assert "12 more cannot be tested before this is right." in text
     assert text.count("Cannot be judged yet") == 0
     assert "code cell 3, line 7 ( return a < b )" in text and "return a <= b" not in text
     assert "The last cell <b>breaks</b> off." in text
@@ -352,13 +408,13 @@ def test_written_answers_have_a_mark_and_a_comment(pages):
     assert "write up 7.5 of 10" in words(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
     assert "to be graded, of 10" in words(pages["ada"])
-    assert "A person has still to grade a part of this" in words(pages["ada"])
-    assert "You left this empty." in words(pages["cy"])
+    assert "A part of this still waits for a grader" in words(pages["ada"])
+    assert "This answer is empty." in words(pages["cy"])
 
 
 def test_missing_notebooks_are_missing_and_not_0(pages):
     assert "10 · Clustering in real time missing, of 30" in words(pages["cy"])
-    assert "Nothing was handed in." in words(pages["cy"])
+    assert "Nothing was submitted." in words(pages["cy"])
 
 
 def test_untrusted_text_is_escaped_and_nothing_is_fetched(pages):
@@ -438,7 +494,7 @@ def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
     assert "img { max-width: 100%" in page
     assert "<mfrac>" in page and "12 more cannot be judged" not in page
     ten = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TEN.name}.html").read_text()
-    assert "12 more cannot be judged before this is right." in ten
+    assert "12 more cannot be tested before this is right." in ten
 
 
 # ---- Canvas -------------------------------------------------------------------------------------

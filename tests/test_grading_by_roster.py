@@ -90,7 +90,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert "- handed in nothing · ex excused" in output.out and "a person has" not in output.out
     page = (course.report / "index.html").read_text("utf-8")
     people = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
-    assert f"{people} students and 1 who is not on the roster, " in page
+    assert f"{people} students and 1 not on the roster, " in page
 
 
 def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):

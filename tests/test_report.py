@@ -77,7 +77,7 @@ STANDINGS = {
     "excused, with work": (EXCUSED, 12.0, "(12)"),
     "waiting": (WAITING, 12.5, "12.5 …"),
     "not entered": (WAITING, None, "…"),
-    "marked": (MARKED, 29.125, "29.12"),
+    "marked": (MARKED, 29.125, "29.1"),
 }
 
 
@@ -100,7 +100,7 @@ def test_a_late_penalty_is_subtracted_and_explained():
     )
     table = marks_table([SIX], results, {})
     (row,) = table.rows
-    assert row.cells[0].text == "15" and "20 less 5" in row.cells[0].means
+    assert row.cells[0].text == "15" and "20 minus 5" in row.cells[0].means
     assert (row.late.text, row.sum.text) == ("1 d 3 h, −5", "15 of 30")
     assert table.has_late
 
@@ -116,7 +116,7 @@ def test_the_sum_includes_missing_notebooks_but_not_excused_ones():
     )
     ada, bo = marks_table([SIX, SEVEN], results, {}).rows
     assert (ada.sum.text, ada.sum.means) == ("30 of 60", "1 missing")
-    assert (bo.sum.text, bo.sum.means) == ("10 of 30 …", "1 wait for a person")
+    assert (bo.sum.text, bo.sum.means) == ("10 of 30 …", "1 waiting for a grader")
 
 
 def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
@@ -125,19 +125,19 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert page.count("not in the gradebook") == 1 and "not on the roster" not in page
     (tmp_path / "roster.csv").write_text("id\nyan\n")
     page = report(tmp_path, verdicts, results)
-    assert "1 student and 1 who is not on the roster, " in page
+    assert "1 student and 1 not on the roster, " in page
     assert page.count(">not on the roster<") == 1
     assert "1 students" not in page
 
 
 def test_without_a_roster_the_page_says_that_it_lists_only_submissions(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], strangers=("zoe",))
-    note = "Without a roster.csv, only who has handed in stands here."
+    note = "There is no roster.csv, so only students with a submission are listed."
     assert note in report(tmp_path, [], results)
     (tmp_path / "roster.csv").write_text("id\nada\n")
     page = report(tmp_path, [], results)
     assert note not in page
-    assert "Not on the roster, and with marks in the gradebook: zoe." in page
+    assert "marks in the gradebook but are not on the roster: zoe." in page
 
 
 def test_students_with_the_same_name_are_shown_with_their_ids(tmp_path):
@@ -152,7 +152,7 @@ def test_submission_times_are_in_the_courses_time_zone(tmp_path):
     stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=submitted_at)
     (tmp_path / "deadlines.toml").write_text('timezone = "Europe/Berlin"\n')
     page = report(tmp_path, [], class_of([result("ada", MARKED, 1.0)], [stage]))
-    assert "handed in 02 July 2026, 00:30 CEST" in page
+    assert "submitted 02 July 2026, 00:30 CEST" in page
 
 
 def test_the_mean_of_a_section_includes_only_students_with_a_mark():
@@ -207,7 +207,7 @@ def test_a_mean_says_which_scores_it_includes():
     distribution = distribution_of(SIX, results, [])
     assert (distribution.mean, distribution.median, distribution.count) == (15.0, 15.0, 3)
     assert distribution.over == (
-        "over the 3 with a score, 1 of them still to be graded by a person; not counted: "
+        "of the 3 students with a score, 1 of whom wait for a grader; not counted: "
         "1 not yet entered, 1 missing, 1 excused"
     )
     assert distribution.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)
@@ -215,11 +215,11 @@ def test_a_mean_says_which_scores_it_includes():
 
 def test_counts_and_seconds_describe_the_latest_run(tmp_path):
     verdicts = [verdict(name, [check(True)]) for name in ("ada", "bo")]
-    assert "2 notebooks, of which 2 had been judged before ·" in report(
+    assert "2 notebooks, of which 2 judged earlier ·" in report(
         tmp_path, verdicts, run=GradingRun(0, 2, 1.4)
     )
     both = report(tmp_path, verdicts, run=GradingRun(1, 1, 3.4))
-    assert "of which 1 judged in 3 s and 1 had been judged before" in both
+    assert "of which 1 judged in 3 s and 1 judged earlier" in both
     assert "of which" not in report(tmp_path, verdicts)
 
 
@@ -300,7 +300,7 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
     slow = check(False, message="It takes ages.", kind=MessageKind.OUT_OF_TIME)
     damaged = dataclasses.replace(verdict("bo", []), problems=("It is cut off.",))
     page = report(tmp_path, [verdict("ada", [slow], "It takes ages."), damaged])
-    assert "<h2>Out of time</h2>" in page and "<h2>Mended, noticed or unreadable</h2>" in page
+    assert ">Out of time</h2>" in page and ">Repaired, unusual or unreadable files</h2>" in page
     assert "<td>It is cut off.</td>" in page
     clean = report(tmp_path, [verdict("ada", [check(True)])])
     assert "Out of time" not in clean and "unreadable" not in clean
@@ -314,7 +314,7 @@ def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
         verdict("cy", [check(True)], fingerprint="another"),
     ]
     page = report(tmp_path, verdicts)
-    (same,) = re.findall(r"<h2>The same file twice</h2>.*?</tbody>", page, re.DOTALL)
+    (same,) = re.findall(r">Identical files</h2>.*?</tbody>", page, re.DOTALL)
     assert same.count("<tr>") == 2, "the heading, and one row"
     assert "<td>ada, bo</td>" in same and SEVEN.name not in same
 

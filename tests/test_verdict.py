@@ -104,7 +104,7 @@ def test_the_sentence_on_a_slip_has_its_place_and_its_score(before, shown, score
     slip = Slip(3, 7, before, "keep = z >= level", score)
     where = f"One change in code cell 3, line 7 (`{shown}`) makes everything here right."
     assert slip.sentence.startswith(where)
-    assert ("keeps this" in slip.sentence) == (score > 0)
+    assert ("keeps these points" in slip.sentence) == (score > 0)
     assert slip.__dataclass_params__.frozen
 
 

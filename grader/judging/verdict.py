@@ -81,15 +81,18 @@ class Slip:
 
     @property
     def sentence(self) -> str:
-        """The sentence for the student, which says where the slip is but not what it is."""
-        kept = (
-            " An answer that is wrong in one thing keeps this for the rest." if self.score else ""
-        )
+        """The sentence for the student, with the rule that keeps points if there is one slip."""
+        kept = " An exercise with a single slip keeps these points." if self.score else ""
+        return f"{self.place}{kept}"
+
+    @property
+    def place(self) -> str:
+        """The sentence that says where the slip is, but not what it is."""
         if not self.cell:
-            return f"The mistake that is named here explains every answer.{kept}"
+            return "The mistake named here explains every wrong answer."
         line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
-        place = f"code cell {self.cell}, line {self.line} (`{line}`)"
-        return f"One change in {place} makes everything here right.{kept}"
+        where = f"code cell {self.cell}, line {self.line} (`{line}`)"
+        return f"One change in {where} makes everything here right."
 
 
 @dataclass(frozen=True)

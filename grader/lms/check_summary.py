@@ -15,7 +15,7 @@ from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 # Kinds of messages that are grouped, with the words for one check and for several.
 GROUPED_OPENINGS = {
     MessageKind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
-    MessageKind.WAITING: ("cannot be judged before this is right",) * 2,
+    MessageKind.WAITING: ("cannot be tested before this is right",) * 2,
 }
 SAME_FAILURE = ("fails in the same way", "fail in the same way")
 
@@ -78,8 +78,8 @@ class Folded:
         if not most:
             return "nothing could be checked"
         if not failed:
-            return f"all {most} checks hold"
-        return f"{len(self.passed) or 'none'} of {most} checks hold"
+            return f"all {most} checks pass" if most > 1 else "the only check passes"
+        return f"{len(self.passed) or 'none'} of {most} checks pass"
 
 
 def summarise_checks(exercise: ExerciseResult) -> Folded:

@@ -51,10 +51,12 @@ class Distribution:
     def over(self) -> str:
         """Phrase that says which students mean and median include and which they leave out."""
         phrase = (
-            f"over the {self.count} with a score" if self.count > 1 else "of the one with a score"
+            f"of the {self.count} students with a score"
+            if self.count > 1
+            else "of the one student with a score"
         )
         if self.waiting:
-            phrase += f", {self.waiting} of them still to be graded by a person"
+            phrase += f", {self.waiting} of whom wait for a grader"
         excluded = {
             "not yet entered": self.not_entered,
             "missing": self.missing,

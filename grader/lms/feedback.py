@@ -87,6 +87,11 @@ class LessonFeedback:
     problems: tuple[str, ...] = ()
     exercises: tuple[ExerciseFeedback, ...] = ()
 
+    @property
+    def is_untouched(self) -> bool:
+        """Whether the lesson was submitted, but no exercise was started or marked."""
+        return bool(self.exercises) and all(map(_is_untouched, self.exercises))
+
 
 @dataclass(frozen=True)
 class Feedback:
@@ -107,13 +112,35 @@ class Feedback:
     zone: tzinfo | None = None
 
     @property
+    def is_untouched(self) -> bool:
+        """Whether no lesson of the stage was started."""
+        submitted = [lesson for lesson in self.lessons if lesson.exercises]
+        return bool(submitted) and all(lesson.is_untouched for lesson in submitted)
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences about the stage as a whole."""
         if self.result.standing == EXCUSED:
-            return ("You are excused from this stage: none of this counts, for you or against.",)
+            return ("You are excused from this stage, so none of these points count.",)
         waiting = self.result.standing == WAITING
-        about = "A person has still to grade a part of this: the points are not final."
-        return (*([about] if waiting else ()), *lateness_sentences(self.result, self.zone))
+        untouched = (
+            "No exercise of this stage was started. If you can still submit, replace "
+            "`raise NotImplementedError` with your code and submit the notebooks again."
+        )
+        about = "A part of this still waits for a grader, so the points are not final."
+        return (
+            *([untouched] if self.is_untouched else ()),
+            *([about] if waiting else ()),
+            *lateness_sentences(self.result, self.zone),
+        )
+
+
+def _is_untouched(exercise: ExerciseFeedback) -> bool:
+    if exercise.comment or exercise.mark.score:
+        return False
+    if exercise.folded is None:
+        return exercise.answer is None
+    return not exercise.folded.started
 
 
 class FeedbackNotReady(Exception):
@@ -246,15 +273,15 @@ def lateness_sentences(result: StageResult, zone: tzinfo | None = None) -> Itera
     """Yield sentences on the submission time of a stage, in a zone, and on the late penalty."""
     if result.undecided:
         yield (
-            "Whether this is late, a person has still to decide: nobody knows yet when it was "
-            "handed in."
+            "The time of your submission is unknown, so your instructor has to decide whether it "
+            "is late."
         )
     elif result.handed_in and result.due:
         handed_in, due = (_format_time(when, zone) for when in (result.handed_in, result.due))
-        punctuality = f"{_format_span(result.late)} late" if result.late else "in time"
-        yield f"Handed in {punctuality}, on {handed_in}; it was due on {due}."
+        punctuality = f"{_format_span(result.late)} late" if result.late else "on time"
+        yield f"Submitted {punctuality}, on {handed_in}. It was due on {due}."
     if result.penalty:
-        yield f"For lateness {format_points(result.penalty)} points are taken off."
+        yield f"{format_points(result.penalty)} points are subtracted because it is late."
 
 
 def _format_time(when: datetime, zone: tzinfo | None) -> str:

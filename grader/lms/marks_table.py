@@ -17,7 +17,7 @@ from grader.lms.results import (
     ClassResults,
     NotebookResult,
     StageResult,
-    format_points,
+    rounded_points,
 )
 
 JUDGE_FAILED_TEXT = "the judge failed: grade again"
@@ -129,7 +129,7 @@ def marks_table(
     ]
     return MarksTable(
         tuple(lessons),
-        tuple(format_points(worth[lesson.name]) for lesson in lessons),
+        tuple(rounded_points(worth[lesson.name]) for lesson in lessons),
         tuple(rows),
         tuple(_sections(rows)),
         any(row.late.text for row in rows),
@@ -172,19 +172,19 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
     if verdict and verdict.status != JUDGED:
         return MarkCell("?", JUDGE_FAILED_TEXT)
     if result is None or result.standing == MISSING:
-        return MarkCell("–", "missing: nothing was handed in")
+        return MarkCell("–", "missing: nothing was submitted")
     if result.standing == EXCUSED and result.score is None:
         return MarkCell("exc.", "excused: nothing is expected")
     if result.score is None:
-        return MarkCell("…", "handed in, and not yet entered")
-    text, notes = format_points(result.points), []
+        return MarkCell("…", "submitted, not entered yet")
+    text, notes = rounded_points(result.points), []
     if result.standing == EXCUSED:
         text, notes = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
-        text, notes = f"{text} …", ["a person has still to grade something in it"]
+        text, notes = f"{text} …", ["a grader has to grade a part of it"]
     if result.penalty:
         notes.append(
-            f"{format_points(result.score)} less {format_points(result.penalty)} for lateness"
+            f"{rounded_points(result.score)} minus {rounded_points(result.penalty)} for lateness"
         )
     return MarkCell(text, "; ".join(notes), result.points)
 
@@ -197,11 +197,11 @@ def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
     total = sum(result.points or 0.0 for result in counted)
     waiting = sum(result.standing == WAITING for result in counted)
     missing = sum(result.standing == MISSING for result in counted)
-    kinds = {"wait for a person": waiting, "missing": missing}
+    kinds = {"waiting for a grader": waiting, "missing": missing}
     explanation = ", ".join(f"{number} {label}" for label, number in kinds.items() if number)
-    maximum = format_points(sum(result.max_score for result in counted))
+    maximum = rounded_points(sum(result.max_score for result in counted))
     return MarkCell(
-        f"{format_points(total)} of {maximum}{' …' if waiting else ''}", explanation, total
+        f"{rounded_points(total)} of {maximum}{' …' if waiting else ''}", explanation, total
     )
 
 
@@ -210,7 +210,7 @@ def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]
     parts = [duration(late)] if late else []
-    parts += [f"−{format_points(penalty)}"] if penalty else []
+    parts += [f"−{rounded_points(penalty)}"] if penalty else []
     parts += ["undecided"] if undecided else []
     explanation = "; ".join(
         f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
@@ -233,11 +233,11 @@ def _judged_row(
     for lesson in lessons:
         verdict = judged.get(lesson.name)
         if verdict is None:
-            cells.append(MarkCell("–", "missing: nothing was handed in"))
+            cells.append(MarkCell("–", "missing: nothing was submitted"))
         elif verdict.status != JUDGED:
             cells.append(MarkCell("?", JUDGE_FAILED_TEXT))
         else:
-            cells.append(MarkCell(format_points(verdict.score), "", verdict.score))
+            cells.append(MarkCell(rounded_points(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
-    total = MarkCell(format_points(sum(scores)), "by the judge", sum(scores))
+    total = MarkCell(rounded_points(sum(scores)), "by the judge", sum(scores))
     return StudentRow(Person(id), not is_unknown, tuple(cells), MarkCell(""), total)

@@ -36,7 +36,8 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import duration, marks_table
-from grader.lms.results import ClassResults, format_points
+from grader.lms.overview import overview_of
+from grader.lms.results import ClassResults, rounded_points
 
 NO_RESULTS = ClassResults((), (), ())
 # Results of a lesson with fewer submissions could be traced to single students, even without names.
@@ -111,11 +112,20 @@ def write_report(
         "not_started": not_started(counted),
         "notebooks": len(pairs),
     }
+    sections = {
+        "undecided": [stage for stage in results.stages if stage.undecided],
+        "same": _same_files(pairs),
+        "stopped": [
+            (student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))
+        ],
+        "repaired": [(student, v) for student, v in pairs if v.problems],
+        "left": left,
+    }
     page = render(
         "report.html",
         **common,
         coded=coded,
-        points=format_points,
+        points=rounded_points,
         duration=duration,
         zone=deadlines.zone if deadlines else None,
         script=Markup(script),
@@ -126,12 +136,9 @@ def write_report(
         namesakes=_namesakes(results),
         strangers=results.strangers,
         has_roster=read_roster(course) is not None,
-        undecided=[stage for stage in results.stages if stage.undecided],
+        **sections,
+        overview=overview_of(results, table, {name: len(rows) for name, rows in sections.items()}),
         mistakes=common_messages(counted),
-        stopped=[(student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))],
-        same=_same_files(pairs),
-        repaired=[(student, v) for student, v in pairs if v.problems],
-        left=left,
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),
         links=_links(course),

@@ -150,6 +150,17 @@ def format_points(points: float, decimal_mark: str = ".") -> str:
     return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)
 
 
+def rounded_points(points: float) -> str:
+    """Format points with one decimal place, or with two if one would look like a whole number.
+
+    29.97 points never look like all 30. Halves are rounded up.
+    """
+    short = f"{points + 1e-6:.1f}"
+    if float(short).is_integer() and abs(points - float(short)) >= 0.005:
+        return format_points(points)
+    return short.removesuffix(".0")
+
+
 def _lesson(result: NotebookResult) -> str:
     return result.lesson
 

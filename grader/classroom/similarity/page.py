@@ -100,24 +100,23 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
         f"{len(alike)} of {steps} steps of {student}"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
     ]
-    yield f"Alike are {counts[0]}, and {counts[1]}. {_equality_sentence(one, other)}"
+    yield f"{counts[0]} and {counts[1]} are alike. {_equality_sentence(one, other)}"
     in_class, kept = pair.others
-    kept_text = f" and {kept} right answers that are kept with the course" if kept else ""
+    kept_text = f" and {kept} right answers of the course" if kept else ""
     yield (
-        f"{pair.exclusive or 'None'} of these steps stand in no other answer, of {in_class} in "
-        f"this class{kept_text}. Of all that is unusual in the two, {percent(pair.share)} is in "
-        "both. "
-        f"With anybody else it is {percent(pair.nearest[0])} at most"
-        f"{f', with a kept answer {percent(pair.nearest[1])}' if kept else ''}."
+        f"{pair.exclusive or 'None'} of these steps occur in no other answer, of {in_class} in "
+        f"this class{kept_text}. Of the unusual code in the two, {percent(pair.share)} is in both. "
+        f"With any other student it is at most {percent(pair.nearest[0])}"
+        f"{f', with an answer of the course {percent(pair.nearest[1])}' if kept else ''}."
     )
 
 
 def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
     """Return how equal two similar answers are: in text, in code, or only in normal form."""
     if one.text == other.text:
-        return "They are the same letter for letter, comments included."
+        return "The two answers are identical, including comments."
     if one.code == other.code:
-        return "They are the same but for comments and layout."
+        return "The two answers differ only in comments and layout."
     if [step.words for step in one.steps] == [step.words for step in other.steps]:
-        return "Step by step they are the same, but for names and the like."
-    return "They are marked."
+        return "The two answers have the same steps and differ only in names and similar details."
+    return "These steps are highlighted."

@@ -1,0 +1,100 @@
+"""The first lines of the report: the mean, what is missing, and what needs the instructor."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from grader.lms.marks_table import MarksTable
+from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults
+
+# For each kind of entry: the section of the report, and the words for one entry and for several.
+SECTIONS = {
+    "waiting": ("marks", "notebook waits for a grader", "notebooks wait for a grader"),
+    "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
+    "undecided": ("undecided", "submission time is undecided", "submission times are undecided"),
+    "same": ("same", "file was submitted twice", "files were submitted more than once"),
+    "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
+    "repaired": ("repaired", "file was repaired or noted", "files were repaired or noted"),
+    "left": ("left", "file was not judged", "files were not judged"),
+}
+
+
+@dataclass(frozen=True)
+class AttentionItem:
+    """Something that the instructor should look at, and the section of the report about it."""
+
+    text: str
+    anchor: str
+
+
+@dataclass(frozen=True)
+class Overview:
+    """The first lines of the report.
+
+    Attributes
+    ----------
+    mean, missing : str
+        Sentences.
+    attention : tuple of AttentionItem
+        Empty if nothing needs the instructor.
+    """
+
+    mean: str
+    missing: str
+    attention: tuple[AttentionItem, ...]
+
+
+def overview_of(
+    results: ClassResults, table: MarksTable, sections: Mapping[str, int]
+) -> Overview | None:
+    """Summarise a class; None if the gradebook has no results yet.
+
+    Parameters
+    ----------
+    results : grader.lms.results.ClassResults
+    table : grader.lms.marks_table.MarksTable
+    sections : mapping of str to int
+        Number of entries in each section of `SECTIONS`.
+    """
+    if not results.people:
+        return None
+    waiting = sum(
+        result.standing == WAITING and result.score is not None for result in results.notebooks
+    )
+    counts = {"waiting": waiting, **sections}
+    return Overview(
+        _mean([row.share for row in table.rows]),
+        _missing(results),
+        tuple(
+            AttentionItem(f"{counts[name]} {words[counts[name] > 1]}", f"report-{anchor}")
+            for name, (anchor, *words) in SECTIONS.items()
+            if counts.get(name)
+        ),
+    )
+
+
+def _mean(shares: Sequence[float | None]) -> str:
+    marked = [share for share in shares if share is not None]
+    if not marked:
+        return "no student has a mark yet."
+    percent = f"{100 * statistics.mean(marked):.0f} % of the possible points"
+    if len(marked) == 1:
+        return f"{percent}, from the one student with a mark."
+    return f"{percent}, over the {len(marked)} students with a mark."
+
+
+def _missing(results: ClassResults) -> str:
+    standings: dict[str, set[str]] = {}
+    for result in results.notebooks:
+        standings.setdefault(result.student, set()).add(result.standing)
+    nothing = sum(MISSING in kinds and kinds <= {MISSING, EXCUSED} for kinds in standings.values())
+    some = sum(MISSING in kinds for kinds in standings.values()) - nothing
+    parts = [f"{_students(nothing)} submitted nothing"] * bool(nothing)
+    parts += [f"{_students(some)} submitted only some lessons"] * bool(some)
+    return f"{'; '.join(parts) or 'no submission'}."
+
+
+def _students(count: int) -> str:
+    return f"{count} student{'s' * (count > 1)}"
