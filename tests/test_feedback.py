@@ -180,7 +180,7 @@ def test_lateness_and_penalty_in_words(monkeypatch):
     assert "It was due on 20 November 2026 at " in late
     assert penalty == "12.5 points are subtracted because it is late."
     assert sentences(timedelta(seconds=5))[0].startswith("Submitted 1 minute late, ")
-    assert sentences(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
+    assert sentences(timedelta(hours=1))[0].startswith("Submitted 1 hour late, ")
     assert sentences(handed_in=None) == sentences(due=None) == []
 
 

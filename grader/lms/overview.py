@@ -14,7 +14,7 @@ SECTIONS = {
     "waiting": ("marks", "notebook waits for a grader", "notebooks wait for a grader"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
     "undecided": ("undecided", "submission time is undecided", "submission times are undecided"),
-    "same": ("same", "file was submitted twice", "files were submitted more than once"),
+    "same": ("same", "file came from several students", "files came from several students"),
     "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
     "repaired": ("repaired", "file was repaired or noted", "files were repaired or noted"),
     "left": ("left", "file was not judged", "files were not judged"),
