@@ -9,7 +9,7 @@ AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
 help:
 	@echo "make lab      open the notebooks in JupyterLab"
-	@echo "make demo     grade a pretend class, end to end, in demo/"
+	@echo "make demo     grade a sample class in demo/"
 	@echo "make grade    grade the class in submitted/"
 	@echo "make site     write the course as pages for a web server, in site/"
 	@echo "make test     run the tests"

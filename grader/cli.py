@@ -3,7 +3,8 @@
 import argparse
 import errno
 import sys
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from grader import commands
@@ -11,7 +12,6 @@ from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
 from grader.course.deadlines import DeadlinesError
 from grader.course.extension import course_constant
-from grader.course.paths import PROJECT
 from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
 from grader.course.settings import course_title, version
@@ -19,6 +19,15 @@ from grader.lms.exporters import EXPORTERS
 from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
+PROGRAM = "python -m grader"
+WIDTH = 78  # columns of a description
+TERM = (
+    "release stage1_ransac",
+    "collect submissions.zip --stage stage1_ransac",
+    "grade stage1_ransac",
+    "feedback stage1_ransac",
+    "export --format canvas --assignment stage1_ransac --into gradebook.csv",
+)
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 ACCESS_DENIED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EEXIST, errno.ENOTDIR)
 
@@ -50,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return commands.USAGE_ERROR
     except KeyboardInterrupt:
         print(
-            "\nStopped. What has been judged is kept: the same command goes on from here.",
+            "\nStopped. Verdicts are kept; the same command continues from here.",
             file=sys.stderr,
         )
         return 130
@@ -59,11 +68,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         where = error.filename or error
         print(
-            f"The disk is full ({where}). What has been judged is kept: make room, and give the "
-            "same command again."
+            f"The disk is full ({where}). Verdicts are kept; free some space and run the same "
+            "command again."
             if error.errno in DISK_FULL
-            else f"{where}: {error.strerror}. Make it yours to read and write, a folder where one "
-            "is needed, and give the same command again.",
+            else f"{where}: {error.strerror}. Change its permissions, or name another file or "
+            "folder, and run the same command again.",
             file=sys.stderr,
         )
         return commands.FAULT
@@ -72,7 +81,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m grader", description="Build the course, judge notebooks, grade a class."
+        prog=PROGRAM,
+        description="Build the course, hand it out, grade a class.",
+        epilog=f"a term in five commands:\n{_lines(TERM)}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
@@ -82,97 +94,132 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_new(subparsers: argparse._SubParsersAction) -> None:
-    new = subparsers.add_parser(
-        "new",
-        help="write the skeleton of a lesson of your own, which builds and can be judged",
+def add_command(
+    subparsers: argparse._SubParsersAction,
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    description: str,
+    *examples: str,
+) -> argparse.ArgumentParser:
+    """Add a command to the command line.
+
+    Parameters
+    ----------
+    subparsers : argparse._SubParsersAction
+    name : str
+    run : callable
+        Takes the parsed options and returns the exit status.
+    description : str
+        What the command does; its first sentence is the line in the list of all commands.
+    *examples : str
+        Arguments of sample calls.
+    """
+    first, _, _ = description.partition(". ")
+    command = subparsers.add_parser(
+        name,
+        help=f"{first[0].lower()}{first[1:]}".rstrip("."),
+        description=textwrap.fill(description, WIDTH),
+        epilog=f"examples:\n{_lines(f'{name} {example}'.strip() for example in examples)}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    new.add_argument("name", metavar="NN_NAME", help="such as 14_free_distance")
-    new.add_argument(
-        "--stage",
-        default=OWN_STAGE,
-        help="folder of the lesson in solutions/ (default: %(default)s)",
-    )
-    new.set_defaults(run=commands.run_new)
+    command.set_defaults(run=run)
+    return command
 
 
-def _add_try(subparsers: argparse._SubParsersAction) -> None:
-    attempt = subparsers.add_parser(
-        "try",
-        help="build a lesson, run its notebooks, judge its kept answers, and list what is missing",
-    )
-    attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
-    add_sandbox_option(attempt)
-    attempt.set_defaults(run=commands.run_try)
+def _lines(calls: Iterable[str]) -> str:
+    return "\n".join(f"  {PROGRAM} {call}" for call in calls)
 
 
-def _add_build(subparsers: argparse._SubParsersAction) -> None:
-    build = subparsers.add_parser("build", help="write every notebook from its source")
-    build.add_argument(
-        "--check",
-        action="store_true",
-        help="only compare: fail if a notebook is stale or gives a solution away",
+# ---- before and during a term --------------------------------------------------------------------
+
+
+def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
+    doctor = add_command(
+        subparsers,
+        "doctor",
+        commands.run_doctor,
+        "Check that everything is ready to grade. It looks at versions, sandbox, seed, disk space, "
+        "roster, due dates and gradebook, and judges the course's own solutions. The exit status "
+        "is 1 if something has to be fixed.",
+        "",
     )
-    build.set_defaults(run=commands.run_build)
+    add_workers_option(doctor, "solutions")
+
+
+def _add_demo(subparsers: argparse._SubParsersAction) -> None:
+    demo = add_command(
+        subparsers,
+        "demo",
+        commands.run_demo,
+        "Grade a sample class in demo/. It prints the paths of the report, the feedback pages and "
+        "the similarity page.",
+        "",
+        "--students 30 --stages stage1_ransac",
+    )
+    demo.add_argument(
+        "--students",
+        type=_positive_number,
+        default=13,
+        metavar="N",
+        help="number of sample students (default: %(default)s)",
+    )
+    demo.add_argument(
+        "--stages",
+        nargs="*",
+        metavar="STAGE",
+        help="stages that they submit; without a name, all stages (default: stage3_obstacles)",
+    )
+    add_workers_option(demo)
 
 
 def _add_release(subparsers: argparse._SubParsersAction) -> None:
-    release = subparsers.add_parser(
-        "release", help="write what students get: a zip for each stage that runs when unzipped"
+    release = add_command(
+        subparsers,
+        "release",
+        commands.run_release,
+        "Write what students get: a zip for each stage. It runs wherever it is unzipped. Several "
+        "zips unzip into one folder.",
+        "stage1_ransac",
+        "--standalone stage1_ransac",
+        "--solutions stage1_ransac",
     )
-    release.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
+    add_stages_argument(release)
     kind = release.add_mutually_exclusive_group()
     kind.add_argument(
         "--standalone",
         action="store_true",
-        help="notebooks instead that need no file beside them: the tools are in each",
+        help="write one notebook per lesson that needs no other file, for Colab",
     )
     kind.add_argument(
         "--solutions",
         action="store_true",
-        help="the solutions instead, with outputs and as pages, once nobody may hand in any more",
+        help="write the executed solutions as notebooks and pages; refused while a student may "
+        "still submit",
     )
     release.add_argument(
-        "--anyway", action="store_true", help="give out solutions while some may still hand in"
+        "--anyway", action="store_true", help="write solutions even if a student may still submit"
     )
-    release.add_argument(
-        "--to",
-        type=Path,
-        default=PROJECT / "released",
-        metavar="DIR",
-        help="where to write (default: released/ in the course's folder)",
-    )
-    release.set_defaults(run=commands.run_release)
-
-
-def _add_site(subparsers: argparse._SubParsersAction) -> None:
-    site = subparsers.add_parser(
-        "site", help="write the course as pages, with search, for a web server"
-    )
-    site.add_argument(
-        "--to",
-        type=Path,
-        default=PROJECT / "site",
-        metavar="DIR",
-        help="where to write (default: site/ in the course's folder)",
-    )
-    site.add_argument(
-        "--live",
-        action="store_true",
-        help="with pages on which lessons run in the browser, which fetches a kernel from jsDelivr",
-    )
-    add_workers_option(site)
-    site.set_defaults(run=commands.run_site)
+    _add_folder_option(release, "released")
 
 
 def _add_collect(subparsers: argparse._SubParsersAction) -> None:
-    collect = subparsers.add_parser("collect", help="put what a class handed in into submitted/")
+    collect = add_command(
+        subparsers,
+        "collect",
+        commands.run_collect,
+        "Put the submissions of a class into submitted/. It recognises archives of Canvas, Moodle "
+        "and GitHub Classroom, folders and single files. If it cannot tell whose a file is, it "
+        "asks, and exits with status 1; repeat the command with the answer added.",
+        "submissions.zip --stage stage3_obstacles",
+        "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
+    )
     collect.add_argument(
         "archives",
         nargs="+",
         type=Path,
         metavar="ARCHIVE",
-        help="a zip from Canvas or Moodle, a folder, checkouts of GitHub Classroom, one file",
+        help="zip of Canvas or Moodle, folder with checkouts of GitHub Classroom, other folder, or "
+        "one file",
     )
     collect.add_argument(
         "--stage",
@@ -180,13 +227,13 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         required=True,
         dest="stages",
         metavar="STAGE",
-        help="what was handed in, such as stage3_obstacles; may be given more than once",
+        help="stage that was submitted, such as stage3_obstacles; may be repeated",
     )
     collect.add_argument(
         "--timestamps",
         type=Path,
         metavar="FILE.csv",
-        help="when they handed in: Moodle's grading worksheet, or a table like it",
+        help="table with the times of submission: Moodle's grading worksheet, or one like it",
     )
     collect.add_argument(
         "--who",
@@ -194,7 +241,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
-        help="whose that is; more than one of a team",
+        help="id of the student called NAME in the archive; several ids for a team, - to ignore",
     )
     collect.add_argument(
         "--lesson",
@@ -202,163 +249,285 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="FILE=NN",
-        help="which lesson a file is",
+        help="number of the lesson in FILE, if its name and its content disagree",
     )
-    collect.set_defaults(run=commands.run_collect)
 
 
 def _parse_answer(text: str) -> tuple[str, str]:
     """Return the two sides of NAME=ID; a name may contain the equals sign."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
-        raise argparse.ArgumentTypeError(f"{text!r} is no answer: write what is asked, = and it")
+        raise argparse.ArgumentTypeError(f"{text!r} has no =; write NAME=ANSWER")
     return name, answer
 
 
 def _add_judge(subparsers: argparse._SubParsersAction) -> None:
-    judge = subparsers.add_parser("judge", help="judge one notebook")
-    judge.add_argument("notebook", type=Path, metavar="NOTEBOOK.ipynb")
+    judge = add_command(
+        subparsers,
+        "judge",
+        commands.run_judge,
+        "Judge one notebook and print its verdict. Nothing is entered into the gradebook.",
+        "path/to/06_filter_ground.ipynb",
+        "path/to/06_filter_ground.ipynb --json",
+    )
+    judge.add_argument(
+        "notebook", type=Path, metavar="NOTEBOOK.ipynb", help="a submitted notebook of the course"
+    )
     judge.add_argument("--json", action="store_true", help="print the verdict as one JSON object")
     add_judging_options(judge)
-    judge.set_defaults(run=commands.run_judge)
 
 
 def _add_grade(subparsers: argparse._SubParsersAction) -> None:
-    grade = subparsers.add_parser("grade", help="grade the class in submitted/")
-    grade.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
+    grade = add_command(
+        subparsers,
+        "grade",
+        commands.run_grade,
+        "Grade the class in submitted/. It judges new and changed notebooks, enters the scores "
+        "into the gradebook and writes report/index.html. The exit status is 1 if something needs "
+        "your decision.",
+        "stage3_obstacles",
+        "stage3_obstacles --student anna",
+        "--scheduler tcp://10.0.0.1:8786",
+    )
+    add_stages_argument(grade)
     grade.add_argument(
         "--student",
         metavar="X",
-        help="judge this one alone, and again whatever was judged before; says how the marks "
-        "came to be what they are",
+        help="judge only this student, again, and print the history of the marks; X is an id, "
+        "name, e-mail address or login",
     )
     add_judging_options(grade)
     add_executor_options(grade)
-    grade.set_defaults(run=commands.run_grade, workers=None)
+    grade.set_defaults(workers=None)
 
 
 def _add_report(subparsers: argparse._SubParsersAction) -> None:
-    report = subparsers.add_parser("report", help="write the report on what has been graded")
-    report.set_defaults(run=commands.run_report)
+    add_command(
+        subparsers,
+        "report",
+        commands.run_report,
+        "Write the report on the class again, without judging. Use it after marks were changed by "
+        "hand. It writes report/index.html, and report/anonymous.html without names.",
+        "",
+    )
+
+
+def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
+    feedback = add_command(
+        subparsers,
+        "feedback",
+        commands.run_feedback,
+        "Write a feedback page for each student and stage. The pages are in handed_back/.",
+        "stage3_obstacles",
+        "stage3_obstacles --for moodle",
+    )
+    add_stages_argument(feedback)
+    feedback.add_argument(
+        "--student",
+        action="append",
+        default=[],
+        metavar="X",
+        help="write only the page of this student; may be repeated",
+    )
+    feedback.add_argument(
+        "--for",
+        dest="platform",
+        choices=("moodle", "canvas"),
+        help="also write a zip that the platform distributes to the students",
+    )
+    _add_folder_option(feedback, "handed_back")
 
 
 def _add_export(subparsers: argparse._SubParsersAction) -> None:
-    export = subparsers.add_parser(
-        "export", help="write the marks to a file, for a learning platform"
+    export = add_command(
+        subparsers,
+        "export",
+        commands.run_export,
+        "Write the marks to a file: a table, or a file for a learning platform. Late penalties are "
+        "already subtracted. Students without a mark are listed, not exported.",
+        "",
+        "--format canvas --assignment stage3_obstacles --into gradebook.csv",
     )
     export.add_argument(
-        "--format", choices=tuple(EXPORTERS), default=next(iter(EXPORTERS)), help="of the file"
+        "--format",
+        choices=tuple(EXPORTERS),
+        default=next(iter(EXPORTERS)),
+        help="format of the file: %(choices)s (default: %(default)s)",
     )
     export.add_argument(
-        "--assignment", metavar="NAME", help="the stage or lesson whose marks they are"
+        "--assignment", metavar="NAME", help="stage or lesson whose marks are exported"
     )
     export.add_argument(
         "--into",
         type=Path,
         metavar="FILE",
-        help="fill in what Canvas or Moodle gave you; the file itself stays as it is",
+        help="file from Canvas or Moodle to fill in; the result is a copy",
     )
     export.add_argument(
-        "--column", metavar="TITLE", help="of the marks in that file, where it cannot be guessed"
+        "--column",
+        metavar="TITLE",
+        help="title of the column to fill in, if it contains neither stage nor lesson",
     )
     export.add_argument(
         "--scale",
         action="store_true",
-        help="convert marks where the platform gives other points for the assignment",
+        help="convert the marks if the platform has another maximum",
     )
     export.add_argument(
         "--provisional",
         action="store_true",
-        help="export also what waits for a person, with the points that it has so far",
+        help="also export work that waits for a grader, with its points so far",
     )
-    export.add_argument("--to", type=Path, metavar="FILE", help="where to write")
-    export.set_defaults(run=commands.run_export)
+    export.add_argument(
+        "--to",
+        type=Path,
+        metavar="FILE",
+        help="file to write (default: scores.* in the course's folder)",
+    )
 
 
 def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
-    autograder = subparsers.add_parser(
-        "autograder", help="write a zip with which Gradescope judges an assignment by itself"
+    autograder = add_command(
+        subparsers,
+        "autograder",
+        commands.run_autograder,
+        "Write a zip with which Gradescope judges an assignment by itself. It contains the hidden "
+        "tests and the secret seed.",
+        "stage3_obstacles",
     )
     autograder.add_argument("assignment", metavar="NAME", help="a stage or a lesson")
     autograder.add_argument(
         "--to",
         type=Path,
         metavar="FILE.zip",
-        help="where to write (default: autograder.NAME.zip in the course's folder)",
+        help="file to write (default: autograder.NAME.zip in the course's folder)",
     )
-    autograder.set_defaults(run=commands.run_autograder)
-
-
-def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
-    feedback = subparsers.add_parser("feedback", help="write a page for each student: what to mend")
-    feedback.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
-    feedback.add_argument(
-        "--student", action="append", default=[], metavar="X", help="only for them"
-    )
-    feedback.add_argument(
-        "--for",
-        dest="platform",
-        choices=("moodle", "canvas"),
-        help="also a zip of all, with which the learning platform gives each their own",
-    )
-    feedback.add_argument(
-        "--to",
-        type=Path,
-        metavar="DIR",
-        help="where to write (default: handed_back/ in the course's folder)",
-    )
-    feedback.set_defaults(run=commands.run_feedback)
 
 
 def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
-    similarity = subparsers.add_parser("similarity", help="which answers of a stage are alike?")
-    similarity.add_argument("stage", metavar="STAGE", help="such as stage3_obstacles")
-    similarity.set_defaults(run=commands.run_similarity)
-
-
-def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
-    doctor = subparsers.add_parser("doctor", help="is everything ready to grade?")
-    add_workers_option(doctor)
-    doctor.set_defaults(run=commands.run_doctor)
-
-
-def _add_demo(subparsers: argparse._SubParsersAction) -> None:
-    demo = subparsers.add_parser("demo", help="grade a pretend class, end to end, in demo/")
-    demo.add_argument(
-        "--students",
-        type=int,
-        default=13,
-        metavar="N",
-        help="how many students to pretend (default: %(default)s)",
+    similarity = add_command(
+        subparsers,
+        "similarity",
+        commands.run_similarity,
+        "Show which answers of a stage are alike. It writes report/similarity_STAGE.html with the "
+        "pairs side by side. No student code runs.",
+        "stage3_obstacles",
     )
-    demo.add_argument(
-        "--stages",
-        nargs="*",
-        metavar="STAGE",
-        help="what they hand in; without a name, all stages (default: stage 3)",
+    similarity.add_argument("stage", metavar="STAGE", help="stage, such as stage3_obstacles")
+
+
+def _add_site(subparsers: argparse._SubParsersAction) -> None:
+    site = add_command(
+        subparsers,
+        "site",
+        commands.run_site,
+        "Write the course as a website. It executes the lessons, and needs the packages of "
+        "requirements-site.txt; `make site` installs them.",
+        "",
+        "--to /var/www/course",
     )
-    add_workers_option(demo)
-    demo.set_defaults(run=commands.run_demo)
+    _add_folder_option(site, "site")
+    site.add_argument(
+        "--live",
+        action="store_true",
+        help="add pages on which lessons run in the browser, with a kernel from jsDelivr",
+    )
+    add_workers_option(site, "lessons executed")
+
+
+# ---- for authors ---------------------------------------------------------------------------------
+
+
+def _add_new(subparsers: argparse._SubParsersAction) -> None:
+    new = add_command(
+        subparsers,
+        "new",
+        commands.run_new,
+        "Write the skeleton of a lesson of your own. It is a small but complete exercise; change "
+        "its four files.",
+        "14_free_distance",
+    )
+    new.add_argument(
+        "name",
+        metavar="NN_NAME",
+        help="number and name of the lesson, such as 14_free_distance; the exercise gets the name",
+    )
+    new.add_argument(
+        "--stage",
+        default=OWN_STAGE,
+        help="folder of the lesson in solutions/ (default: %(default)s)",
+    )
+
+
+def _add_try(subparsers: argparse._SubParsersAction) -> None:
+    attempt = add_command(
+        subparsers,
+        "try",
+        commands.run_try,
+        "Build a lesson, run it, judge its answers and list what is missing. It also stores the "
+        "answers that stubs lend.",
+        "14",
+    )
+    attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
+    add_sandbox_option(attempt)
+
+
+def _add_build(subparsers: argparse._SubParsersAction) -> None:
+    build = add_command(
+        subparsers,
+        "build",
+        commands.run_build,
+        "Write every generated file: the notebooks of all lessons and parts of the documentation.",
+        "",
+        "--check",
+    )
+    build.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing; fail if a file is stale or gives a solution away",
+    )
 
 
 COMMANDS = (
-    _add_new,
-    _add_try,
-    _add_build,
+    _add_doctor,
+    _add_demo,
     _add_release,
-    _add_site,
     _add_collect,
     _add_judge,
     _add_grade,
     _add_report,
+    _add_feedback,
     _add_export,
     _add_autograder,
-    _add_feedback,
     _add_similarity,
-    _add_doctor,
-    _add_demo,
+    _add_site,
+    _add_new,
+    _add_try,
+    _add_build,
 )
 """Each adds a command, in the order of ``--help``; a course may have more of its own."""
+
+
+# ---- options that several commands have ----------------------------------------------------------
+
+
+def add_stages_argument(command: argparse.ArgumentParser) -> None:
+    """Add the argument for the stages to work on."""
+    command.add_argument(
+        "stages",
+        nargs="*",
+        metavar="STAGE",
+        help="stages to work on, such as stage3_obstacles (default: all)",
+    )
+
+
+def _add_folder_option(command: argparse.ArgumentParser, name: str) -> None:
+    command.add_argument(
+        "--to",
+        type=Path,
+        metavar="DIR",
+        help=f"folder to write to (default: {name}/ in the course's folder)",
+    )
 
 
 def add_judging_options(command: argparse.ArgumentParser) -> None:
@@ -367,7 +536,7 @@ def add_judging_options(command: argparse.ArgumentParser) -> None:
         "--seed",
         type=int,
         metavar="N",
-        help="seed of the hidden tests; by default the course's own secret, in .course_seed",
+        help="seed of the hidden tests (default: the course's secret seed, in .course_seed)",
     )
     add_sandbox_option(command)
 
@@ -378,26 +547,25 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
         "--sandbox",
         choices=(AUTO, *SANDBOXES),
         default=AUTO,
-        help="where student code runs; `process` protects nothing and is for "
-        "code you trust (default: bubblewrap, or refuse)",
+        help="where student code runs; process protects nothing and is for code that you trust "
+        "(default: bubblewrap, or refuse)",
     )
 
 
-def _parse_workers(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("at least one notebook is judged at a time")
-    return number
+def _positive_number(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1, not {text}.")
+    return int(text)
 
 
-def add_workers_option(command: argparse.ArgumentParser) -> None:
-    """Add the option for the number of notebooks that are judged at a time."""
+def add_workers_option(command: argparse.ArgumentParser, what: str = "notebooks judged") -> None:
+    """Add the option for the number of processes that work at the same time."""
     command.add_argument(
         "--workers",
-        type=_parse_workers,
+        type=_positive_number,
         default=processors(),
         metavar="N",
-        help="notebooks judged at a time (default: one per core)",
+        help=f"number of {what} at the same time (default: one per core)",
     )
 
 
@@ -407,5 +575,5 @@ def add_executor_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="judge on the workers of a Dask cluster instead, such as tcp://10.0.0.1:8786",
+        help="judge on the workers of a Dask cluster, such as tcp://10.0.0.1:8786",
     )

@@ -109,7 +109,7 @@ def run_release(options: argparse.Namespace) -> int:
         if options.solutions:
             return _release_solutions(options)
         write = write_standalone if options.standalone else write_zips
-        for path in write(options.to, options.stages):
+        for path in write(options.to or PROJECT / "released", options.stages):
             print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
     except ReleaseError as error:
         print(error, file=sys.stderr)
@@ -134,13 +134,15 @@ def _release_solutions(options: argparse.Namespace) -> int:
     if any(open_stages):
         print(*filter(None, open_stages), sep="\n", file=sys.stderr)
         if not options.anyway:
-            print("Nothing was written. --anyway gives the solutions out.", file=sys.stderr)
+            print(
+                "Nothing was written. --anyway writes the solutions all the same.", file=sys.stderr
+            )
             return FAULT
     lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
     with console.progress_bar("Running the solutions") as advance:
         ran = solved_runs(lessons, processors(), advance)
     solutions = {lesson: as_notebook(notebook) for lesson, notebook in ran.items()}
-    for path in write_solutions(options.to, solutions):
+    for path in write_solutions(options.to or PROJECT / "released", solutions):
         print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
     return SUCCESS
 
@@ -154,13 +156,14 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.site.errors import SiteError
     from grader.site.runs import missing_packages, solved_runs
 
+    folder = options.to or PROJECT / "site"
     missing = {lesson: missing_packages(lesson) for lesson in optional_lessons()}
     can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
-        ready(options.to)
+        ready(folder)
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
-        write_site(options.to, ran, read_origin(), options.live)
+        write_site(folder, ran, read_origin(), options.live)
     except (ReleaseError, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -169,7 +172,7 @@ def run_site(options: argparse.Namespace) -> int:
             print(
                 f"The page of {lesson.name} shows no outputs: install {', '.join(packages)} first."
             )
-    print(f"wrote {options.to / 'index.html'}")
+    print(f"wrote {folder / 'index.html'}")
     return SUCCESS
 
 
@@ -202,6 +205,9 @@ def run_collect(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAULT
     console.print_collected(collected)
+    if not any(collected.states.values()) and not collected.questions:
+        print(f"There is no notebook of {', '.join(options.stages)} in it.", file=sys.stderr)
+        return USAGE_ERROR
     return FAULT if collected.questions else SUCCESS
 
 
@@ -220,15 +226,23 @@ def stages_exist(names: Sequence[str]) -> bool:
 def run_judge(options: argparse.Namespace) -> int:
     """Run ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
-    from grader.judging.judge import UnknownLesson, judge
+    from grader.judging.judge import UnknownLesson, judge, lesson_of_file
 
+    if options.notebook.is_dir():
+        print(
+            f"{options.notebook} is a folder; judge takes one notebook. Run: python -m grader "
+            "grade for everything in submitted/.",
+            file=sys.stderr,
+        )
+        return USAGE_ERROR
     if not options.notebook.is_file():
         print(f"There is no file {options.notebook}.", file=sys.stderr)
         return USAGE_ERROR
-    sandbox = choose_sandbox(options.sandbox)
-    console.warn_if_unprotected(sandbox)
     try:
-        verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox)
+        lesson = lesson_of_file(options.notebook)
+        sandbox = choose_sandbox(options.sandbox)
+        console.warn_if_unprotected(sandbox)
+        verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox, lesson)
     except UnknownLesson as error:
         print(error, file=sys.stderr)
         return USAGE_ERROR
@@ -276,8 +290,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one place to judge is named; print a sentence if not."""
     if options.workers and options.scheduler:
         print(
-            "--workers is for this machine, and --scheduler for a cluster, on which each worker "
-            "judges as many notebooks at a time as it has threads. Name one of the two.",
+            "--workers is for this machine and --scheduler for a cluster. Use one of the two.",
             file=sys.stderr,
         )
         return False
@@ -328,7 +341,7 @@ def run_export(options: argparse.Namespace) -> int:
         print(
             f"--format {options.format} fills in {exporter.fills}. Name that file with --into."
             if exporter.fills
-            else f"--format {options.format} fills in no file: leave --into out.",
+            else f"--format {options.format} fills in no file. Leave out --into.",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -360,7 +373,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     if not lessons:
         print(
             f"There is no stage or lesson {options.assignment}. The stages are: "
-            f"{', '.join(stages())}; a lesson is named as its notebook.",
+            f"{', '.join(stages())}. A lesson has the name of its notebook.",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -409,14 +422,14 @@ def run_feedback(options: argparse.Namespace) -> int:
         ]
     console.print_feedback(feedback)
     if not any(one.pages for one in feedback):
-        print("There is nothing to hand back. Run: python -m grader grade", file=sys.stderr)
+        print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
     if any(one.archive for one in feedback):
         print(PLATFORMS[options.platform].next_step)
     without_feedback = set(students) - {path.stem for one in feedback for path in one.pages}
     if without_feedback:
         names = console.plain(", ".join(sorted(without_feedback)))
-        print(f"There is nothing to hand back to {names}.", file=sys.stderr)
+        print(f"There is no feedback for {names}.", file=sys.stderr)
     return FAULT if without_feedback or any(one.left for one in feedback) else SUCCESS
 
 
@@ -432,8 +445,8 @@ def run_similarity(options: argparse.Namespace) -> int:
         compared = compare_stage(course, options.stage, advance)
     if len(compared.students) < 2:
         print(
-            f"There are no two students to compare in {course.submitted}/<student>/"
-            f"{options.stage}/. Put their notebooks there, as for grade.",
+            f"There are fewer than two students in {course.submitted}/<student>/{options.stage}/. "
+            "Run: python -m grader collect ARCHIVE --stage STAGE",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -476,16 +489,36 @@ def run_demo(options: argparse.Namespace) -> int:
     except SandboxUnavailable as error:
         sandbox = SANDBOXES["process"]
         warning = (
-            f"{error.args[0].split(' Student code')[0]} This demo runs its own pretend "
-            "students without a sandbox; real grading would have refused."
+            f"{error.args[0].split(' Student code')[0]} This demo runs its own sample "
+            "students without a sandbox; real grading would refuse."
         )
         print(warning, file=sys.stderr)
-    if options.students < 1:
-        print("A class has at least one student.", file=sys.stderr)
-        return USAGE_ERROR
     wanted = (STAGE,) if options.stages is None else options.stages or stages()
     course = make_class(options.students, not sandbox.warning, wanted)
-    return grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
+    status = grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
+    for stage in wanted:
+        print(f"Feedback pages of {stage}: {_sample_feedback(course, stage)}")
+        print(f"Similar answers in {stage}: {_sample_similarity(course, stage)}")
+    return status
+
+
+def _sample_feedback(course: Course, stage: str) -> Path:
+    """Write the feedback pages of the sample class, and return their folder."""
+    from grader.lms.feedback_archives import write_feedback
+
+    folder = course.root / "handed_back"
+    with console.progress_bar("Writing feedback") as advance:
+        write_feedback(course, stage, (), folder, None, advance)
+    return folder / stage
+
+
+def _sample_similarity(course: Course, stage: str) -> Path:
+    """Write the page with similar answers of the sample class, and return its path."""
+    from grader.classroom.similarity.page import write_similarity
+    from grader.classroom.similarity.stage import compare_stage
+
+    with console.progress_bar("Comparing") as advance:
+        return write_similarity(course, compare_stage(course, stage, advance))
 
 
 def grade_course(
@@ -536,9 +569,8 @@ def _grade_alone(
     seconds = time.perf_counter() - begin
     if not judged:
         print(
-            f"Nothing to grade: no {course.submitted}/{student or '<student>'}/<stage>/"
-            "<NN_name>.ipynb. "
-            "Put submissions there, as nbgrader collect does.",
+            f"There is nothing to grade: {course.submitted}/{student or '<student>'}/<stage>/ has "
+            "no notebook. Run: python -m grader collect ARCHIVE --stage STAGE",
             file=sys.stderr,
         )
         return USAGE_ERROR

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 
 LEGEND = {
-    "-": "- handed in nothing",
+    "-": "- submitted nothing",
     "ex": "ex excused",
-    "*": "* a person has still to grade",
+    "*": "* waits for a grader",
     "?": "? not entered yet",
 }
 
@@ -43,7 +43,8 @@ LEGEND = {
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     """Show a progress bar on stderr; yield a function (done, total, what).
 
-    While nothing can be counted, `what` is a sentence about the work.
+    While nothing can be counted, `what` is a sentence about the work. The bar appears with the
+    first work, so that an error before it does not look like an interruption.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -51,14 +52,19 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task(title, total=None)
+    progress = Progress(*columns, console=Console(stderr=True))
+    task = progress.add_task(title, total=None)
 
-        def advance(done: int, total: int, what: object) -> None:
-            text = f"{title}: {what}" if isinstance(what, str) else title
-            progress.update(task, completed=done, total=total, description=text)
+    def advance(done: int, total: int, what: object) -> None:
+        text = f"{title}: {what}" if isinstance(what, str) and what else title
+        progress.update(task, completed=done, total=total, description=text)
+        if total or text != title:
+            progress.start()
 
+    try:
         yield advance
+    finally:
+        progress.stop()
 
 
 def plain(text: object) -> str:
@@ -113,7 +119,7 @@ def _print_with_mark(console: Console, mark: str, text: str, style: str = "") ->
 
 def print_finding(finding: Finding) -> None:
     """Print one finding of the doctor."""
-    mark = "good " if finding.good else "MEND "
+    mark = "ok   " if finding.good else "FIX  "
     style = "" if finding.good else "bold red"
     text = f"{mark} {finding.subject}: {plain(finding.text)}"
     Console(highlight=False, soft_wrap=True).print(text, markup=False, style=style)
@@ -282,13 +288,13 @@ def print_collected(report: CollectionReport) -> None:
     """Print the result of collecting, and the files that need a decision."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for path, kind, count in report.archives:
-        console.print(f"{plain(path)}: {kind}, {count} files", markup=False)
+        console.print(f"{plain(path)}: {kind}, {count} file{'s' * (count != 1)}", markup=False)
     if report.states:
         console.print(_collected_table(report))
     for sentence in _collected_sentences(report):
         console.print(plain(sentence), markup=False, soft_wrap=True)
-    _print_questions(console, "To be known", report.remarks)
-    _print_questions(console, "Not placed, and waiting for an answer", report.questions)
+    _print_questions(console, "For your information", report.remarks)
+    _print_questions(console, "Not collected, because an answer is needed", report.questions)
 
 
 def _collected_table(report: CollectionReport) -> Table:
@@ -311,38 +317,38 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
     counts = Counter(state for states in report.states.values() for state in states.values())
     state_texts = (
         ("new", "new"),
-        ("newer", "in place of an older one, which is kept in .older/ beside it"),
-        ("same", "there already"),
-        ("kept", "older than what is there, and left"),
+        ("newer", "replaced an older one, which is kept in .older/"),
+        ("same", "unchanged"),
+        ("kept", "older than the collected one and left out"),
     )
     counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
     if report.roster is None:
         yield (
-            "There is no roster.csv, so folders are called as the archive calls people. With one, "
-            "who is on it is found by name or number."
+            "There is no roster.csv, so folders get the names from the archive. With a roster, "
+            "students are found by name or number."
         )
     else:
         missing = [person.id for person in report.roster.people if person.id not in report.states]
         excused = [student for student in missing if student in report.excused]
         not_excused = [student for student in missing if student not in report.excused]
         if not_excused:
-            yield f"Nothing from {len(not_excused)} on the roster: {', '.join(not_excused)}."
+            yield f"No submission from {len(not_excused)} on the roster: {', '.join(not_excused)}."
         if excused:
-            yield f"Excused, and nothing from them: {', '.join(excused)}."
+            yield f"Excused, without a submission: {', '.join(excused)}."
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
-        yield f"Left, as no lesson needs it: {some}."
+        yield f"Not collected, because no lesson needs it: {some}."
     if report.undecided:
         yield (
-            f"Whether late is undecided: {', '.join(report.undecided)}. Write the time into "
-            "timestamp.txt beside the work, such as 2026-11-22 18:30:00 UTC."
+            f"Late or on time is undecided for: {', '.join(report.undecided)}. Write the time into "
+            "timestamp.txt in the student's folder, such as 2026-11-22 18:30:00 UTC."
         )
     if report.late:
         yield (
-            f"Marked late, without a time: {', '.join(report.late)}. Until one is known nothing "
-            "is taken off: give times with --timestamps FILE, or write timestamp.txt beside the "
-            "work, such as 2026-11-22 18:30:00 UTC."
+            f"Marked late, without a time: {', '.join(report.late)}. No penalty is subtracted "
+            "until the time is known. Give times with --timestamps FILE, or write timestamp.txt in "
+            "the student's folder, such as 2026-11-22 18:30:00 UTC."
         )
 
 

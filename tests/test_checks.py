@@ -116,8 +116,8 @@ def test_check_of_a_stub_reports_that_it_is_not_started(capsys):
 def test_check_of_something_else_lists_the_exercises():
     with pytest.raises(LookupError, match="one of horizontal_distance, "):
         check(len)
-    with pytest.raises(LookupError):
-        check("filter_ground!")
+    with pytest.raises(TypeError, match=r"without quotation marks: check\(filter_ground\)"):
+        check("filter_ground")
 
 
 def test_failure_is_one_line_in_a_notebook():

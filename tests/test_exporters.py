@@ -291,7 +291,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
         "worksheet that Moodle offers for the assignment. Name that file" in capsys.readouterr().err
     )
     assert export("--into", tmp_path) == commands.USAGE_ERROR
-    assert "leave --into out" in capsys.readouterr().err
+    assert "Leave out --into" in capsys.readouterr().err
     call = ("--format", "canvas", "--into", tmp_path / "none.csv", "--assignment", THREE)
     assert export(*call) == commands.USAGE_ERROR
     assert "none.csv cannot be read: No such file" in capsys.readouterr().err

@@ -569,7 +569,7 @@ def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
     course = make_class(13, hostile=True)
     names = {path.name for path in course.submitted.iterdir()}
     assert len(names) == 13
-    assert {"ada", "untouched", "cut_off", "mallory"} <= names
-    assert "mallory" not in {
+    assert {"ada", "not_started", "cut_off_file", "attacker"} <= names
+    assert "attacker" not in {
         path.name for path in make_class(13, hostile=False).submitted.iterdir()
     }

@@ -87,7 +87,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert cells(output.out, "eve")[1:] == ["ex", "ex"]
     assert cells(output.out, "ghost")[1:3] == ["3", "-"]
     assert "not on the roster, so not entered" in output.out
-    assert "- handed in nothing · ex excused" in output.out and "a person has" not in output.out
+    assert "- submitted nothing · ex excused" in output.out and "a person has" not in output.out
     page = (course.report / "index.html").read_text("utf-8")
     people = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
     assert f"{people} students and 1 not on the roster, " in page
@@ -106,7 +106,7 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
     commands._print_all(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out
     assert cells(output, "ada")[1] == "0*" and cells(output, "yan")[1:3] == ["?", "-"]
-    assert "* a person has still to grade · ? not entered yet" in output
+    assert "* waits for a grader · ? not entered yet" in output
 
 
 def test_lateness_names_its_stage_if_there_are_several(capsys):
@@ -264,7 +264,7 @@ def test_the_doctor_reports_missing_files(course, monkeypatch):
     texts = {subject: text for subject, good, text in findings(course, monkeypatch) if good}
     assert texts["roster"] == "there is no roster.csv: who has a folder takes the course"
     assert texts["deadlines"].startswith("there is no deadlines.toml: the dates are those of the")
-    assert texts["sandbox process"].startswith("has no walls, and is only used where you say")
+    assert texts["sandbox process"].startswith("protects less; used only if you ask for")
     assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
 
 

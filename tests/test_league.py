@@ -437,14 +437,14 @@ def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox
 
 def test_a_stage_without_a_detector_has_no_league(capsys):
     assert cli.main(["league", "stage3_obstacles"]) == 2
-    assert "Nobody writes a detector in stage3_obstacles" in capsys.readouterr().err
+    assert "No lesson of stage3_obstacles has a detector" in capsys.readouterr().err
 
 
 def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
     arguments = ["league", LESSON.stage, "--sandbox", "process", "--seed", str(SEED)]
     assert cli.main(arguments) == 2
-    assert "Put notebooks there" in capsys.readouterr().err
+    assert "python -m grader collect ARCHIVE" in capsys.readouterr().err
 
 
 # The page -------------------------------------------------------------------------------------

@@ -142,8 +142,12 @@ def test_missing_and_damaged_notebooks_are_named(folder):
     write(folder / "09_filter_clusters.ipynb", "")
     with pytest.raises(FileNotFoundError, match="Did you mean 09_filter_clusters.ipynb"):
         load_my_functions("09_filter_cluster.ipynb")
-    with pytest.raises(FileNotFoundError, match="give its path"):
-        load_my_functions("zzz")
+    with pytest.raises(FileNotFoundError, match="give its path") as caught:
+        load_my_functions("nothing.ipynb")
+    assert "Did you mean" not in str(caught.value), "no name is close"
+    (folder / "README.md").write_text("# A text")
+    with pytest.raises(ValueError, match=r"README\.md is not a notebook. Name a file that ends in"):
+        load_my_functions("README.md")
     for text in ("", "{", "[]", '{"cells": 7}'):
         (folder / "c.ipynb").write_text(text)
         with pytest.raises(ValueError, match="cannot be read as a notebook"):

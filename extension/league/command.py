@@ -14,13 +14,19 @@ from grader.sandbox import choose_sandbox
 
 def add_league(subparsers: argparse._SubParsersAction) -> None:
     """Add the command to the command line."""
-    league = subparsers.add_parser(
-        "league", help="who drives farthest on their detector? A game, and no part of any mark"
+    league = cli.add_command(
+        subparsers,
+        "league",
+        run_league,
+        "Drive a car on each student's detector and rank the class: a game without marks. It "
+        "writes league/STAGE.html under pseudonyms, and report/league_STAGE.csv, which says who is "
+        "who.",
+        "stage4_realtime",
     )
-    league.add_argument("stage", metavar="STAGE", help="such as stage4_realtime")
+    league.add_argument("stage", metavar="STAGE", help="stage, such as stage4_realtime")
     cli.add_judging_options(league)
     cli.add_executor_options(league)
-    league.set_defaults(run=run_league, workers=None)
+    league.set_defaults(workers=None)
 
 
 def run_league(options: argparse.Namespace) -> int:
@@ -37,7 +43,7 @@ def run_league(options: argparse.Namespace) -> int:
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
-            f"Nobody writes a detector in {options.stage}, and a car needs one. Name one of: "
+            f"No lesson of {options.stage} has a detector to drive on. Name one of: "
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
@@ -55,8 +61,8 @@ def run_league(options: argparse.Namespace) -> int:
                 season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
             if not season.students:
                 print(
-                    f"Nobody can drive: there is no {course.submitted}/<student>/{options.stage}/"
-                    f"{lesson.name}.ipynb. Put notebooks there, as for grade.",
+                    f"No student can drive: {course.submitted}/<student>/{options.stage}/ has no "
+                    f"{lesson.name}.ipynb. Run: python -m grader collect ARCHIVE --stage STAGE",
                     file=sys.stderr,
                 )
                 return commands.USAGE_ERROR
@@ -64,7 +70,7 @@ def run_league(options: argparse.Namespace) -> int:
     except (AlreadyRunning, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return commands.FAULT
-    print(f"League: {page}\nWho is who, which is not for the class: {names_path}")
+    print(f"League: {page}\nWho is who (do not show the class): {names_path}")
     for fault in season.faults:
         console.tell(f"Not driven: {fault}")
     return commands.FAULT if season.faults else commands.SUCCESS

@@ -118,16 +118,16 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
     )
     lessons = [lesson for lesson in all_lessons() if lesson.stage in stages]
     special_students = [
-        SampleStudent("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
+        SampleStudent("not_started", {lesson: fill_in(lesson, {}) for lesson in lessons}),
         SampleStudent(
-            "cut_off",
+            "cut_off_file",
             {lesson: fill_in(lesson, best_answers(lesson))[:20_000] for lesson in lessons},
         ),
     ]
     if hostile:
         special_students.append(
             SampleStudent(
-                "mallory",
+                "attacker",
                 {
                     lesson: fill_in(
                         lesson,

@@ -113,7 +113,7 @@ def _version(name: str) -> str | None:
 def _sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
-            remark = f"has no walls, and is only used where you say --sandbox {sandbox.name}"
+            remark = f"protects less; used only if you ask for --sandbox {sandbox.name}"
             yield Finding(f"sandbox {sandbox.name}", True, remark)
             continue
         try:
@@ -144,7 +144,7 @@ def _space(course: Course) -> Finding:
 
 def _seed(course: Course) -> Finding:
     if not course.seed_file.exists():
-        return Finding("seed", True, "not drawn yet: the first grading does")
+        return Finding("seed", True, "not created yet; the first grading creates it")
     is_readable_by_others = course.seed_file.stat().st_mode & 0o077
     return Finding(
         "seed",

@@ -10,7 +10,7 @@ import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.course.lessons import Lesson, find_lesson
+from grader.course.lessons import Lesson, find_lesson, optional_lessons
 from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
@@ -87,7 +87,7 @@ def judge_files(
 ) -> Verdict:
     """Judge a submission that has been read; see `judge`."""
     begin = time.perf_counter()
-    lesson = lesson or find_lesson(Path(submitted_files.name).stem) or _lesson_in(submitted_files)
+    lesson = lesson or _lesson_of(submitted_files)
     try:
         judge_input = prepare_to_judge(submitted_files, lesson)
     except UnreadableNotebook as error:
@@ -113,13 +113,33 @@ def judge_files(
     )
 
 
-def _lesson_in(submitted_files: SubmittedFiles) -> Lesson:
+def lesson_of_file(path: Path) -> Lesson:
+    """Return the lesson of a notebook, without running any of it.
+
+    Raises
+    ------
+    UnknownLesson
+        If the file is not a notebook, or not one of a lesson that gives points.
+    """
+    return _lesson_of(read_submitted_files(path))
+
+
+def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
     """Return the lesson that the notebook's name or metadata states."""
+    if lesson := find_lesson(Path(submitted_files.name).stem):
+        return lesson
     try:
-        lesson = find_lesson(lesson_name_in(submitted_files))
+        name = lesson_name_in(submitted_files)
+        lesson = find_lesson(name)
     except (UnreadableNotebook, ReadingFailed) as error:
         raise UnknownLesson(str(error)) from None
     if lesson is None:
+        texts = {name, Path(submitted_files.name).stem}
+        if any(optional.name in texts for optional in optional_lessons()):
+            raise UnknownLesson(
+                f"{submitted_files.name} is an optional lesson. It has no points, so there is "
+                "nothing to judge."
+            )
         raise UnknownLesson(
             f"{submitted_files.name}: cannot tell which lesson this is. Give the file the name it "
             "was released under, such as 06_filter_ground.ipynb."

@@ -191,6 +191,8 @@ def check(function: Callable, exercise: str | None = None) -> None:
     """
     from utils.checks.display import Table
 
+    if isinstance(function, str):
+        raise TypeError(f"Pass the function itself, without quotation marks: check({function})")
     written = own(function)
     function = as_python(written)
     exercise = exercise or getattr(function, "__name__", str(function))

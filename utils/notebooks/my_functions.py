@@ -100,6 +100,8 @@ def load_my_functions(
 
 def _find(wanted: Path) -> Path:
     """Find a notebook by its name in the usual folders."""
+    if wanted.suffix not in ("", ".ipynb") and wanted.is_file():
+        raise ValueError(f"{wanted} is not a notebook. Name a file that ends in .ipynb.")
     if wanted.suffix != ".ipynb":
         wanted = wanted.with_name(wanted.name + ".ipynb")
     here = Path.cwd()
@@ -120,14 +122,14 @@ def _find(wanted: Path) -> Path:
             for path in folder.glob("*.ipynb")
         }
     )
-    similar = difflib.get_close_matches(wanted.name, seen, n=1, cutoff=0.4)
+    similar = difflib.get_close_matches(wanted.name, seen, n=1, cutoff=0.7)
     advice = f" Did you mean {similar[0]}?" if similar else ""
     alone = not (_PROJECT / "notebooks").is_dir()
-    remedy = f"Upload your {wanted.name} beside this notebook" if alone else "Save it there"
+    remedy = f"Upload your {wanted.name} next to this notebook" if alone else "Save it there"
     raise FileNotFoundError(
-        f"There is no notebook {str(wanted)!r} in {here}, in the folders beside it or in the "
-        f"course's notebooks.{advice} {remedy}, or give its path. (The judge sees one "
-        "notebook only: paste what it needs into that notebook.)"
+        f"There is no notebook {str(wanted)!r} in {here}, in the folders next to it or in the "
+        f"course's notebooks.{advice} {remedy}, or give its path. The judge sees only one "
+        "notebook, so paste the functions that it needs into that notebook."
     )
 
 

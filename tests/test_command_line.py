@@ -1,0 +1,122 @@
+"""The command line: help that reads alone, and errors that say what to do."""
+
+import argparse
+
+import pytest
+
+from grader import cli, commands, console
+from grader.course.lessons import optional_lessons
+from grader.course.paths import PROJECT, Course
+
+PARSER = cli.build_parser()
+[COMMANDS] = [
+    action.choices for action in PARSER._actions if isinstance(action, argparse._SubParsersAction)
+]
+SIX = PROJECT / "notebooks" / "stage3_obstacles" / "06_filter_ground.ipynb"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_a_description_an_example_and_help_for_each_option(name):
+    command = COMMANDS[name]
+    assert command.description.rstrip().endswith(".")
+    assert max(map(len, command.description.splitlines())) < 80
+    examples = command.epilog.splitlines()[1:]
+    assert examples
+    for example in examples:
+        words = example.split("python -m grader ")[1].replace("'", "").split()
+        PARSER.parse_args(words)  # exits if an example is wrong
+    for action in command._actions:
+        assert action.help and len(action.help.split()) >= 2, action
+
+
+def test_the_term_in_the_help_can_be_parsed(capsys):
+    for call in cli.TERM:
+        PARSER.parse_args(call.split())
+    with pytest.raises(SystemExit):
+        PARSER.parse_args(["--help"])
+    text = capsys.readouterr().out
+    places = [text.index(f"\n    {name} ") for name in ("doctor", "release", "grade", "new")]
+    assert places == sorted(places)
+    assert f"python -m grader {cli.TERM[0]}" in text
+
+
+@pytest.mark.parametrize("value", ["0", "-3", "many"])
+@pytest.mark.parametrize("call", ["demo --students", "demo --workers", "grade --workers"])
+def test_numbers_must_be_at_least_1(call, value, capsys):
+    with pytest.raises(SystemExit) as ended:
+        cli.main([*call.split(), value])
+    assert ended.value.code == 2
+    assert f"{call.split()[1]}: must be at least 1, not {value}." in capsys.readouterr().err
+
+
+@pytest.fixture
+def course(tmp_path, monkeypatch):
+    """Return an empty course, which the commands use, and allow no sandbox to be asked for."""
+    course = Course(tmp_path)
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("asked for a sandbox"))
+    return course
+
+
+@pytest.mark.parametrize(
+    ("file", "says"),
+    [
+        (PROJECT / "notebooks", "is a folder; judge takes one notebook."),
+        (PROJECT / "nothing.ipynb", "There is no file"),
+        (PROJECT / "README.md", "README.md is not a notebook"),
+        (optional_lessons()[0].released, "is an optional lesson. It has no points"),
+    ],
+)
+def test_judge_looks_at_the_file_before_it_asks_for_a_sandbox(file, says, course, capsys):
+    assert cli.main(["judge", str(file)]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_an_archive_without_notebooks_is_an_error(course, capsys):
+    status = cli.main(["collect", str(PROJECT / "README.md"), "--stage", "stage3_obstacles"])
+    output = capsys.readouterr()
+    assert status == 2
+    assert "There is no notebook of stage3_obstacles in it." in output.err
+    assert "1 file\n" in output.out and "Collecting" not in output.err
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        ("similarity stage1_ransac", "collect ARCHIVE --stage STAGE"),
+        ("feedback", "There is no feedback to write yet."),
+        ("collect nothing.zip --stage stage1_ransac", "There is no file or folder nothing.zip."),
+        ("report", "Nothing has been graded yet."),
+    ],
+)
+def test_an_error_is_not_preceded_by_a_progress_bar(call, says, course, capsys):
+    assert cli.main(call.split()) == 2
+    output = capsys.readouterr()
+    assert says in output.err and "━" not in output.err
+
+
+def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, sandbox, capsys):
+    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: sandbox)
+    for command in ("grade", f"collect {SIX} --stage stage3_obstacles"):
+        (course.root / "roster.csv").write_text("idd\nx\n")
+        assert cli.main(command.split()) == 2
+        output = capsys.readouterr()
+        assert "roster.csv: its first line" in output.err and "━" not in output.err
+
+
+def test_grade_names_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):
+    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: sandbox)
+    assert cli.main(["grade"]) == 2
+    assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
+
+
+def test_a_progress_bar_appears_with_the_first_work(capsys):
+    with console.progress_bar("Judging") as advance:
+        advance(0, 0, "")
+    assert "Judging" not in capsys.readouterr().err
+    with console.progress_bar("Judging") as advance:
+        advance(1, 2, "ada")
+    assert "Judging: ada" in capsys.readouterr().err
+    with console.progress_bar("Judging") as advance:
+        advance(0, 0, "waiting for workers")
+    assert "waiting for workers" in capsys.readouterr().err
