@@ -53,7 +53,7 @@ def stored_answers():
     namespace = {}
     exec(f"{RIGHT}\n{DEFINE_FOUND}", namespace)
     recorder = lent.Recorder(["largest"], ["found"], namespace)
-    recorder.look_round()
+    recorder.wrap_stubs()
     generator = "np.random.default_rng(1)\nrng.integers(9)\n"
     exec(f"import numpy as np\nrng = {generator}some = rng.integers(9, size=3).tolist()", namespace)
     for values in ([3, 1, 2], namespace["some"]):
@@ -74,9 +74,9 @@ def run_story(monkeypatch, tmp_path, *sources):
     monkeypatch.setattr(lent, "_LENDING", set())
 
     def begin(shell):
-        from utils.tracebacks import show_no_frames_of_ours
+        from utils.tracebacks import hide_course_frames
 
-        show_no_frames_of_ours()
+        hide_course_frames()
         lent.lend_answers("99")
 
     ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]

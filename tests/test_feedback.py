@@ -97,27 +97,30 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
     folded = summarise_checks(WRONG)
     assert folded.first.name == "parts"
     assert [test.name for test in folded.others] == ["hastens"]
-    assert {fold.says: fold.count for fold in folded.folds} == {
+    assert {fold.says: fold.count for fold in folded.groups} == {
         "1 more fails for the same reason.": 1,
         "12 more cannot be tested before this is right.": 12,
         "2 more fail in the same way.": 2,
     }
-    assert folded.folds[-1].titles == ("Right elsewhere (2 times)",)
+    assert folded.groups[-1].titles == ("Right elsewhere (2 times)",)
     assert folded.in_words == "1 of 18 checks pass" and folded.started
 
 
 def test_every_check_is_counted_once():
     folded = summarise_checks(WRONG)
-    count = 1 + len(folded.others) + len(folded.passed) + sum(fold.count for fold in folded.folds)
+    count = 1 + len(folded.others) + len(folded.passed) + sum(fold.count for fold in folded.groups)
     assert count == len(WRONG.tests)
 
 
 def test_different_messages_are_not_folded_together():
     tests = (check("a", "One.\n2 rows."), check("b", "4 metres."), check("c", "5 metres."))
     folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
-    assert (folded.others, [fold.says for fold in folded.folds]) == ((), ["2 more fail: … metres."])
+    assert (folded.others, [fold.says for fold in folded.groups]) == (
+        (),
+        ["2 more fail: … metres."],
+    )
     folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
-    assert (folded.others, folded.folds) == ((tests[1],), ())
+    assert (folded.others, folded.groups) == ((tests[1],), ())
     alike = tuple(
         check(name, f"{number} of 5 rows.") for name, number in zip("bcd", "122", strict=True)
     )
@@ -126,7 +129,7 @@ def test_different_messages_are_not_folded_together():
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
         folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
-        assert [fold.says for fold in folded.folds] == [says]
+        assert [fold.says for fold in folded.groups] == [says]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from PIL import Image
 from tests.prerequisites import FFMPEG
 from utils import progress as bar
 from utils import scenes
-from utils.films.film import Sight, record, scene_of, watch
+from utils.films.film import DetectedFrame, record, scene_of, watch
 from utils.films.writers import write_film
 from utils.scene3d import Scene, opengl
 
@@ -62,9 +62,9 @@ def test_a_png_is_the_first_frame(tmp_path, frames):
 def test_bare_clouds_and_a_custom_scene_are_recorded(tmp_path, frames):
     composed = []
 
-    def compose(sight):
-        composed.append(sight.number)
-        return Scene().add_rays(sight.cloud)
+    def compose(frame):
+        composed.append(frame.number)
+        return Scene().add_rays(frame.cloud)
 
     clouds = (frame.cloud for frame in frames)
     record(clouds, tmp_path / "rays.gif", compose=compose, size=SIZE, renderer="matplotlib")
@@ -138,9 +138,9 @@ def test_true_boxes_are_named_only_without_a_detector(frames):
 
 
 def test_houses_are_not_among_the_true_boxes():
-    sight = next(watch(scenes.city_block(frames=1)))
-    assert isinstance(sight, Sight) and sight.true_boxes
-    assert {box.kind for box in sight.true_boxes} <= {"car", "truck", "cyclist", "pedestrian"}
+    frame = next(watch(scenes.city_block(frames=1)))
+    assert isinstance(frame, DetectedFrame) and frame.true_boxes
+    assert {box.kind for box in frame.true_boxes} <= {"car", "truck", "cyclist", "pedestrian"}
 
 
 def test_progress_goes_to_standard_output(tmp_path, frames, monkeypatch, capsys):

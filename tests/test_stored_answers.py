@@ -136,7 +136,7 @@ def written(cloud, level=0.0):
 def recorded(functions, calls, experiments=()):
     names = [name for name in functions if name not in experiments]
     recorder = lent.Recorder(names, list(experiments), functions)
-    recorder.look_round()
+    recorder.wrap_stubs()
     for name, arguments in calls:
         functions[name](*arguments)
     stored = json.loads(recorder.text())
@@ -147,7 +147,7 @@ def recorded(functions, calls, experiments=()):
 def test_a_stub_answers_the_calls_of_the_notebook(capsys):
     stored = recorded({"keep": written}, [("keep", (CLOUD,)), ("keep", (CLOUD, 1.0))])
     namespace = {"keep": stub}
-    lent.Lender(stored, namespace).look_round()
+    lent.Lender(stored, namespace).wrap_stubs()
     assert np.array_equal(namespace["keep"](CLOUD, 1.0), written(CLOUD, 1.0))
     assert "the course's answer; yours is not written yet" in capsys.readouterr().out
     with pytest.raises(NotImplementedError, match="stub is not written yet, and the course lends"):
@@ -158,7 +158,7 @@ def test_a_written_function_is_not_replaced():
     stored = recorded({"keep": written}, [("keep", (CLOUD,))])
     mine = types.FunctionType(written.__code__, {}, "keep")
     namespace = {"keep": mine}
-    lent.Lender(stored, namespace).look_round()
+    lent.Lender(stored, namespace).wrap_stubs()
     assert namespace["keep"] is mine
 
 
@@ -173,7 +173,7 @@ def test_a_stored_experiment_replaces_one_that_a_stub_stops(capsys):
     expected = [int((CLOUD[:, 2] >= level).sum()) for level in (0, 1, 2)]
 
     namespace = {"keep": stub, "experiment": experiment}
-    lent.Lender(stored, namespace).look_round()
+    lent.Lender(stored, namespace).wrap_stubs()
     assert namespace["experiment"](CLOUD) == expected
     said = capsys.readouterr().out
     assert "experiment: this is the course's answer; stub is not written yet." in said
@@ -187,7 +187,7 @@ def test_a_generator_continues_as_after_the_real_call():
 
     stored = recorded({"shuffled": shuffled}, [("shuffled", (np.random.default_rng(5),))])
     namespace = {"shuffled": stub}
-    lent.Lender(stored, namespace).look_round()
+    lent.Lender(stored, namespace).wrap_stubs()
     mine, other = np.random.default_rng(5), np.random.default_rng(5)
     assert np.array_equal(namespace["shuffled"](mine), shuffled(other))
     assert mine.integers(1000) == other.integers(1000)
@@ -201,7 +201,7 @@ def test_a_check_calls_the_stub_itself():
         raise NotImplementedError
 
     namespace = {"filter_ground": filter_ground}
-    lent.Lender({"exercises": {"filter_ground": {}}}, namespace).look_round()
+    lent.Lender({"exercises": {"filter_ground": {}}}, namespace).wrap_stubs()
     assert lent.own(namespace["filter_ground"]) is filter_ground
     with pytest.raises(ChecksFailed, match="filter_ground is not started"):
         check(namespace["filter_ground"])
@@ -217,8 +217,8 @@ def test_calls_of_a_check_are_not_recorded():
     namespace = {"keep": written, "check": check}
     namespace["keep_twice"] = lambda cloud, level: namespace["keep"](cloud, level)
     recorder = lent.Recorder(["keep"], [], namespace)
-    recorder.look_round()
-    recorder.look_round()
+    recorder.wrap_stubs()
+    recorder.wrap_stubs()
     with pytest.raises(AssertionError, match="did not pass"):
         namespace["check"](namespace["keep_twice"])
     assert json.loads(recorder.text())["exercises"]["keep"] == {}
@@ -242,7 +242,7 @@ def test_stubs_are_known():
     assert not lent.is_written(with_a_given_line)
     assert lent.is_written(begun)
     namespace = {"keep": stub}
-    lent.Lender({"exercises": {"keep": {}}}, namespace).look_round()
+    lent.Lender({"exercises": {"keep": {}}}, namespace).wrap_stubs()
     assert not lent.is_written(namespace["keep"])
 
 
@@ -264,8 +264,8 @@ def test_a_changed_experiment_is_recorded_again():
     lender = lent.Lender({"exercises": {"one": {}}, "experiments": {"all": {}}}, namespace)
     recorder = lent.Recorder(["one"], ["all"], namespace)
     for _ in range(2):
-        lender.look_round()
-        recorder.look_round()
+        lender.wrap_stubs()
+        recorder.wrap_stubs()
     assert namespace["all"](4) == 10
     recorded = json.loads(recorder.text())
     assert [one["answer"] for one in recorded["experiments"]["all"].values()] == [10]
@@ -274,7 +274,7 @@ def test_a_changed_experiment_is_recorded_again():
 
 def test_an_experiment_is_recorded_again_although_it_is_stored():
     namespace = {"experiment": len}
-    lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
+    lent.Lender({"experiments": {"experiment": {}}}, namespace).wrap_stubs()
     stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
     assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]
 

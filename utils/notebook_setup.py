@@ -6,7 +6,7 @@ from utils import health
 from utils.display import shell, show
 from utils.lent import lend_answers
 from utils.static_widgets import stand_in
-from utils.tracebacks import show_no_frames_of_ours
+from utils.tracebacks import hide_course_frames
 
 # Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue by half
 # a turn, so that blue stays blue. The first two selectors are for JupyterLab, the last for VS Code.
@@ -45,5 +45,5 @@ def begin(number: str) -> None:
     stand_in()
     if shell() is not None:
         show(STYLE, "")
-    show_no_frames_of_ours()
+    hide_course_frames()
     lend_answers(number)

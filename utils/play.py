@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
-from utils.films.film import SIZE, Sight, record, scene_of, watch
+from utils.films.film import SIZE, DetectedFrame, record, scene_of, watch
 from utils.films.writers import suffix_of_films
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
@@ -64,15 +64,15 @@ class Programme:
     on_highway: bool = False
     switches: tuple[tuple[str, bool], ...] = ()
 
-    def compose(self, sight: Sight) -> Scene:
+    def compose(self, frame: DetectedFrame) -> Scene:
         """Return the scene of a frame: cloud, boxes, ego car and, on the highway, road and cars."""
-        scene = scene_of(sight, self.title)
-        scene.add_rays(sight.cloud)
+        scene = scene_of(frame, self.title)
+        scene.add_rays(frame.cloud)
         if self.on_highway:
             scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
-            cars = [box.corners for box in sight.true_boxes if box.kind == "car"]
+            cars = [box.corners for box in frame.true_boxes if box.kind == "car"]
             # Blue cars would hide the blue boxes that the detector finds.
-            scene.add_cars(cars, colour=BLUE if sight.found is None else PALE)
+            scene.add_cars(cars, colour=BLUE if frame.found is None else PALE)
         else:
             scene.add_ego_car()
         return scene.switch(**dict(self.switches))
@@ -196,11 +196,11 @@ def play(
     window = Window(size, CAMERAS[camera])
     print("F1 to F4: cameras · space: halt · q: leave")
     start, halted_for = time.monotonic(), 0.0
-    for sight in watch(programme.frames, detect, tracker):
+    for frame in watch(programme.frames, detect, tracker):
         if not window.open:
             break
-        window.put(programme.compose(sight))
-        while window.open and (window.halted or time.monotonic() - start - halted_for < sight.time):
+        window.put(programme.compose(frame))
+        while window.open and (window.halted or time.monotonic() - start - halted_for < frame.time):
             halted_for += 0.02 if window.halted else 0.0
             time.sleep(0.02)
             window.refresh()

@@ -43,7 +43,7 @@ class Prediction:
             raise ValueError(f"{answer!r} is none of the choices: {', '.join(self._choices)}.")
         guess = "none yet" if self.guess is None else self._as_text(self.guess)
         rows = {"Your guess": guess, "Answer": self._as_text(answer)}
-        show(*told(self._question, rows, why))
+        show(*as_html_and_text(self._question, rows, why))
 
     def _as_text(self, value: float | str) -> str:
         if isinstance(value, str):
@@ -52,7 +52,7 @@ class Prediction:
         return f"{value:,.{self._digits}f}{space}{self._unit}".replace("-", "−")
 
 
-def told(question: str, rows: dict[str, str], why: str) -> tuple[str, str]:
+def as_html_and_text(question: str, rows: dict[str, str], why: str) -> tuple[str, str]:
     """Format a question and its answers as HTML and as text.
 
     Parameters

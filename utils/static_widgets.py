@@ -8,7 +8,7 @@ from importlib import util
 from types import ModuleType
 
 
-class Still:
+class StaticWidget:
     """A widget of any kind, which always keeps its initial value."""
 
     def __init__(self, *_: object, value: object = None, **settings: object) -> None:
@@ -16,7 +16,7 @@ class Still:
         self.__dict__.update(settings)
 
 
-def interact(**sliders: Still) -> Callable[[Callable], Callable]:
+def interact(**sliders: StaticWidget) -> Callable[[Callable], Callable]:
     """Return a decorator that calls the function once, with the initial value of each slider."""
 
     def run(function: Callable) -> Callable:
@@ -32,5 +32,5 @@ def stand_in() -> None:
         return
     module = ModuleType("ipywidgets", __doc__)
     module.interact, module.is_still = interact, True
-    module.__getattr__ = lambda name: Still
+    module.__getattr__ = lambda name: StaticWidget
     sys.modules["ipywidgets"] = module

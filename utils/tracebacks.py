@@ -16,27 +16,29 @@ from utils.display import shell
 _COURSE_FOLDER = str(Path(__file__).parent)  # not resolved, as frames may name a symbolic link
 
 
-def show_no_frames_of_ours() -> None:
+def hide_course_frames() -> None:
     """Remove the course's frames, and the frames they call, from all later tracebacks."""
     if shell() is None or hasattr(shell().showtraceback, "leaves_out"):
         return
     show = shell().showtraceback
 
     @functools.wraps(show)
-    def show_theirs(exc_tuple: tuple | None = None, *arguments: object, **options: object) -> None:
+    def show_student_frames(
+        exc_tuple: tuple | None = None, *arguments: object, **options: object
+    ) -> None:
         kind, error, trace = exc_tuple or sys.exc_info()
         for link in _chain(error):
-            link.__traceback__ = without_ours(link.__traceback__)
+            link.__traceback__ = without_course_frames(link.__traceback__)
         if error is not None:
-            trace = without_ours(trace)
+            trace = without_course_frames(trace)
         show((kind, error, trace), *arguments, **options)
         _close_empty_figures()
 
-    show_theirs.leaves_out = True
-    shell().showtraceback = show_theirs
+    show_student_frames.leaves_out = True
+    shell().showtraceback = show_student_frames
 
 
-def without_ours(trace: TracebackType | None) -> TracebackType | None:
+def without_course_frames(trace: TracebackType | None) -> TracebackType | None:
     """Return a traceback without the course's frames and the library frames that they call.
 
     Returns

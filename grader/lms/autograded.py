@@ -181,7 +181,7 @@ def score_output(exercise: ExerciseResult) -> NotebookNode:
     folded = summarise_checks(exercise)
     failures = [test for test in (folded.first, *folded.others) if test]
     rows = [_row("✗ failed", test.title, test.message) for test in failures]
-    rows += [_row("✗ failed", group.says, "; ".join(group.titles)) for group in folded.folds]
+    rows += [_row("✗ failed", group.says, "; ".join(group.titles)) for group in folded.groups]
     if exercise.slip:
         credit = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
         rows.append(_row(credit, exercise.slip.sentence, ""))

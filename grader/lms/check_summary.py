@@ -39,7 +39,7 @@ class CheckGroup:
 
 
 @dataclass(frozen=True)
-class Folded:
+class ExerciseSummary:
     """The summary of an exercise's checks.
 
     Attributes
@@ -49,7 +49,7 @@ class Folded:
         The failure to fix first, shown in full; None if every check passed.
     others : tuple of CheckResult
         Failures whose messages say something new.
-    folds : tuple of Fold
+    groups : tuple of CheckGroup
     passed : tuple of CheckResult
     started : bool
         False for an untouched stub, about which only `not_started` has a sentence.
@@ -58,7 +58,7 @@ class Folded:
     exercise: str
     first: CheckResult | None
     others: tuple[CheckResult, ...]
-    folds: tuple[CheckGroup, ...]
+    groups: tuple[CheckGroup, ...]
     passed: tuple[CheckResult, ...]
     started: bool
 
@@ -72,7 +72,7 @@ class Folded:
     def in_words(self) -> str:
         """The number of checks that passed, in words."""
         failed = (
-            (self.first is not None) + len(self.others) + sum(group.count for group in self.folds)
+            (self.first is not None) + len(self.others) + sum(group.count for group in self.groups)
         )
         most = failed + len(self.passed)
         if not most:
@@ -82,7 +82,7 @@ class Folded:
         return f"{len(self.passed) or 'none'} of {most} checks pass"
 
 
-def summarise_checks(exercise: ExerciseResult) -> Folded:
+def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
     """Summarize the checks of an exercise."""
     passed = tuple(test for test in exercise.tests if test.passed)
     failed = [test for test in exercise.tests if not test.passed]
@@ -93,7 +93,7 @@ def summarise_checks(exercise: ExerciseResult) -> Folded:
         if test is not first:
             groups.setdefault(_kind(test, first), []).append(test)
     alone = {kind for kind, group in groups.items() if len(group) == 1 and isinstance(kind, str)}
-    return Folded(
+    return ExerciseSummary(
         exercise.name,
         first,
         tuple(groups[kind][0] for kind in groups if kind in alone),

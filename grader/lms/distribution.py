@@ -48,7 +48,7 @@ class Distribution:
     seconds: float | None
 
     @property
-    def over(self) -> str:
+    def population(self) -> str:
         """Phrase that says which students mean and median include and which they leave out."""
         phrase = (
             f"of the {self.count} students with a score"

@@ -18,7 +18,7 @@ from grader.course.roster import Person
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
-from grader.lms.check_summary import Folded, summarise_checks
+from grader.lms.check_summary import ExerciseSummary, summarise_checks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.results import (
     EXCUSED,
@@ -50,7 +50,7 @@ class ExerciseFeedback:
     mark : grader.lms.cells.CellMark
     judged : grader.judging.verdict.ExerciseResult or None
         None if a person grades the exercise.
-    folded : grader.lms.check_summary.Folded or None
+    folded : grader.lms.check_summary.ExerciseSummary or None
         Summary of the checks; None if a person grades the exercise.
     answer : Text or None
         The student's written answer; None if it is blank or the exercise does not require one.
@@ -61,7 +61,7 @@ class ExerciseFeedback:
     exercise: Exercise
     mark: CellMark
     judged: ExerciseResult | None
-    folded: Folded | None
+    folded: ExerciseSummary | None
     answer: SanitisedText | None
     comment: SanitisedText | None
 

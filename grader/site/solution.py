@@ -9,7 +9,7 @@ from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
 from grader.site.widget_states import ANSWER, POSITION, QUESTION
-from utils.predictions import told
+from utils.predictions import as_html_and_text
 
 
 def as_notebook(ran: bytes) -> bytes:
@@ -34,7 +34,9 @@ def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
         positions += POSITION in data
         if ANSWER in data:
             about = data[ANSWER]
-            html, text = told(about["question"], {"Answer": about["answer"]}, about["why"])
+            html, text = as_html_and_text(
+                about["question"], {"Answer": about["answer"]}, about["why"]
+            )
             yield new_output("display_data", data={"text/html": html, "text/plain": text})
         elif positions < 2 and POSITION not in data and QUESTION not in data:
             yield output

@@ -118,7 +118,7 @@ class Motion:
         ]
 
 
-class MotionOf:
+class TrackerMotion:
     """Converts a student's tracks, relative to the moving car, into velocities over the ground.
 
     Parameters
@@ -156,10 +156,10 @@ class MotionOf:
         ]
 
 
-def motion_by(tracker: Tracker | None) -> Motion | MotionOf:
+def motion_by(tracker: Tracker | None) -> Motion | TrackerMotion:
     """Choose `MotionOf` for a tracker that knows velocities, else `Motion` with its matching."""
     if tracker and tracker.knows_velocities:
-        return MotionOf(tracker)
+        return TrackerMotion(tracker)
     return Motion(tracker and tracker.match)
 
 

@@ -73,7 +73,7 @@ class Decision:
 
 
 @dataclass(frozen=True, eq=False)
-class Streak:
+class StayingObstacle:
     """A thing that overlaps the ego car and stays in one place.
 
     Parameters
@@ -103,7 +103,7 @@ class Planner:
 
         The car does not accelerate while a thing has been in the way for fewer than three scans.
         """
-        things = self._believed(speed, list(things))
+        things = self._without_phantoms(speed, list(things))
         in_the_way = [thing.name for thing in things if plan(speed, limit, [thing]).cause]
         self._ahead = {name: self._ahead.get(name, 0) + 1 for name in in_the_way}
         sure = [thing for thing in things if self._ahead.get(thing.name, SURE) >= SURE]
@@ -112,16 +112,22 @@ class Planner:
             return decision
         return replace(decision, acceleration=min(decision.acceleration, 0.0))
 
-    def _believed(self, speed: float, things: list[Thing]) -> list[Thing]:
+    def _without_phantoms(self, speed: float, things: list[Thing]) -> list[Thing]:
         """Return all things except those over the ego car that have not stayed for a second."""
-        over = {thing: self._streak(thing) for thing in things if reach(thing, speed) > OVER}
+        over = {
+            thing: self._staying_obstacle(thing) for thing in things if reach(thing, speed) > OVER
+        }
         self._over = list(over.values())
         return [thing for thing in things if thing not in over or over[thing].scans >= STAYS]
 
-    def _streak(self, thing: Thing) -> Streak:
+    def _staying_obstacle(self, thing: Thing) -> StayingObstacle:
         middle = thing.corners[:, :2].mean(axis=0)
-        near = [streak for streak in self._over if np.abs(streak.middle - middle).max() <= STILL]
-        return Streak(middle, thing.seen + max((streak.scans for streak in near), default=0))
+        near = [
+            obstacle for obstacle in self._over if np.abs(obstacle.middle - middle).max() <= STILL
+        ]
+        return StayingObstacle(
+            middle, thing.seen + max((obstacle.scans for obstacle in near), default=0)
+        )
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:

@@ -5,7 +5,7 @@
 >>> film                    # a notebook shows the film and describes it in words
 """
 
-from utils.films.film import SIZE, Sight, record, scene_of, watch
+from utils.films.film import SIZE, DetectedFrame, record, scene_of, watch
 from utils.films.writers import WRITERS, Film
 
-__all__ = ["SIZE", "WRITERS", "Film", "Sight", "record", "scene_of", "watch"]
+__all__ = ["SIZE", "WRITERS", "Film", "DetectedFrame", "record", "scene_of", "watch"]

@@ -27,7 +27,7 @@ TRAIL = 30
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class DetectedFrame:
     """One frame with the answer of a detector.
 
     Attributes
@@ -77,7 +77,7 @@ class Sight:
 
 def watch(
     frames: Sequence, detect: Callable | None = None, tracker: Tracker | None = None
-) -> Iterator[Sight]:
+) -> Iterator[DetectedFrame]:
     """Run a detector over frames, one at a time.
 
     The detector sees the first frame once before it is timed, so that loading libraries does not
@@ -96,7 +96,7 @@ def watch(
     ------
     Exception
         Any exception of the detector in the first frame. Later failures are stored in
-        `Sight.problem`, so that one unusual scan does not end the film.
+        `DetectedFrame.problem`, so that one unusual scan does not end the film.
     """
     times = getattr(frames, "times", np.arange(len(frames)) / 10)  # 10 Hz is usual
     follower, before = _Follower(tracker) if tracker else None, None
@@ -121,7 +121,7 @@ def watch(
                     raise
                 found, problem = None, f"{type(error).__name__}: {error}"
         before = moment
-        yield Sight(
+        yield DetectedFrame(
             number, len(frames), moment, cloud, boxes, found, seconds, problem, names, trails
         )
 
@@ -146,22 +146,22 @@ class _Follower:
         return tuple(names.tolist()), tuple(map(np.array, self._trails.values()))
 
 
-def scene_of(sight: Sight, title: str = "") -> Scene:
+def scene_of(frame: DetectedFrame, title: str = "") -> Scene:
     """Build a scene with the cloud, the detected boxes and the true boxes, which are dashed.
 
     True boxes are labelled with their kind only if there are no detected boxes.
     """
-    scene = Scene(title).add_cloud(sight.cloud)
-    if sight.true_boxes:
-        corners = np.array([box.corners for box in sight.true_boxes])
-        names = None if sight.found is not None else [box.kind for box in sight.true_boxes]
+    scene = Scene(title).add_cloud(frame.cloud)
+    if frame.true_boxes:
+        corners = np.array([box.corners for box in frame.true_boxes])
+        names = None if frame.found is not None else [box.kind for box in frame.true_boxes]
         scene.add_oriented_boxes(corners, reference=True, names=names, name="true boxes")
-    if sight.found is not None:
-        names = True if sight.names is None else sight.names
-        scene.add_oriented_boxes(sight.found, names=names, name="detected boxes")
-    if sight.trails:
-        scene.add_trails(sight.trails)
-    scene.caption = sight.caption
+    if frame.found is not None:
+        names = True if frame.names is None else frame.names
+        scene.add_oriented_boxes(frame.found, names=names, name="detected boxes")
+    if frame.trails:
+        scene.add_trails(frame.trails)
+    scene.caption = frame.caption
     return scene
 
 
@@ -172,7 +172,7 @@ def record(
     *,
     tracker: Tracker | None = None,
     camera: str | Camera = "XY",
-    compose: Callable[[Sight], Scene] = scene_of,
+    compose: Callable[[DetectedFrame], Scene] = scene_of,
     size: tuple[int, int] = SIZE,
     frames_per_second: float = 10.0,
     renderer: str | None = None,
@@ -191,7 +191,7 @@ def record(
         Assigns track IDs to the boxes, and adds trails.
     camera : {"XY", "TopDown", "Side", "FPS"} or Camera
     compose : callable, optional
-        Takes a `Sight` and returns the `Scene` to film, to show more than points and boxes.
+        Takes a `DetectedFrame` and returns the `Scene` to film, to show more than points and boxes.
     size : (int, int)
         Width and height in pixels, rounded down to even numbers as films require.
     frames_per_second : float
@@ -210,24 +210,24 @@ def record(
     if not len(frames):
         raise ValueError("There are no frames to record.")
     size = tuple(int(length) // 2 * 2 for length in size)
-    sights = []
+    detected = []
 
     def images() -> Iterator[np.ndarray]:
         with camera_team(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
-            for sight, _ in zip(watch(frames, detect, tracker), bar, strict=False):
-                yield take(compose(sight))
-                sights.append(sight)
+            for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
+                yield take(compose(frame))
+                detected.append(frame)
             next(bar, None)  # shows the last step of the bar
 
     write_film(path, images(), frames_per_second)
-    found = [sight for sight in sights if sight.found is not None]
+    found = [frame for frame in detected if frame.found is not None]
     return Film(
         path,
-        len(sights),
-        tuple(sight.seconds for sight in found),
-        tuple(len(sight.found) for sight in found),
-        tuple(f"frame {sight.number}, {sight.problem}" for sight in sights if sight.problem),
+        len(detected),
+        tuple(frame.seconds for frame in found),
+        tuple(len(frame.found) for frame in found),
+        tuple(f"frame {frame.number}, {frame.problem}" for frame in detected if frame.problem),
         f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
     )
 

@@ -14,7 +14,7 @@ import json
 from pathlib import Path
 
 from utils.display import shell
-from utils.lent.events import HEARERS, hear
+from utils.lent.events import LISTENERS, hear
 from utils.lent.recorder import Recorder, record_answers
 from utils.lent.stand_ins import Lender
 from utils.lent.stubs import is_written, own
@@ -41,14 +41,14 @@ def lend_answers(number: str) -> None:
     path = _HERE / f"lesson_{number}.json"
     if shell() is None or not path.exists() or number in _LENDING:
         return
-    from utils.lent.continuation import GoingOn
+    from utils.lent.continuation import Continuation
 
     lender = Lender(json.loads(path.read_text("utf-8")), shell().user_ns)
     cells = json.loads(CELLS.read_text("utf-8")).get(number, [])
-    going_on = GoingOn(lender, shell().user_ns, cells, shell().showtraceback)
+    continuation = Continuation(lender, shell().user_ns, cells, shell().showtraceback)
     _LENDING.add(number)
-    HEARERS.append(going_on.hear)
-    shell().showtraceback = going_on.show_traceback
-    shell().events.register("pre_run_cell", going_on.before_cell)
-    shell().events.register("post_run_cell", going_on.after_cell)
-    shell().events.register("post_run_cell", lender.look_round)
+    LISTENERS.append(continuation.hear)
+    shell().showtraceback = continuation.show_traceback
+    shell().events.register("pre_run_cell", continuation.before_cell)
+    shell().events.register("post_run_cell", continuation.after_cell)
+    shell().events.register("post_run_cell", lender.wrap_stubs)

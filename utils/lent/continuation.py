@@ -52,7 +52,7 @@ class _Cell:
     failure: tuple | None = None  # arguments of the delayed call of showtraceback
 
 
-class GoingOn:
+class Continuation:
     """Reruns a cell with stored answers if it fails because of a wrong function.
 
     Parameters
@@ -92,7 +92,7 @@ class GoingOn:
             self._ran[place] = source
             self._broken.add(place)  # until it succeeds
             wrong = self._wrong_at(place)
-            self._put_aside(wrong & self._switched)
+            self._set_aside(wrong & self._switched)
             hanging = [name for name in wrong - self._switched if self._failed[name].hangs]
             if hanging and (found := self._plan(place, hanging)).functions:
                 self._substitute(found)
@@ -108,7 +108,7 @@ class GoingOn:
         succeeded = result is not None and result.success
         if cell.failure:
             with contextlib.suppress(Exception):  # a fault in the rerun must not hide the failure
-                succeeded = self._rerun_cell(cell) or self._rerun_cell(cell, spoilt=True)
+                succeeded = self._rerun_cell(cell) or self._rerun_cell(cell, include_changed=True)
             if succeeded and result is not None:
                 result.error_in_exec = None
             elif not succeeded:
@@ -142,8 +142,8 @@ class GoingOn:
         elif self._cell.place is not None and function is not None and is_written(function):
             self._failed[exercise] = _Failed(function, self._cell.place, hangs)
 
-    def _put_aside(self, names: Collection[str]) -> None:
-        self._lender.put_aside(names, set().union(*map(self._callers_of, names)))
+    def _set_aside(self, names: Collection[str]) -> None:
+        self._lender.set_aside(names, set().union(*map(self._callers_of, names)))
 
     def _callers_of(self, name: str) -> set[str]:
         """Return the written exercises that call a function of this name."""
@@ -165,20 +165,23 @@ class GoingOn:
     def _can_rerun(self, cell: _Cell) -> bool:
         if cell.place not in self._ran:
             return False
-        found = self._plan(cell.place, spoilt=True)
+        found = self._plan(cell.place, include_changed=True)
         return bool(found.functions or found.given)
 
     def _plan(
-        self, place: int, functions: Collection[str] | None = None, spoilt: bool = False
+        self, place: int, functions: Collection[str] | None = None, include_changed: bool = False
     ) -> RerunPlan:
         wrong = self._wrong_at(place) if functions is None else functions
         callers = {name: {name, *self._callers_of(name)} for name in wrong}
         cells = [self._ran.get(number, "") for number in range(place + 1)]
-        return plan(cells, callers, self._broken - {place}, spoilt)
+        return plan(cells, callers, self._broken - {place}, include_changed)
 
-    def _rerun_cell(self, cell: _Cell, spoilt: bool = False) -> bool:
+    def _rerun_cell(self, cell: _Cell, include_changed: bool = False) -> bool:
         """Run a cell again with stored answers; return whether it succeeded."""
-        found, before = self._plan(cell.place, spoilt=spoilt), dict(self._namespace)
+        found, before = (
+            self._plan(cell.place, include_changed=include_changed),
+            dict(self._namespace),
+        )
         if not (found.functions or found.given) or not self._substitute(found):
             return False
         for generator, state in cell.generators:
@@ -187,8 +190,8 @@ class GoingOn:
         _clear_output()
         self._trial = []
         try:
-            self._lender.say_aside(found.functions, first=True)
-            self._lender.say_anew(found.given)
+            self._lender.announce_replaced(found.functions, first=True)
+            self._lender.announce_recomputed(found.given)
             ran = shell().run_cell(cell.source, store_history=False).success and not self._trial
         finally:
             self._trial = None
@@ -202,13 +205,13 @@ class GoingOn:
 
     def _substitute(self, found: RerunPlan) -> bool:
         """Replace functions by stored answers, and silently rerun the statements that used them."""
-        self._put_aside(found.functions)
+        self._set_aside(found.functions)
         if not self._rerun_statements(found.statements):
             self._lender.give_back()
             return False
         self._switched |= found.functions
         self._borrowed |= dict.fromkeys(found.names, found.functions)
-        self._lender.look_round()
+        self._lender.wrap_stubs()
         return True
 
     def _rerun_statements(self, statements: Sequence[Statement]) -> bool:
@@ -255,15 +258,15 @@ class GoingOn:
             if self._rerun_statements(statements):
                 for name in made:
                     del self._borrowed[name]
-            self._lender.say_returned(exercise)
+            self._lender.announce_returned(exercise)
 
     def _announce(self, names: Collection[str]) -> None:
         """Say which of the names that a cell uses have values from stored answers."""
         for name in sorted(names & self._borrowed.keys()):
             if self._borrowed[name] <= self._lender.aside:
-                self._lender.say_aside(self._borrowed[name])
+                self._lender.announce_replaced(self._borrowed[name])
             else:
-                self._lender.say_borrowed(name, self._borrowed[name])
+                self._lender.announce_borrowed(name, self._borrowed[name])
 
 
 def _generators(namespace: dict) -> list[tuple[np.random.Generator, dict]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 # Each listener is called with the arguments of `hear`.
-HEARERS: list[Callable[[str, bool, bool], None]] = []
+LISTENERS: list[Callable[[str, bool, bool], None]] = []
 
 
 def hear(exercise: str, passed: bool, hangs: bool = False) -> None:
@@ -17,5 +17,5 @@ def hear(exercise: str, passed: bool, hangs: bool = False) -> None:
     passed, hangs : bool
         Whether every check passed, and whether the function exceeded its time limit.
     """
-    for listener in HEARERS:
+    for listener in LISTENERS:
         listener(exercise, passed, hangs)

@@ -36,7 +36,7 @@ class Recorder(Lender):
         self._depth = 0
         self._faults: list[str] = []
 
-    def look_round(self, *_: object) -> None:
+    def wrap_stubs(self, *_: object) -> None:
         """Wrap every function that a cell defined, so that its answers are recorded."""
         for functions in self._stored.values():
             for name, answers in functions.items():
@@ -104,7 +104,7 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
     recorder = Recorder(exercises, experiments, shell().user_ns)
 
     def after_cell(*_: object) -> None:
-        recorder.look_round()
+        recorder.wrap_stubs()
         Path(path).write_text(recorder.text(), "utf-8")
 
     shell().events.register("post_run_cell", after_cell)

@@ -25,7 +25,7 @@ class RerunPlan:
     functions : frozenset of str
         The functions in question on which the cell depends, directly or indirectly.
     given : frozenset of str
-        Other functions in question that received a value the cell needs, and may have spoilt it.
+        Other functions in question that received a value the cell needs, and may have changed it.
     statements : tuple of Statement
         The statements to rerun before the cell, in this order.
     names : frozenset of str
@@ -66,7 +66,7 @@ def plan(
     cells: Sequence[str],
     callers: Mapping[str, Collection[str]],
     broken: Collection[int],
-    spoilt: bool = False,
+    include_changed: bool = False,
 ) -> RerunPlan:
     """Plan the rerun for the last of some cells.
 
@@ -78,13 +78,15 @@ def plan(
         For each function in question, its own name and the names of the functions that call it.
     broken : collection of int
         Positions of cells that failed; their statements count as not run.
-    spoilt : bool
+    include_changed : bool
         Whether to recompute the arguments of these functions, which may have written into them.
     """
     statements = slicing.parse_notebook(cells)[0]
     callables = {name for names in callers.values() for name in names}
     depends = _depending(statements, callables)
-    given = {name: set(_given(statements, names)) for name, names in callers.items() if spoilt}
+    given = {
+        name: set(_given(statements, names)) for name, names in callers.items() if include_changed
+    }
     renewed = set().union(*given.values())
     stale = _depending(statements, callables | renewed)
     modules = {

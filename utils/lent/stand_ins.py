@@ -12,7 +12,7 @@ from utils.lent.encoding import decode, key_of, set_rng_states
 from utils.lent.stubs import is_written, own, stub_of
 
 
-class NotLent(NotImplementedError):
+class AnswerUnavailable(NotImplementedError):
     """No answer is stored for a call; a notebook shows only one line of this error.
 
     Attributes
@@ -60,7 +60,7 @@ class Lender:
         function = self._mine.get(name, self._namespace.get(name))
         return own(function) if callable(function) else None
 
-    def put_aside(self, names: Collection[str], callers: Collection[str]) -> None:
+    def set_aside(self, names: Collection[str], callers: Collection[str]) -> None:
         """Treat functions as stubs until `give_back`; their callers also use stored answers."""
         names = self.aside | {name for name in names if self._answers(name) is not None}
         for name in names - self.aside:
@@ -80,7 +80,7 @@ class Lender:
     def _answers(self, name: str) -> dict | None:
         return next((kind[name] for kind in self._stored.values() if name in kind), None)
 
-    def look_round(self, *_: object) -> None:
+    def wrap_stubs(self, *_: object) -> None:
         """Wrap every stub that a cell defined, so that it returns stored answers."""
         self._said.clear()
         for kind, functions in self._stored.items():
@@ -101,9 +101,9 @@ class Lender:
             except NotImplementedError as error:
                 missing = _missing(error) or name
                 if key not in answers:
-                    raise NotLent(missing, self._why(missing)) from None
+                    raise AnswerUnavailable(missing, self._why(missing)) from None
             if missing in self.aside:
-                self.say_aside([missing])
+                self.announce_replaced([missing])
             else:
                 self._say(name, "" if missing == function.__name__ else missing)
             stored = answers[key]
@@ -121,12 +121,12 @@ class Lender:
         why = f"{missing or 'yours'} is not written yet."
         self._show_once(name, f"`{name}`: this is **the course's answer**; {why}")
 
-    def say_aside(self, names: Collection[str], first: bool = False) -> None:
+    def announce_replaced(self, names: Collection[str], first: bool = False) -> None:
         """Say that stored answers replace functions in this cell, and how to get them back."""
         back = " Yours is back when it passes, or when you run its own cell again." if first else ""
         self._show_reason(names, f"this cell goes on with **the course's answer**.{back}")
 
-    def say_anew(self, names: Collection[str]) -> None:
+    def announce_recomputed(self, names: Collection[str]) -> None:
         """Say that the arguments of functions were recomputed, as the functions may change them."""
         self._show_reason(names, "this cell goes on with what it was given, made anew.")
 
@@ -138,7 +138,7 @@ class Lender:
             self._show_once(names[0], f"{listed} {have} not passed {its}: {consequence}")
             self._said.update(names)
 
-    def say_borrowed(self, name: str, functions: Collection[str]) -> None:
+    def announce_borrowed(self, name: str, functions: Collection[str]) -> None:
         """Say that the value of a name was computed from stored answers."""
         listed = " and ".join(f"`{function}`" for function in sorted(functions))
         self._show_once(
@@ -147,7 +147,7 @@ class Lender:
             "it again, and it is made with yours.",
         )
 
-    def say_returned(self, name: str) -> None:
+    def announce_returned(self, name: str) -> None:
         """Say that cells use the student's own function again."""
         self._show_once(name, f"`{name}` has passed: from here on, the cells have **yours** again.")
 
@@ -164,7 +164,7 @@ class Lender:
 
 def _missing(error: NotImplementedError) -> str:
     """Return the name of the stub that stopped an experiment; empty if it is unknown."""
-    if isinstance(error, NotLent):
+    if isinstance(error, AnswerUnavailable):
         return error.missing
     return _cause(error) or str(error).partition(" is not written yet")[0]
 

@@ -34,7 +34,7 @@ class ReplayStep:
 
 
 @dataclass(frozen=True)
-class Wrong:
+class Fault:
     """A step that is certainly wrong.
 
     Attributes
@@ -64,13 +64,13 @@ class Replay:
     """
 
     steps: Sequence[ReplayStep] = ()
-    wrong: Wrong | None = None
+    wrong: Fault | None = None
     remark: str = ""
 
 
-def first_of(wrongs: Sequence[Wrong]) -> Wrong | None:
+def first_of(faults: Sequence[Fault]) -> Fault | None:
     """Return the earliest mistake of a run; if several share a step, the first in the list."""
-    return min(wrongs, key=lambda wrong: wrong.step, default=None)
+    return min(faults, key=lambda wrong: wrong.step, default=None)
 
 
 def play(run: Replay) -> None:

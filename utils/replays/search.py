@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.replays.player import Replay, ReplayStep, Wrong, first_of
+from utils.replays.player import Fault, Replay, ReplayStep, first_of
 from utils.visits import nodes_of, told
 
 if TYPE_CHECKING:
@@ -103,14 +103,14 @@ def _misplaced(root: Node | None) -> Iterator[str]:
 
 def _first_mistake(
     root: Node, target: ArrayLike, tolerance: float, visited: list[int], found: list[int]
-) -> Wrong | None:
+) -> Fault | None:
     """Return the first step that is wrong.
 
     Step 0 is before the search, and each later step visits one node.
     """
     step_of = {index: step for step, index in enumerate(visited, start=1)}
     above = {id(node): (parent, side) for node, parent, side, _ in _nodes_with_parents(root)}
-    wrongs = []
+    faults = []
     for node, parent, side, depth in _nodes_with_parents(root):
         index, away = node.index, math.dist(node.point, target)
         is_near, times = away <= tolerance, found.count(index)
@@ -120,12 +120,12 @@ def _first_mistake(
                 parent, side = above[id(parent)]
             where = "anywhere" if parent is None else f"to the {side} of node {parent.index}"
             step = 0 if parent is None else step_of[parent.index]
-            wrongs.append(Wrong(step, f"The search never goes on {where}, where {far}."))
+            faults.append(Fault(step, f"The search never goes on {where}, where {far}."))
         elif is_near != bool(times) and index in step_of:
             has = "has it" if times else "has not got it"
-            wrongs.append(Wrong(step_of[index], f"{far.capitalize()}. Your answer {has}."))
+            faults.append(Fault(step_of[index], f"{far.capitalize()}. Your answer {has}."))
         elif times > 1:
-            wrongs.append(Wrong(step_of[index], f"Node {index} is in your answer {times} times."))
+            faults.append(Fault(step_of[index], f"Node {index} is in your answer {times} times."))
         elif index in step_of and parent is not None and _visits_child(node, step_of):
             axis = (depth - 1) % len(target)
             low, high, cut = target[axis] - tolerance, target[axis] + tolerance, parent.point[axis]
@@ -134,8 +134,8 @@ def _first_mistake(
                 why += (
                     f"{parent.index} cuts at {cut:g}: nothing to its {side} can be near, and the "
                 )
-                wrongs.append(Wrong(step_of[index], f"{why}search goes on there."))
-    return first_of(wrongs)
+                faults.append(Fault(step_of[index], f"{why}search goes on there."))
+    return first_of(faults)
 
 
 def _visits_child(node: Node, step_of: dict[int, int]) -> bool:

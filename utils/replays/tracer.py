@@ -19,7 +19,7 @@ SECONDS = 3  # processor time, so that a busy machine gives the same result
 PATIENCE = 5  # the limit of wall-clock time is this many times SECONDS
 
 
-class Enough(BaseException):
+class RecordingComplete(BaseException):
     """Ends the function. It is not an `Exception`, because student code may catch those."""
 
 
@@ -60,7 +60,7 @@ def record(
         Arguments, which are passed on without copying.
     see : callable
         Takes a frame of the notebook, an event and its value, like the argument of `sys.settrace`.
-        It raises `Enough` to end the run; any other exception ends only the recording.
+        It raises `RecordingComplete` to end the run; any other exception ends only the recording.
     """
     home, due = getattr(function, "__globals__", None), time.process_time() + SECONDS
 
@@ -68,7 +68,7 @@ def record(
         if frame.f_globals is not home:
             return None
         if time.process_time() > due:
-            raise Enough
+            raise RecordingComplete
         try:
             see(frame, event, value)
         except Exception:  # an error of the observer must not affect the student's function
@@ -78,7 +78,7 @@ def record(
 
     before = sys.gettrace()
     try:
-        # `limited` also ends code outside the notebook, and code that catches `Enough`.
+        # `limited` also ends code outside the notebook, and code that catches `RecordingComplete`.
         with limited(PATIENCE * SECONDS):
             before = sys.gettrace()
             try:
@@ -86,7 +86,7 @@ def record(
                 return Ending(function(*arguments))
             finally:
                 sys.settrace(before)
-    except (Enough, TimeUp):
+    except (RecordingComplete, TimeUp):
         return Ending(stopped=True)
     except Exception as error:
         return Ending(error=error)

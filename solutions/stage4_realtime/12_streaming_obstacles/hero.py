@@ -5,7 +5,7 @@ Run this to record the film again, as `make pictures` does.
 
 from grader.course.lessons import find_lesson, load_reference
 from utils import scenes
-from utils.films import Film, Sight
+from utils.films import DetectedFrame, Film
 from utils.films.film import record
 from utils.scene3d import Scene
 
@@ -25,12 +25,12 @@ def film() -> Film:
     )
 
 
-def compose(sight: Sight) -> Scene:
+def compose(frame: DetectedFrame) -> Scene:
     """Show only the cloud and the boxes, without timing, so that the file is reproducible."""
     return (
         Scene()
-        .add_cloud(sight.cloud)
-        .add_oriented_boxes(sight.found, name="obstacles found")
+        .add_cloud(frame.cloud)
+        .add_oriented_boxes(frame.found, name="obstacles found")
         .add_ego_car()
     )
 

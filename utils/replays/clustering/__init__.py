@@ -16,7 +16,7 @@ from utils.replays.clustering.observer import (
 )
 from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
 from utils.replays.endings import how_it_ended
-from utils.replays.player import Replay, ReplayStep, Wrong
+from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.tracer import Ending, record
 
 MOST_STEPS = 200
@@ -44,7 +44,7 @@ def run_of(euclidean_clustering: Callable) -> Replay:
 
 
 def _remark(
-    ending: Ending, answer: list | None, frames: list[ReplayFrame], wrong: Wrong | None
+    ending: Ending, answer: list | None, frames: list[ReplayFrame], wrong: Fault | None
 ) -> str:
     about = f"Twelve points, threshold {THRESHOLD} m."
     if ending.stopped:

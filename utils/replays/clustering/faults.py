@@ -9,26 +9,26 @@ import numpy as np
 from utils.replays.clustering.frames import ReplayFrame, named, written
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
 from utils.replays.endings import how_it_ended
-from utils.replays.player import Wrong, first_of
+from utils.replays.player import Fault, first_of
 from utils.replays.tracer import Ending
 
 
 def first_wrong(
     function: Callable, frames: list[ReplayFrame], answer: list | None, ending: Ending
-) -> Wrong | None:
+) -> Fault | None:
     """Return the first step that is certainly wrong because its mistake is in the answer."""
     last = len(frames) - 1
     if ending.stopped:
         return _visited_twice(frames)
     if ending.error:
-        return Wrong(last, how_it_ended(ending, function))
+        return Fault(last, how_it_ended(ending, function))
     if answer is None:
-        return Wrong(last, f"{how_it_ended(ending, function)} One label for each point was wanted.")
-    wrongs = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
-    return first_of([wrong for wrong in wrongs if wrong])
+        return Fault(last, f"{how_it_ended(ending, function)} One label for each point was wanted.")
+    faults = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
+    return first_of([wrong for wrong in faults if wrong])
 
 
-def _merged(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _merged(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find points that have the same label but are not joined by a chain of neighbours."""
     for position, frame in enumerate(frames):
         for row in frame.joined:
@@ -42,7 +42,7 @@ def _merged(frames: list[ReplayFrame], answer: list) -> Wrong | None:
             ]
             if others:
                 other = min(others, key=lambda other: GAPS[row, other])
-                return Wrong(
+                return Fault(
                     position,
                     f"Points {row} and {other} have the same label now, and in your answer. They "
                     f"are {GAPS[row, other]:.2f} m apart, and no chain of steps below "
@@ -51,7 +51,7 @@ def _merged(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     return None
 
 
-def _split(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find neighbours with different labels in the answer, or points without a label."""
     pairs = [
         (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
@@ -63,25 +63,25 @@ def _split(frames: list[ReplayFrame], answer: list) -> Wrong | None:
             parted = frame.labels[row] != frame.labels[other]
             if frame.asked == row and parted and frame.has_label(row):
                 does = "has another label" if frame.has_label(other) else "does not join"
-                return Wrong(position, f"{near}, and {does}. {apart}")
+                return Fault(position, f"{near}, and {does}. {apart}")
             both = frame.has_label(row) and frame.has_label(other) and row in frame.joined
             if both and parted:
                 gets = f"Point {row} gets label {written(frame.labels[row])}"
                 has = f"point {other} has {written(frame.labels[other])}"
-                return Wrong(position, f"{gets}, and {has}. {near}. {apart}")
+                return Fault(position, f"{gets}, and {has}. {near}. {apart}")
     without = [row for row in ROWS if not frames[-1].has_label(row)]
     if without and answer == list(frames[-1].labels):
-        return Wrong(len(frames) - 1, f"The function ends here. {named(without)} got no label.")
+        return Fault(len(frames) - 1, f"The function ends here. {named(without)} got no label.")
     return None
 
 
-def _misnumbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
+def _misnumbered(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find a label outside 1 to the number of clusters."""
     count = len(set(answer))
     for position, frame in enumerate(frames):
         for row in frame.joined:
             if frame.has_label(row) and answer[row] not in range(1, count + 1):
-                return Wrong(
+                return Fault(
                     position,
                     f"In your answer point {row} has label {written(answer[row])}. It has "
                     f"{count} different labels, so they go from 1 to {count}.",
@@ -89,12 +89,12 @@ def _misnumbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     return None
 
 
-def _visited_twice(frames: list[ReplayFrame]) -> Wrong | None:
+def _visited_twice(frames: list[ReplayFrame]) -> Fault | None:
     """Find the first point that an endless run visits a second time."""
     seen = set()
     for position, frame in enumerate(frames):
         if frame.asked in seen:
-            return Wrong(
+            return Fault(
                 position,
                 f"Point {frame.asked} is asked for the second time. The run was stopped before its "
                 "end.",

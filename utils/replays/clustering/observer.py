@@ -14,7 +14,7 @@ from types import FrameType
 import numpy as np
 
 from utils.replays.clustering.points import POINTS, ROWS
-from utils.replays.tracer import Enough, values_in
+from utils.replays.tracer import RecordingComplete, values_in
 
 MOST_MOMENTS, MOST_WAITING = 5_000, 300
 
@@ -53,7 +53,7 @@ class LabelObserver:
             if (state := _as_rows(value)) is not None:
                 self._note(self.queues, "queue", name, value, state)
         if self._moments > MOST_MOMENTS:
-            raise Enough
+            raise RecordingComplete
 
     def _note(
         self, tracks: list[VariableTrack], kind: str, name: Hashable, value: object, state: tuple

@@ -8,7 +8,7 @@ import numpy as np
 
 from utils.lent import own
 from utils.replays.endings import how_it_ended
-from utils.replays.player import Replay, ReplayStep, Wrong
+from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.ransac.faults import ModelAndMask, Rounds
 from utils.replays.ransac.observer import Round, SampleObserver
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS, Task
@@ -49,7 +49,7 @@ def run_of(task: Task, search: Callable) -> Replay:
     if answer:
         steps.append(_last_step(outcome))
     elif not wrong and not ending.stopped:
-        wrong = Wrong(len(steps) - 1, how_it_ended(ending, search) + _expected(task, ending))
+        wrong = Fault(len(steps) - 1, how_it_ended(ending, search) + _expected(task, ending))
     return Replay(steps, wrong, _remark(task, ending, rounds, observer.was_called))
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from utils.replays.player import Wrong, first_of
+from utils.replays.player import Fault, first_of
 from utils.replays.ransac.observer import Round, as_mask, as_model, gaps_from
 from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
@@ -89,7 +89,7 @@ class Rounds:
         return next((name for name, mask in self.winner.masks.items() if mask == wanted), None)
 
     @property
-    def wrong(self) -> Wrong | None:
+    def wrong(self) -> Fault | None:
         """The first round with a mistake, or None."""
         found = [_own_mistake(round_) for round_ in self.rounds]
         if self.answer is not None:
@@ -107,24 +107,24 @@ class Rounds:
         best = max(self.rounds, key=lambda round_: round_.count, default=None)
         return best if best and best.count else None
 
-    def _without_a_model(self) -> Wrong | None:
+    def _without_a_model(self) -> Fault | None:
         if self._best is None or self.answer.model is not None:
             return None
         why = f"{_count_in_words(self._best)}, but your answer has no {self.task.model}."
-        return Wrong(self._best.number - 1, why)
+        return Fault(self._best.number - 1, why)
 
-    def _mask(self) -> Wrong | None:
+    def _mask(self) -> Fault | None:
         if self.answer.fits:
             return None
         task, mask = self.task, tuple(self.answer.mask.tolist())
         both = f"{sum(mask)} points, and {self.answer.expected.sum()} are"
         if self.winner is None:
             place = f"within {task.tolerance} m of the {task.model} that you return"
-            return Wrong(self._last, f"Your mask has {both} {place}: they are not the same.")
+            return Fault(self._last, f"Your mask has {both} {place}: they are not the same.")
         for round_ in self.rounds:  # earlier masks in the variable of the returned mask
             held = round_.masks.get(self.name_of_mask)
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
-                return Wrong(
+                return Fault(
                     round_.number - 1,
                     f"Your mask has {sum(held)} points in this round, and {round_.count} are "
                     f"within {task.tolerance} m of the {task.model}: they are not the same.",
@@ -134,22 +134,22 @@ class Rounds:
         for round_ in self.rounds:
             if round_.near is not None and tuple(round_.near.tolist()) == mask:
                 step = max(round_.number, self.winner.number) - 1
-                return Wrong(step, f"{why}: it is that of round {round_.number}.")
-        return Wrong(self.winner.number - 1, f"{why}.")
+                return Fault(step, f"{why}: it is that of round {round_.number}.")
+        return Fault(self.winner.number - 1, f"{why}.")
 
-    def _length(self) -> Wrong | None:
+    def _length(self) -> Fault | None:
         length = 1 if self.answer.model is None else np.linalg.norm(self.answer.model[:-1])
         if abs(length - 1) < HAIR:
             return None
-        return Wrong(self._last, f"The normal of your {self.task.model} has length {length:.2f}.")
+        return Fault(self._last, f"The normal of your {self.task.model} has length {length:.2f}.")
 
-    def _not_the_best(self) -> Wrong | None:
+    def _not_the_best(self) -> Fault | None:
         best, winner = self._best, self.winner
         if not best or not winner or winner.count == best.count or self._was_closest():
             return None
         then = f"your answer is the {self.task.model} of round {winner.number}, with {winner.count}"
         step = max(best.number, winner.number) - 1
-        return Wrong(step, f"{_count_in_words(best)}, more than any other; but {then}.")
+        return Fault(step, f"{_count_in_words(best)}, more than any other; but {then}.")
 
     def _was_closest(self) -> bool:
         """Return whether the winner has the lowest cost of MSAC, a method that the lesson names."""
@@ -162,39 +162,39 @@ class Rounds:
         }
         return self.winner.number == min(costs, key=costs.get)
 
-    def _extra_sample(self) -> Wrong | None:
+    def _extra_sample(self) -> Fault | None:
         samples = set()
         for round_ in self.rounds:
             if round_.rows is not None:
                 samples.add(frozenset(round_.rows))
             if len(samples) > ROUNDS:
-                return Wrong(
+                return Fault(
                     round_.number - 1,
                     f"This is one sample more than the {ROUNDS} that were asked for.",
                 )
         return None
 
 
-def _own_mistake(round_: Round) -> Wrong | None:
+def _own_mistake(round_: Round) -> Fault | None:
     """Return the mistake in a round's own sample or model, if any."""
     task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:
         twice = next(row for row in rows if rows.count(row) > 1)
-        return Wrong(step, f"Point {twice} was drawn twice: that sample makes no {task.model}.")
+        return Fault(step, f"Point {twice} was drawn twice: that sample makes no {task.model}.")
     if rows is None or round_.raised:
         return None
     if round_.model is None:
-        return Wrong(step, f"{task.through} gave no {task.model} for these points, which make one.")
+        return Fault(step, f"{task.through} gave no {task.model} for these points, which make one.")
     gaps = gaps_from(round_.sample, round_.model)
     if gaps.max() > HAIR:
-        return Wrong(
+        return Fault(
             step,
             f"The {task.model} does not run through its sample: point {rows[gaps.argmax()]} is "
             f"{gaps.max():.2f} m away from it. Look at {task.through}.",
         )
     length = np.linalg.norm(round_.model[:-1])
     if abs(length - 1) > HAIR:
-        return Wrong(
+        return Fault(
             step,
             f"The normal of this {task.model} has length {length:.2f}. Look at {task.through}.",
         )

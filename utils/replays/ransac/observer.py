@@ -15,7 +15,7 @@ from types import CodeType, FrameType
 import numpy as np
 
 from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
-from utils.replays.tracer import Enough, values_in
+from utils.replays.tracer import RecordingComplete, values_in
 
 MOST_ROUNDS = 3 * ROUNDS
 
@@ -91,7 +91,7 @@ class SampleObserver:
 
     def _begin(self, rounds: list[Round], sample: np.ndarray | None) -> None:
         if len(rounds) == MOST_ROUNDS:
-            raise Enough
+            raise RecordingComplete
         rounds.append(Round(self._task, len(rounds) + 1, sample))
 
     def _see_model(self, event: str, frame: FrameType, value: object) -> None:
