@@ -64,7 +64,8 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     try:
         yield advance
     finally:
-        progress.stop()
+        if progress.live.is_started:
+            progress.stop()
 
 
 def plain(text: object) -> str:

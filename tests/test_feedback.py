@@ -446,7 +446,7 @@ def test_students_are_found_by_name_and_missing_ones_are_reported(
     capsys.readouterr()
     options = ("--student", "cy", "--student", "noshow")
     assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 1
-    assert "There is nothing to hand back to noshow." in capsys.readouterr().err
+    assert "There is no feedback for noshow." in capsys.readouterr().err
     options = ("--student", "ada", "--student", "adda")
     assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path / "none")) == 2
     error = capsys.readouterr().err
@@ -478,7 +478,7 @@ def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, mo
 
 def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
     assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
-    assert "There is nothing to hand back" in capsys.readouterr().err
+    assert "There is no feedback to write yet" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
