@@ -150,7 +150,7 @@ def test_a_notebook_is_found_in_any_folder_of_the_submission(root, unjudged):
     assert unjudged == [(below.name, SIX.name, "", SEED, "")]
     assert [lesson.lesson.name[:2] for lesson in found.lessons if lesson.verdict] == ["06"]
     assert [lesson.lesson.name[:2] for lesson in found.lessons] == ["06", "07", "08", "09"]
-    assert "was taken for 06_filter_ground.ipynb" in str(found.lessons[0].notes)
+    assert "was recognised as 06_filter_ground.ipynb" in str(found.lessons[0].notes)
 
 
 def test_each_file_that_is_not_judged_is_named(root, unjudged):
@@ -159,9 +159,9 @@ def test_each_file_that_is_not_judged_is_named(root, unjudged):
         (folder / name).write_text("{}")
     os.mkfifo(folder / "pipe.ipynb")
     assert judged(root).left == (
-        "02_ransac_line.ipynb is lesson 02_ransac_line, which is not asked for here.",
-        "07_filter_by_distance.py is no notebook. Hand in 07_filter_by_distance.ipynb, as Jupyter "
-        "saves it.",
+        "02_ransac_line.ipynb is lesson 02_ransac_line, which is not part of this assignment.",
+        "07_filter_by_distance.py is not a notebook. Submit 07_filter_by_distance.ipynb, as "
+        "Jupyter saves it.",
         "Untitled.ipynb: cannot tell which lesson this is. Give the file the name it was released "
         "under, such as 06_filter_ground.ipynb.",
     )
@@ -223,7 +223,7 @@ def test_a_fault_of_the_grader_leaves_no_results(root, open_walls, monkeypatch, 
         assert program.main(root) == 1
         assert not path.exists()
         said = capsys.readouterr().out
-        assert said.count("nobody has a mark by it") == 1
+        assert said.count("no student gets a mark from this run") == 1
         assert ("an oracle broke" in said) != ("no memory left" in said)
 
 
@@ -276,7 +276,7 @@ def test_a_folder_that_cannot_be_restricted_is_refused(root, tmp_path):
 
 def test_an_ordinary_user_is_refused(root, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    with pytest.raises(isolation.IsolationFailed, match="must be run by root"):
+    with pytest.raises(isolation.IsolationFailed, match="Root must run this autograder"):
         isolation.restrict_access(root)
 
 

@@ -325,7 +325,7 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
     wait_for_workers(address, count + 1)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
     assert is_complete(course, local)
-    assert len(re.findall("judges nothing", capfd.readouterr().err)) == count
+    assert len(re.findall("gets no notebooks", capfd.readouterr().err)) == count
 
 
 @pytest.mark.slow
@@ -337,9 +337,7 @@ def test_the_scheduler_is_lost_and_nothing_is_judged_twice(
     after_first_verdict(process.kill)
     assert grade_on(address, course, sandbox) == commands.FAULT
     errors = capfd.readouterr().err
-    assert (
-        f"The scheduler {address} does not answer any more. What has been judged is kept" in errors
-    )
+    assert f"The scheduler {address} does not answer any more. Verdicts are kept" in errors
     assert "Traceback" not in errors
     kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
     assert 1 <= len(verdicts_of(course)) < 5
@@ -396,7 +394,7 @@ def test_a_scheduler_that_does_not_answer_is_a_fault(course, sandbox, monkeypatc
         assert grade_on(address, course, sandbox) == commands.FAULT
         assert f"No scheduler answers at {address}" in capsys.readouterr().err
     assert grade_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
-    assert "names none" in capsys.readouterr().err
+    assert "has none" in capsys.readouterr().err
     with course_lock(course):  # the lock is free
         pass
 
@@ -425,7 +423,7 @@ def test_nobody_works(sandbox, monkeypatch, tmp_path):
 def test_workers_and_a_scheduler_exclude_each_other(capsys):
     words = ["grade", "--workers", "2", "--scheduler", "tcp://127.0.0.1:8786"]
     assert cli.main(words) == commands.USAGE_ERROR
-    assert "Name one of the two" in capsys.readouterr().err
+    assert "Use one of the two" in capsys.readouterr().err
 
 
 def test_the_packed_course_has_only_files_that_judging_reads():

@@ -323,7 +323,7 @@ def test_a_table_of_late_students_is_enough_if_the_platform_marks_them(course):
 def test_the_error_about_a_table_without_times_lists_its_columns(course):
     table = course.root / "times.csv"
     table.write_text("id,Abgabezeit\nada,2026-10-14 14:14\n")
-    with pytest.raises(CollectError, match="They are: id, Abgabezeit"):
+    with pytest.raises(CollectError, match="The columns are: id, Abgabezeit"):
         collect(course, course.root, times=table)
 
 
@@ -506,7 +506,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
     ]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
-    assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
+    assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is not a notebook: ask for {SEVEN}.ipynb"
 
 
 def test_a_resubmitted_module_gets_its_original_name(course):
@@ -525,7 +525,7 @@ def test_modules_of_another_lesson_are_not_collected(course):
     files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada")["helper.py"] == SIX.encode()
-    assert "beside another notebook" in questions(outcome)[f"ada/{SEVEN}/helper.py"]
+    assert "next to another notebook" in questions(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
 def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
@@ -550,7 +550,7 @@ def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(co
 
 def test_a_student_with_only_a_picture_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
-    assert questions(outcome) == {"ada": "handed in no notebook: photo.png"}
+    assert questions(outcome) == {"ada": "contains no notebook: photo.png"}
 
 
 def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
@@ -690,7 +690,7 @@ def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
     outcome = collect(course, second)
     assert "timestamp.txt" not in placed(course, "ada"), "it is the time of older work"
-    assert outcome.undecided["ada"] == "it was handed in again, and no time is known"
+    assert outcome.undecided["ada"] == "it was submitted again, and the time is unknown"
     assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
     collect(course, second, times=table)
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
@@ -713,7 +713,7 @@ def test_the_owner_is_asked_for_once_in_a_stage(course):
     outcome = collect(course, archive(course, team, "second.zip", when=TUESDAY))
     assert states(outcome) == {"ada": {"06": "newer"}, "cy": {"06": "newer"}}
     assert outcome.questions == []
-    assert remark_texts(outcome)["Team Rot_77"].startswith("taken for that of ada, cy")
+    assert remark_texts(outcome)["Team Rot_77"].startswith("assigned to ada, cy")
     outcome = collect(course, first, stages=("stage1_ransac",))
     assert "Team Rot_77" in questions(outcome), "members of a team change from stage to stage"
 
@@ -757,7 +757,7 @@ def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
 def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
-    assert "of nobody on the course, -" in questions(collect(course, path))["eve"]
+    assert "To ignore these files, write -" in questions(collect(course, path))["eve"]
     for who in ({"eve": "-"}, {}):
         outcome = collect(course, path, who=who)
         assert outcome.questions == []
@@ -888,10 +888,10 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     ]
     outcome = collect(course, archive(course, files))
     texts = questions(outcome)
-    assert "as bombs do" in texts[f"ada/{SIX}.ipynb"]
-    assert "as bombs do" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
-    assert "holds 5,001 files" in texts["ada/many.zip"]
-    assert "zips deep" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
+    assert "like a zip bomb" in texts[f"ada/{SIX}.ipynb"]
+    assert "like a zip bomb" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
+    assert "contains 5,001 files" in texts["ada/many.zip"]
+    assert "zips and is not opened" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
     assert "cannot be opened as a zip" in texts["ada/broken.zip"]
     assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "the class goes on"
 
@@ -949,9 +949,9 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
     ("words", "says"),
     [
         (["none.zip"], "There is no file or folder"),
-        (["damaged.zip"], "is no whole zip"),
-        (["empty"], "There is nothing in"),
-        ([".", "--who", "x=nobody"], "nobody on the roster has the id nobody"),
+        (["damaged.zip"], "is not a complete zip"),
+        (["empty"], " is empty."),
+        ([".", "--who", "x=nobody"], "no student on the roster has the id nobody"),
         ([".", "--who", "x=Ada Lovelace"], "Write ada"),
         ([".", "--lesson", "x=99"], "there is no lesson 99"),
         ([".", "--timestamps", "none.csv"], "cannot be read"),
@@ -975,7 +975,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
 
 def test_an_answer_cannot_lead_to_another_folder(anonymous_course):
     path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
-    with pytest.raises(CollectError, match="no folder can be called ../../x"):
+    with pytest.raises(CollectError, match="no folder can have the name ../../x"):
         collect(anonymous_course, path, who={"ada": "../../x"})
 
 
@@ -1055,7 +1055,7 @@ def test_an_ambiguous_row_is_not_used(course):
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
-    reason = "the table of times has no line about them, or more than one"
+    reason = "the table of times has no row for this student, or several"
     assert outcome.undecided == {"yan": reason}
 
 
@@ -1177,7 +1177,7 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
-    assert "with what they handed in beside it is more than" in texts["ada/1.zip"]
+    assert "together with the student's other files is more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]

@@ -74,7 +74,7 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
     collect(course, lesson(course, EIGHT))
     assert time_of(course) is None
     outcome = collect(course, lesson(course, SIX), times=table(course, LATE))
-    assert time_of(course) == outcome.undecided["ada"] == f"no time is known of {EIGHT}.ipynb"
+    assert time_of(course) == outcome.undecided["ada"] == f"the time of {EIGHT}.ipynb is unknown"
     collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
     assert time_of(course) == utc(LATE)
 
@@ -105,7 +105,7 @@ def test_an_unreadable_time_stays_undecided(course):
     collect(course, lesson(course, SIX), times=table(course, EARLY))
     (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == "timestamp.txt did not say a time that could be read"
+    assert time_of(course) == "timestamp.txt has no readable time"
 
 
 class Stopped(BaseException):

@@ -152,7 +152,8 @@ def test_a_check_uses_the_students_helper(run):
 def test_data_that_a_function_changed_is_restored(run):
     ran = run("data", SPOILS, "look", "check", "first")
     assert ran[-1].printed == "first 3\n" and ran[-1].said == [
-        "largest has not passed its check: this cell goes on with what it was given, made anew."
+        "largest has not passed its check: this cell goes on with its original input, "
+        "computed again."
     ]
 
 

@@ -266,7 +266,7 @@ def test_withdrawn_work_is_removed_but_manual_marks_stay(course, sandbox, capsys
     assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
     assert not (course.autograded / "bob" / LESSON.stage).exists()
     assert grade(course, sandbox) == commands.FAULT
-    assert "marks or comments of a person" in capsys.readouterr().err
+    assert "marks or comments of a grader" in capsys.readouterr().err
     assert mark_of(course, "erin") == (8, False)
 
 
@@ -285,7 +285,7 @@ def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, mon
     assert grade(course, sandbox) == commands.FAULT
     errors = capsys.readouterr().err
     assert "ada, stage3_obstacles, 06_filter_ground: test_filter_ground has None points" in errors
-    assert "judged were 20" in errors
+    assert "instead of 20" in errors
 
 
 @pytest.mark.slow
@@ -294,8 +294,8 @@ def test_an_unreadable_time_is_named(course, sandbox, capsys):
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr()
-    assert "The gradebook does not hold everything" not in output.err
-    assert "ada, stage3_obstacles: timestamp.txt does not say a time" in output.out
+    assert "The gradebook is not complete" not in output.err
+    assert "ada, stage3_obstacles: timestamp.txt has no readable time" in output.out
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
@@ -353,7 +353,7 @@ def test_a_second_run_is_refused_while_the_first_runs(course, sandbox, capsys):
     with course_lock(course):
         assert grade(course, sandbox) == commands.FAULT
     errors = capsys.readouterr().err
-    assert f"process {os.getpid()}" in errors and "start this one again" in errors
+    assert f"process {os.getpid()}" in errors and "run the command again" in errors
     assert grade(course, sandbox) == commands.SUCCESS
     with course_lock(course), pytest.raises(AlreadyRunning), course_lock(course):
         pass

@@ -81,8 +81,8 @@ def test_students_who_are_not_on_the_roster_are_named_and_not_entered(course):
     hand_in(course, "ghost", GROUND)
     sentences = error_lines(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
     assert sentences == [
-        "'ghost' is not on the roster, so that its marks are not entered. Either add a line for "
-        "'ghost' to roster.csv, or rename the folder to the id of whoever it is."
+        "'ghost' is not on the roster, so its scores are not entered. Either add a line for "
+        "'ghost' to roster.csv, or rename the folder to the student's id."
     ]
     assert "ghost" not in students(course) and {name for name, _ in marks(course)} == {"ada", "bob"}
     assert not (course.autograded / "ghost").exists()
@@ -117,7 +117,7 @@ def test_an_id_in_another_spelling_is_matched(course, folder):
     roster = read_roster(course)
     assert unmatched_folders(course, roster) == {}
     assert list(respelt_folders(course, roster)) == [
-        f"{folder!r} in submitted/ is taken for yan (Yan Yip)."
+        f"{folder!r} in submitted/ belongs to yan (Yan Yip)."
     ]
 
 
@@ -145,7 +145,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
-    assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")
+    assert sentence.endswith("belongs to yan (Yan Yip) in addition to the folder of that name.")
     before = inode(course, "yan")
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert inode(course, "yan") == before
@@ -162,19 +162,24 @@ def test_the_newest_of_two_folders_counts_and_the_other_is_named(course):
     assert found.path.parent.parent.name == "yan "
     (note,) = found.read(course).notes
     paths_named = [f"{folder}/{STAGE}/{GROUND.name}.ipynb" for folder in ("yan ", "yan")]
-    assert f"The newest, {paths_named[0]}, was judged, and not {paths_named[1]}." in note
+    assert (
+        f"The newest, {paths_named[0]}, was judged, and these were not: {paths_named[1]}." in note
+    )
 
 
 def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     hand_in(course, "Yip, Yan", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
-    assert f"If it is of yan (Yan Yip): {command}; else add a line for 'Yip, Yan' to" in sentence
+    assert (
+        f"If it belongs to yan (Yan Yip): {command}; otherwise add a line for 'Yip, Yan' to"
+        in sentence
+    )
     hand_in(course, "yan", GROUND, " ")
     hand_in(course, "yan", DISTANCE)
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
-    commands = sentence.partition("Yip): ")[2].partition("; else")[0]
+    commands = sentence.partition("Yip): ")[2].partition("; otherwise")[0]
     assert all(shlex.split(part)[:2] == ["mv", "-n"] for part in commands.split(" && "))
     before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
     subprocess.run(commands, shell=True, check=True, cwd=course.root)

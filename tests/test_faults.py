@@ -128,7 +128,7 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
     verdicts = graded(course, sandbox, Deadly, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
     if status == FAILED:
-        assert "The process that judged died (exit status 1)" in verdicts["poison"].faults[0]
+        assert "The process that judged ended (exit status 1)" in verdicts["poison"].faults[0]
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
@@ -227,7 +227,7 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
     assert not list(course.verdicts.rglob("*.json"))
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
     assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
-    assert "Nobody was graded" in capsys.readouterr().err
+    assert "No notebook was graded" in capsys.readouterr().err
 
 
 def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
@@ -381,7 +381,7 @@ def test_a_starved_submission_is_judged_again_alone(prepared, monkeypatch):
 
 
 def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeypatch):
-    death = BrokenExecutor("The process that judged died (signal 9).")
+    death = BrokenExecutor("The process that judged ended (signal 9).")
     judge = FakeJudge(prepared, poison={1: death})
     verdicts = judge.grade(monkeypatch)
     assert judge.calls == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
@@ -395,7 +395,9 @@ def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeyp
         (0.0, ()),
         (0.0, ()),
     ]
-    assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.JUDGE_FAILED_NOTE,)
+    assert "ended (signal 9)" in failed.faults[0] and failed.problems == (
+        judging.JUDGE_FAILED_NOTE,
+    )
     assert (failed.lesson, failed.student, failed.key) == (LESSON.name, "poison", "")
     assert not failed.starved and failed.seconds == 0.0
 
@@ -502,7 +504,7 @@ class Dying(ThreadPoolExecutor):
         if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
             Dying.left -= 1
             future = Future()
-            future.set_exception(BrokenExecutor("The process that judged died (signal 9)."))
+            future.set_exception(BrokenExecutor("The process that judged ended (signal 9)."))
             return future
         return super().submit(function, *arguments)
 
@@ -798,7 +800,7 @@ def test_workers_must_be_at_least_one(capsys):
     with pytest.raises(SystemExit) as caught:
         cli.main(["grade", "--workers", "0"])
     assert caught.value.code == 2
-    assert "at least one" in capsys.readouterr().err
+    assert "must be at least 1, not" in capsys.readouterr().err
 
 
 def test_files_that_are_not_judged_have_a_reason(course):
@@ -814,12 +816,12 @@ def test_files_that_are_not_judged_have_a_reason(course):
     (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
     reasons = {str(path): reason for path, reason in unaccounted_files(course)}
     assert set(reasons.values()) == {
-        "it is no notebook: 08_bounding_boxes.ipynb, as Jupyter saves it, would be judged",
-        "it is no notebook: 06_filter_ground.ipynb, as Jupyter saves it, would be judged",
+        "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
+        "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
         "it is packed: python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
         "--stage stage3_obstacles --who 'my work=ada', and delete it",
         "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
-        "it does not lie in <student>/<stage>/: move it to ada/stage3_obstacles/",
+        "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",
     }
     assert len(find_submissions(course)) == 3
 

@@ -191,8 +191,8 @@ def test_lateness_and_penalty_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the learning platform marks it late, and gives no time",
-        "the table of times has no line about them",
+        "the platform marks it late without a time",
+        "the table of times has no row for this student",
     ],
 )
 def test_undecided_lateness_has_one_sentence_for_every_reason(why):
@@ -471,9 +471,7 @@ def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, mo
     finally:
         path.write_text(before, "utf-8")
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
-    assert (
-        f"ada, {TEN.name}: what was handed in and judged last is not in" in capsys.readouterr().err
-    )
+    assert f"ada, {TEN.name}: the latest verdict is not in" in capsys.readouterr().err
 
 
 def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
@@ -617,14 +615,14 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
         for lesson, _ in WORK[student]
     }
     assert len(given) > 3 and numbers == given - ({"21"} if is_team else set())
-    assert ("ada: handed in as Team Red" in capsys.readouterr().err) == is_team
+    assert ("ada: submitted as Team Red" in capsys.readouterr().err) == is_team
 
 
 def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
     assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
     # The numbers of Canvas look like those of Moodle.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
-    assert "bjorn: their work was not collected from a zip of Moodle's" in capsys.readouterr().err
+    assert "bjorn: their work was not collected from a Moodle zip" in capsys.readouterr().err
 
 
 @pytest.mark.end_to_end
@@ -634,5 +632,5 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course", teams, answers)
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
     assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
-    assert "bjorn: handed in as Team Red, which may be a team" in capsys.readouterr().err
+    assert "bjorn: submitted as Team Red, which may be a team" in capsys.readouterr().err
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]

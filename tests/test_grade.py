@@ -319,7 +319,7 @@ def test_a_submission_replaced_after_judging_is_not_entered(
     errors = " ".join(capsys.readouterr().err.split())
     for student in ("half", "untouched", "broken"):
         sentence = (
-            f"{student}, {LESSON.stage}: {LESSON.name}.ipynb, or a module beside it, was replaced"
+            f"{student}, {LESSON.stage}: {LESSON.name}.ipynb, or a module next to it, was replaced"
         )
         assert f"{sentence} after it was judged" in errors
         assert errors.count(f"{student}, {LESSON.stage}") == 1

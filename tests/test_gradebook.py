@@ -232,7 +232,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert str(trouble.value).splitlines() == [
-        "The gradebook does not hold everything:",
+        "The gradebook is not complete:",
         f"ada, {STAGE}: ValueError: no",
         f"ada, {STAGE}: it is not in the gradebook",
     ]
@@ -310,14 +310,14 @@ def set_time(submission):
     ("change", "says"),
     [
         (lambda submission: None, None),
-        (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points, judged were 8.5"),
-        (change_score(-0.01), "test_voxel_grid has 8.49 points, judged were 8.5"),
+        (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points instead of 8.5"),
+        (change_score(-0.01), "test_voxel_grid has 8.49 points instead of 8.5"),
         (change_score(1e-9), None),
         (change_worth(0.01), "test_voxel_grid is worth 20.01 points, not 20.0"),
         (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
-        (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the penalty for lateness is another"),
+        (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the late penalty differs"),
         (set_penalty(0.0), None),
-        (set_time, f"ada, {STAGE}: the gradebook has another time of submission"),
+        (set_time, f"ada, {STAGE}: the gradebook has another submission time"),
     ],
 )
 def test_every_difference_is_named_and_corrected(entered, change, says):
@@ -343,7 +343,7 @@ def test_points_for_a_missing_notebook_are_a_difference(entered):
         grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
         book.db.commit()
     (sentence,) = differences_in(entered, entry)
-    assert sentence.endswith("test_filter_ground has 0.5 points, judged were 0.0")
+    assert sentence.endswith("test_filter_ground has 0.5 points instead of 0.0")
 
 
 def test_students_who_are_not_in_the_gradebook_are_named(entered):
@@ -368,7 +368,9 @@ def test_a_copy_of_another_verdict_is_replaced(entered, content):
     if content is not None:
         path.write_text(content)
     (sentence,) = differences_in(entered)
-    assert sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy is of another verdict"
+    assert (
+        sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy belongs to another verdict"
+    )
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert differences_in(entered) == []
     assert json.loads(path.read_text())["metadata"]["verdict_key"]
@@ -502,7 +504,7 @@ def test_manual_marks_and_comments_are_never_removed(entered, given):
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(entered, [], ["stage1_ransac", STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
-    assert sentence.startswith(f"ada, {STAGE}: nothing is handed in any more")
+    assert sentence.startswith(f"ada, {STAGE}: there is no submission any more")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
     assert {student for student, _ in marks(entered)} == {"ada"}  # bob is removed
     assert (entered.autograded / "ada" / STAGE).is_dir()

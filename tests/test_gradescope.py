@@ -109,7 +109,7 @@ def test_a_submission_gets_its_marks(course, run):
     result = run(exported, "anna", "anna@X.edu")
     assert result["score"] == 12.5 and result["visibility"] in VISIBLE
     assert result["output"] == (
-        f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nTaken off for lateness: 2.5 points"
+        f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nSubtracted for lateness: 2.5 points"
     )
     six, seven = result["tests"]
     assert (six["name"], six["score"], six["max_score"]) == (SIX, 15.0, 30.0)
@@ -120,9 +120,9 @@ def test_a_submission_gets_its_marks(course, run):
         "          Yours: 1",
         "          Expected: 2",
         "  FAILED  A hidden road",
-        "Given by a person: +5 points",
+        "Points given by a grader: +5",
     ]
-    assert (seven["score"], seven["output"]) == (0.0, "Nothing was handed in.")
+    assert (seven["score"], seven["output"]) == (0.0, "Nothing was submitted.")
     assert all(test["visibility"] in VISIBLE for test in result["tests"])
 
 
@@ -172,20 +172,20 @@ def test_two_students_with_one_address_are_named_and_get_no_mark(course):
     exported = write(course, (ANNA, twin))
     assert exported.placed == 0
     assert [sentence.partition(" ")[0] for sentence in exported.lost] == ["anna", "bo"]
-    assert all("anna@x.edu is another's, too" in sentence for sentence in exported.lost)
+    assert all("anna@x.edu also belongs to another" in sentence for sentence in exported.lost)
 
 
 def test_marks_that_cannot_be_exported_are_named(course):
     without_email = Person("anna", "Anna", "Schmidt")
     (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
-        "anna (Anna Schmidt), 12.5 points: Gradescope knows them by e-mail, and the roster has "
-        "none."
+        "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, and the "
+        "roster has none for them."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
     (lost,) = write(course).lost
     assert "was replaced after it was judged" in lost
     os.remove(course.submitted / "anna" / STAGE / f"{SIX}.ipynb")
-    assert "nothing lies in submitted/" in write(course).lost[0]
+    assert "submitted/ has no submission" in write(course).lost[0]
     shutil.rmtree(course.verdicts / "bo")
     assert "there is no verdict" in write(course).lost[1]

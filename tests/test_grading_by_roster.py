@@ -79,7 +79,7 @@ def cells(output, student):
 def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(course, capsys):
     assert grade(course) == commands.FAULT
     output = capsys.readouterr()
-    assert "'ghost' is not on the roster, so that its marks are not entered." in output.err
+    assert "'ghost' is not on the roster, so its scores are not entered." in output.err
     # They are 27 hours late, and lose a tenth of 30 and of 20.75 points for each of two days.
     assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
     assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
@@ -243,8 +243,8 @@ def test_the_doctor_uses_the_roster(course, monkeypatch):
         True,
         "5 people, 1 in section A, 2 in section B, 5 without an lms_id",
     ) in found
-    assert (STAGE, True, "3 of 5 handed in; missing: idle; excused: eve") in found
-    assert ("roster", True, "'yan ' in submitted/ is taken for yan (Yan Yip).") in found
+    assert (STAGE, True, "3 of 5 submitted; missing: idle; excused: eve") in found
+    assert ("roster", True, "'yan ' in submitted/ belongs to yan (Yan Yip).") in found
     (unknown,) = [text for subject, good, text in found if subject == "roster" and not good]
     assert unknown.startswith("'ghost' is not on the roster")
     assert ("deadlines", True, f"{STAGE} 2026-03-01 12:00 UTC, 1 later, 1 excused") in found
@@ -262,8 +262,10 @@ def test_the_doctor_reports_missing_files(course, monkeypatch):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
     texts = {subject: text for subject, good, text in findings(course, monkeypatch) if good}
-    assert texts["roster"] == "there is no roster.csv: who has a folder takes the course"
-    assert texts["deadlines"].startswith("there is no deadlines.toml: the dates are those of the")
+    assert (
+        texts["roster"] == "there is no roster.csv: every folder in submitted/ counts as a student"
+    )
+    assert texts["deadlines"].startswith("there is no deadlines.toml: the dates in the gradebook")
     assert texts["sandbox process"].startswith("protects less; used only if you ask for")
     assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
 

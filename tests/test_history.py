@@ -134,7 +134,7 @@ def test_withdrawn_work_is_logged(course):
     shutil.rmtree(course.submitted / "bob")
     found = enter_again(course)
     assert [(change[0], change[3:]) for change in found] == [
-        ("bob", (None, "taken out of the gradebook"))
+        ("bob", (None, "removed from the gradebook"))
     ] * 3
 
 

@@ -165,7 +165,7 @@ def test_canvas_rows_found_only_by_name_are_noted(fill):
     course.import_(exported.content)
     assert (exported.lost, course.scores[9002, 42]) == ((), 31.25)
     assert any(
-        note.startswith("Found by their name alone: ") and "Müller, Björn" in note
+        note.startswith("Matched only by name: ") and "Müller, Björn" in note
         for note in exported.notes
     )
 
@@ -210,7 +210,7 @@ def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
-    assert exported.lost == ("9002 (Zoe Zahn), 2 points: no row in the file is theirs.",)
+    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for them.",)
 
 
 def test_another_name_with_the_same_number_is_noted(fill):
@@ -233,14 +233,14 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
     assert exported.lost == (
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777, and not their 9001.",
     )
-    assert not any("name alone" in note for note in exported.notes)
+    assert not any("by name" in note for note in exported.notes)
     # If both are in the file, she gets her mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)
     assert (course.scores.get((7777, 42)), course.scores[9001, 42]) == (None, 8.5)
     assert exported.lost == ()
-    assert "In the file, and not on the roster: Schmidt, Anna." in exported.notes
+    assert "In the file but not on the roster: Schmidt, Anna." in exported.notes
 
 
 def test_numbers_of_another_kind_are_ignored(fill):
@@ -268,7 +268,7 @@ def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
     exported = fill(course, marks())
     course.import_(exported.content)
     assert course.scores[9006, 42] == "EX"
-    assert f"Marks that the file had, and that are replaced: {said}." in exported.notes
+    assert f"Marks in the file that are replaced: {said}." in exported.notes
 
 
 def test_an_excuse_that_a_mark_replaces_is_named(fill):
@@ -276,14 +276,14 @@ def test_an_excuse_that_a_mark_replaces_is_named(fill):
     course.scores[9001, 42] = "EX"
     replaced = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
     exported = fill(course, marks())
-    assert f"Marks that the file had, and that are replaced: {replaced}." in exported.notes
+    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
 
 
 def test_excused_students_without_the_assignment_are_named(fill):
     exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.placed, exported.lost) == (4, ())
     assert b"EX" not in exported.content
-    (note,) = [note for note in exported.notes if note.startswith("Excused, and not written")]
+    (note,) = [note for note in exported.notes if note.startswith("Excused, so no mark is written")]
     assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in note
 
 
@@ -300,9 +300,9 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill(course, marks())
-    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: no row in the file is theirs.",)
-    assert "In the file, and not on the roster: Gast, Gerd." in exported.notes
-    absent = "On the roster, and not in the file: noshow (Noah Show)."
+    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: the file has no row for them.",)
+    assert "In the file but not on the roster: Gast, Gerd." in exported.notes
+    absent = "On the roster but not in the file: noshow (Noah Show)."
     assert absent in exported.notes
 
 
@@ -318,7 +318,7 @@ def test_other_maximum_points_are_refused_or_scaled(fill):
     assert course.scores[9001, 42] == 0.85 and course.scores[9003, 42] == 10.0
     assert course.assignments[42][1] == 10.0
     course.assignments[42][1] = 0.0
-    with pytest.raises(ExportError, match="Give the assignment 100 points there"):
+    with pytest.raises(ExportError, match="Set 100 points there"):
         fill(course, marks(), scale=True)
 
 
@@ -326,7 +326,7 @@ def test_an_ambiguous_column_must_be_named(fill):
     course = canvas_course()
     course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}
     with pytest.raises(
-        ExportError, match=r"has no column .* --column; there is: 'Obstacles \(42\)', 'Essay"
+        ExportError, match=r"has no column .* --column; the columns are: 'Obstacles \(42\)', 'Essay"
     ):
         fill(course, marks())
     for title in ("Obstacles", "Obstacles (42)"):
@@ -376,7 +376,7 @@ def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
     replaced = f"björn (Björn Müller) 12{mark}00 by 31{mark}25"
-    assert f"Marks that the file had, and that are replaced: {replaced}." in exported.notes
+    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
 
 
 def test_a_worksheet_keeps_its_format(fill):
@@ -399,7 +399,7 @@ def test_marks_that_moodle_would_skip_are_named(fill):
     locked, above = exported.lost
     assert locked.startswith("anna (Anna Schmidt), 8.5 points: their grade is locked in Moodle")
     assert above.startswith(
-        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle skips marks above 100"
+        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle ignores marks above 100"
     )
     course.import_(exported.content)
     assert not course.skipped
@@ -428,7 +428,7 @@ def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
-    assert exported.lost == ("x (Xaver Unbekannt), 50 points: no row in the file is theirs.",)
+    assert exported.lost == ("x (Xaver Unbekannt), 50 points: the file has no row for them.",)
 
 
 def test_the_maximum_grade_of_moodle_is_kept(fill):
@@ -446,7 +446,7 @@ def test_an_ambiguous_grade_column_must_be_named(fill):
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
         student.status = ""
-    with pytest.raises(ExportError, match="with --column; there is: 'Status', 'Grade'"):
+    with pytest.raises(ExportError, match="with --column; the columns are: 'Status', 'Grade'"):
         fill(course, marks())
     course.import_(fill(course, marks(), column="Grade").content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
@@ -466,10 +466,10 @@ def test_a_site_without_fractions_gets_readable_points(fill):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"", "holds no table with students"),
+        (b"", "has no table of students"),
         (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
         ("Student,ID\nMüller,1\n".encode("cp1252"), "save it as CSV UTF-8"),
-        (b"a,b\nc,d\n", "is no "),
+        (b"a,b\nc,d\n", "is not "),
         (b"Student,ID,SIS Login ID,Section,T (1)\nAnna,1,anna,A,1\n", "no row 'Points Possible'"),
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),
     ],
@@ -480,8 +480,8 @@ def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, 
     order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
     with pytest.raises(ExportError, match=says):
         canvas(order)
-    if says == "is no ":
-        with pytest.raises(ExportError, match="no offline grading worksheet"):
+    if says == "is not ":
+        with pytest.raises(ExportError, match="not an offline grading worksheet"):
             moodle(order)
 
 

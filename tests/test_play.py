@@ -78,7 +78,7 @@ def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, c
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
-    assert "so the film goes into highway.mp4" in capsys.readouterr().out
+    assert "so the film is written to highway.mp4" in capsys.readouterr().out
 
 
 def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
@@ -92,7 +92,7 @@ def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
     )
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert Image.open(tmp_path / "highway.gif").n_frames == 2
-    assert "so the film goes into highway.gif" in capsys.readouterr().out
+    assert "so the film is written to highway.gif" in capsys.readouterr().out
 
 
 def test_a_notebook_provides_the_detector(notebook, capsys):

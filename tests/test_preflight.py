@@ -157,7 +157,7 @@ EARNS_EVERYTHING = {
         "",
     ),
     "zeros behind it": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
-    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "stands something else"),
+    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "there is something else"),
     "a second copy behind it": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
     "cut off after the answers": (
         lambda notebook: json.dumps(notebook)[: int(len(json.dumps(notebook)) * 0.98)],
@@ -257,7 +257,7 @@ def test_damage_to_a_file_costs_no_points(change, says):
     assert sorted(names) == sorted([*EXERCISES, *(f"test_{name}" for name in EXERCISES)])
     answers = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(graded_copy)}
     for name in EXERCISES:
-        assert f"def {name}" in answers[name].source or "stands in the cell" in answers[name].source
+        assert f"def {name}" in answers[name].source or "is in the cell" in answers[name].source
         assert "NotImplementedError" not in answers[name].source
         assert (
             answers[f"test_{name}"].source.startswith("check(")
@@ -306,7 +306,7 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
     [
         (
             lambda: json.loads(find_lesson("05_euclidean_clustering").released.read_text()),
-            "holds the notebook of 05_euclidean_clustering",
+            "contains the notebook of 05_euclidean_clustering",
         ),
         (lambda: {"cells": [], "metadata": {}, "nbformat": 4}, "There is no code in"),
         (lambda: {"cells": [text("# my essay")], "nbformat": 4}, "There is no code in"),
@@ -339,9 +339,7 @@ def test_a_note_names_the_submitted_module_that_was_used():
     notebook["cells"].insert(0, code("from helpers import mask"))
     modules = {"helpers": "mask = 1", "other": ""}
     submission = SubmittedFiles("x.ipynb", json.dumps(notebook).encode(), modules=modules)
-    assert (
-        "helpers.py, handed in beside the notebook, was used." in prepare(submission, LESSON).notes
-    )
+    assert "helpers.py, submitted with the notebook, was used." in prepare(submission, LESSON).notes
 
 
 def test_a_cut_off_file_keeps_the_complete_answer():
@@ -578,11 +576,11 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
     other = "07_filter_by_distance"
     submitted = from_cells(code("x = 1"), lesson_name=other, name="06_filter_ground (1).ipynb")
     assert submitted.notes == (
-        f"06_filter_ground (1).ipynb holds the notebook of {other}, and nothing of "
-        f"{LESSON.name}. Hand in {LESSON.name}.ipynb.",
+        f"06_filter_ground (1).ipynb contains the notebook of {other} and nothing of "
+        f"{LESSON.name}. Submit {LESSON.name}.ipynb.",
     )
     earlier = from_cells(code("x = 1"), lesson_name="05_euclidean_clustering")
-    assert "holds the notebook of 05_euclidean_clustering, and nothing of 06" in earlier.notes[0]
+    assert "contains the notebook of 05_euclidean_clustering and nothing of 06" in earlier.notes[0]
     assert from_cells(code(GROUND), lesson_name=other).notes == ()
     assert from_cells(code("x = 1"), lesson_name=LESSON.name).notes == ()
     assert from_cells(code("x = 1")).notes == ()
@@ -591,17 +589,17 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
         "There is no code in 06_filter_ground"
     ]
     long = from_cells(code("x = 1"), lesson_name="07" * 50)
-    assert f"of {'07' * 30}, and" in long.notes[0]
+    assert f"of {'07' * 30} and" in long.notes[0]
 
 
 @pytest.mark.parametrize(
     ("source", "used"),
     [
-        ("import helpers", "helpers.py, handed in beside the notebook, was used."),
-        ("x = 1\n    from\thelpers import mask", "helpers.py, handed in beside the notebook, was"),
+        ("import helpers", "helpers.py, submitted with the notebook, was used."),
+        ("x = 1\n    from\thelpers import mask", "helpers.py, submitted with the notebook, was"),
         (
             "import helpers\nimport tools",
-            "helpers.py, tools.py, handed in beside the notebook, were",
+            "helpers.py, tools.py, submitted with the notebook, were",
         ),
         ("import helpers2, tools2", None),
         ("# import helpers", None),
@@ -695,7 +693,7 @@ def test_text_that_may_be_the_answer_is_left_to_the_grader():
     notebook["cells"] = [*cells, text(REPORT)]
     data = json.dumps(notebook).encode()
     prepared = prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN)
-    assert "Somebody will look for it" in " ".join(prepared.notes)
+    assert "A grader will look for it" in " ".join(prepared.notes)
     graded_copy = build_copy(prepared)
     (cell,) = [c for c in graded_cells(graded_copy) if c.metadata.nbgrader.grade_id == "write_up"]
     assert MISSING_ANSWER_NOTE in cell.source
@@ -762,7 +760,7 @@ def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(written, shown):
     """Comment signs in a code cell are removed, but a heading above a text is kept."""
     answer, certain, _, own, notes = write_up(code(written, **OWN["metadata"]))
     assert (answer, certain, own) == (shown, True, written)
-    assert len(notes) == 1 and "write_up stood in a code cell" in notes[0]
+    assert len(notes) == 1 and "write_up was in a code cell" in notes[0]
     assert write_up(tagged(text(written), "write_up"))[::4] == (written, [])
     # A stub in a code cell is an empty answer and needs no note.
     assert write_up(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])

@@ -77,7 +77,7 @@ def test_too_costly_files_get_a_message_with_the_limit(work, says, short_limits)
     with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.run_in_child("file.ipynb", work)
     assert f"Reading file.ipynb takes {says}" in str(caught.value)
-    assert "hand it in again" in str(caught.value)
+    assert "submit it again" in str(caught.value)
 
 
 @pytest.mark.parametrize("work", [stop_own_process, end_own_process, sleep_long])

@@ -224,7 +224,7 @@ def test_the_message_lists_the_students_who_may_still_submit():
 def test_a_stage_without_a_due_date_may_be_open():
     late, over = NOW + HOUR, NOW - HOUR
     for dates in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
-        assert "nothing says when it is due" in solutions.reason_still_open(dates, STAGE, NOW, {})
+        assert "no due date is known" in solutions.reason_still_open(dates, STAGE, NOW, {})
         assert solutions.reason_still_open(dates, STAGE, NOW, {"": over, "anna": over}) == ""
         assert "for everybody until" in solutions.reason_still_open(dates, STAGE, NOW, {"": late})
         assert "for anna until" in solutions.reason_still_open(
@@ -275,7 +275,7 @@ def test_without_a_date_solutions_wait_unless_forced(course, capsys, dates):
     call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
     assert cli.main(call) == 1
     message = capsys.readouterr().err
-    assert "stage3_obstacles may be open: nothing says when it is due" in message
+    assert "stage3_obstacles may be open, because no due date is known" in message
     assert not (course / "out").exists() and not (course / "gradebook.db").exists()
     assert cli.main([*call, "--anyway"]) == 0
 

@@ -71,7 +71,10 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people)
         ("", "its first line should name the columns, each once, such as id,first_name,"),
         ("name,email\nb,c\n", "Only id has to be there."),
         ("id,lms_id,lms_user_id\n", "each once"),
-        ("id,last_name\nb,O'Neil, Jr\n", "line 2: 3 values for 2 columns. Put a value that holds"),
+        (
+            "id,last_name\nb,O'Neil, Jr\n",
+            "line 2: 3 values for 2 columns. Put a value that contains",
+        ),
         ("id,email\nb,c\n,d\n", "line 3: it has no id."),
         ("id\nb\nc\nb\n", "line 4: line 2 has the same id, b. Marks could reach the wrong one"),
         ("id,email\nb,q@x\nc,Q@X\n", "line 3: line 2 has the same email, Q@X."),

@@ -293,7 +293,7 @@ def test_another_time_of_submission_is_a_difference(submitted_files, hour):
     )
     *found, last = differences(course, book, entry, None, Deadlines({}))
     assert last.endswith("it is not in the gradebook")
-    assert bool(found) == (hour != 12) and all("time of submission" in one for one in found)
+    assert bool(found) == (hour != 12) and all("submission time" in one for one in found)
 
 
 def test_a_missing_notebook_needs_no_manual_grading():

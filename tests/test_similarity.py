@@ -398,7 +398,9 @@ def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
     assert str(course.report / f"similarity_{LESSON.stage}.html") in said
 
 
-@pytest.mark.parametrize("stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "no two")])
+@pytest.mark.parametrize(
+    "stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "fewer than two")]
+)
 def test_the_command_reports_a_missing_class(stage, words, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     assert cli.main(["similarity", stage]) == 2

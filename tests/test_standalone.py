@@ -184,7 +184,7 @@ def test_functions_of_a_neighbouring_standalone_notebook_load(tmp_path):
     done = run_python(here, program)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[2] == "filter_ground"
-    assert "Upload your 07_filter_by_distance.ipynb beside this notebook" in done.stdout
+    assert "Upload your 07_filter_by_distance.ipynb next to this notebook" in done.stdout
 
 
 def test_a_notebook_begins_with_the_lesson(written):

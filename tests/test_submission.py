@@ -127,7 +127,7 @@ def test_only_a_regular_file_is_opened(tmp_path):
     link = "link.ipynb cannot be opened: it is a link to another file."
     assert refusal(tmp_path / "link.ipynb") == link
     os.mkfifo(tmp_path / "pipe.ipynb")  # reading it would block forever
-    said = "is not an ordinary file. Hand in the .ipynb file itself."
+    said = "is not an ordinary file. Submit the .ipynb file itself."
     assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {said}"
     (tmp_path / "folder.ipynb").mkdir()
     folder = "folder.ipynb cannot be opened: Is a directory."

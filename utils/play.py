@@ -246,7 +246,7 @@ def _run(options: argparse.Namespace) -> None:
         return
     path = options.record or Path(Path(options.what).stem + suffix_of_films())
     if options.record is None:
-        print(f"No window can be opened here, so the film goes into {path}.")
+        print(f"No window can be opened here, so the film is written to {path}.")
     film = record(
         programme.frames,
         path,

@@ -196,7 +196,7 @@ class _SandboxedDetector:
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MOST_FAILURES:
-            raise StudentStopped(f"It had no boxes to give for {self.failed} scans. {self.failure}")
+            raise StudentStopped(f"It gave no boxes for {self.failed} scans. {self.failure}")
         self.answers.append(boxes)
         return boxes / 1000
 
@@ -207,12 +207,12 @@ class _SandboxedDetector:
             found = getattr(self._student, DETECTOR)(cloud)
         except StudentError as error:
             if error.type_name == "NotImplementedError":
-                return no_boxes, "A function that it calls is not written yet."
+                return no_boxes, "It calls a function that is not written yet."
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
             boxes = checked_boxes(found)
         except Exception:  # NumPy may raise anything on untrusted data
-            return no_boxes, f"{DETECTOR} returned something else than boxes (N, 8, 3)."
+            return no_boxes, f"{DETECTOR} did not return boxes (N, 8, 3)."
         if len(boxes) > MOST_BOXES:
             return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
         is_near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN

@@ -22,7 +22,7 @@ from utils.drive.streets import Street
 TRUE_BOXES, COURSE_DETECTOR = "the true boxes", "the course's detector"
 """Names of the two entrants with which the class is compared."""
 
-PROCESS_DIED = "The process that drove ended, twice. Is there memory enough?"
+PROCESS_DIED = "The process that drives ended twice. Is there enough memory?"
 
 
 @dataclass(frozen=True)

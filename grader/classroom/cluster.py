@@ -76,16 +76,16 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
     # A client that fails for this reason would hang when Python ends.
     if address.startswith("tls:") and not distributed.Security().tls_client_cert:
         raise ExecutorLost(
-            f"{address} asks for certificates, and Dask's configuration here names none. Name "
+            f"{address} requires certificates, and Dask's configuration here has none. Add "
             "them under distributed.comm.tls, as docs/platforms/cluster.md shows."
         )
     try:
         client = _client(address)
     except (OSError, ValueError, TypeError) as error:
         raise ExecutorLost(
-            f"No scheduler answers at {address} ({error}). Start one with: dask scheduler\n"
-            "and a worker or more with: dask worker ADDRESS\n"
-            "What has been judged is kept: the same command goes on from there."
+            f"No scheduler answers at {address} ({error}). Start one with: dask "
+            "scheduler\nand one or more workers with: dask worker ADDRESS\nVerdicts are "
+            "kept; the same command continues from here."
         ) from None
     return Cluster(client, address, sandbox, tell)
 
@@ -183,8 +183,8 @@ class Cluster(Executor):
             return
         self._refused_workers[report["worker"]] = report["complaint"]
         self._tell(
-            f"Worker {report['worker']} on {report['machine']} judges nothing; its notebooks go "
-            f"elsewhere. {report['complaint']}"
+            f"Worker {report['worker']} on {report['machine']} gets no notebooks. "
+            f"{report['complaint']}"
         )
 
     def _deliver(self, future: Future, remote_future: distributed.Future) -> None:
@@ -223,15 +223,15 @@ class Cluster(Executor):
                 last_fit, is_announced = now, False
             elif present and present <= set(self._refused_workers):
                 self._give_up(
-                    f"No worker of {self._address} can judge, for the reasons above. Mend one, or "
-                    "start another, and give the same command again. What has been judged is kept."
+                    f"No worker of {self._address} can judge, for the reasons above. Fix one or "
+                    "start another, and run the same command again. Verdicts are kept."
                 )
                 return
             elif now - last_fit > LONGEST_WAIT:
                 self._give_up(
                     f"For {LONGEST_WAIT / 60:.0f} minutes {self._address} has had no worker that "
-                    f"can judge. Start some with: dask worker {self._address}\nand give the same "
-                    "command again. What has been judged is kept."
+                    f"can judge. Start some with: dask worker {self._address}\nand run the same "
+                    "command again. Verdicts are kept."
                 )
                 return
             elif now - last_fit > 10 and not is_announced:
@@ -252,8 +252,8 @@ class Cluster(Executor):
 
     def _unreachable_message(self) -> str:
         return (
-            f"The scheduler {self._address} does not answer any more. What has been judged is "
-            "kept: start it and its workers again, and give the same command."
+            f"The scheduler {self._address} does not answer any more. Verdicts are kept. "
+            "Start it and its workers again, and run the same command."
         )
 
 

@@ -99,7 +99,7 @@ def _packages(file: str) -> Finding:
         not mismatches,
         f"{', '.join(mismatches)}. Run: pip install -r {file}"
         if mismatches
-        else f"all {len(pins)} as in {file}",
+        else f"all {len(pins)} match {file}",
     )
 
 
@@ -132,8 +132,8 @@ def _boundary(course: Course) -> Finding:
     return Finding(
         "boundary",
         False,
-        f"student code could read {exposed[0]}, which lies in a folder that every sandbox shows. "
-        "Move it, for instance below your home.",
+        f"student code could read {exposed[0]}, because it is in a folder that every "
+        "sandbox shows. Move it, for example below your home folder.",
     )
 
 
@@ -151,7 +151,7 @@ def _seed(course: Course) -> Finding:
         not is_readable_by_others,
         f"{course.seed_file} can be read by others. Run: chmod 600 {course.seed_file}"
         if is_readable_by_others
-        else "drawn, and readable by you alone",
+        else "created, and readable only by you",
     )
 
 
@@ -176,7 +176,7 @@ def _solutions(
 def _files(course: Course) -> Iterator[Finding]:
     found = unaccounted_files(course)
     if not found:
-        yield Finding("submitted", True, "every file is a submission, or belongs to one")
+        yield Finding("submitted", True, "every file is a submission or belongs to one")
     for path, reason in found:
         yield Finding("submitted", False, f"{path}: {reason}")
 
@@ -185,7 +185,9 @@ def _roster(course: Course) -> Iterator[Finding]:
     """Compare the roster with the folders in ``submitted/``."""
     roster = read_roster(course)
     if roster is None:
-        yield Finding("roster", True, "there is no roster.csv: who has a folder takes the course")
+        yield Finding(
+            "roster", True, "there is no roster.csv: every folder in submitted/ counts as a student"
+        )
         return
     sections = Counter(person.section for person in roster.people if person.section)
     counts = [f"{len(roster.people)} people"]
@@ -212,7 +214,7 @@ def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
         absent = [person.id for person in roster.people if person.id not in students]
         excused = [id for id in absent if deadlines.is_excused(id, stage)]
         missing = [id for id in absent if id not in excused]
-        texts = [f"{len(roster.people) - len(absent)} of {len(roster.people)} handed in"]
+        texts = [f"{len(roster.people) - len(absent)} of {len(roster.people)} submitted"]
         texts += [f"missing: {', '.join(missing)}"] if missing else []
         texts += [f"excused: {', '.join(excused)}"] if excused else []
         yield Finding(stage, True, "; ".join(texts))
@@ -225,7 +227,7 @@ def _deadlines(course: Course) -> Finding:
         return Finding("deadlines", False, str(error))
     if deadlines is None:
         return Finding(
-            "deadlines", True, "there is no deadlines.toml: the dates are those of the gradebook"
+            "deadlines", True, "there is no deadlines.toml: the dates in the gradebook apply"
         )
     texts = []
     for stage, dates in deadlines.stages.items():

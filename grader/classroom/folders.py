@@ -60,10 +60,9 @@ def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     for folder in folders:
         owner = roster.owner_of(folder)
         if owner and owner.id != folder:
-            addition = " beside what lies in the folder of that name" if owner.id in folders else ""
+            addition = " in addition to the folder of that name" if owner.id in folders else ""
             yield (
-                f"{folder!r} in {course.submitted.name}/ is taken for "
-                f"{owner.display_name}{addition}."
+                f"{folder!r} in {course.submitted.name}/ belongs to {owner.display_name}{addition}."
             )
 
 
@@ -75,15 +74,15 @@ def _folders(course: Course) -> list[str]:
 
 def _question(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
-    beginning = f"{folder!r} is not on the roster, so that its marks are not entered."
+    beginning = f"{folder!r} is not on the roster, so its scores are not entered."
     people = roster.find_people(folder)
     if not people:
-        return f"{beginning} Either {add}, or rename the folder to the id of whoever it is."
+        return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
         return f"{beginning} It may be of {names}: rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, people[0]))
-    return f"{beginning} If it is of {people[0].display_name}: {commands}; else {add}."
+    return f"{beginning} If it belongs to {people[0].display_name}: {commands}; otherwise {add}."
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:

@@ -80,8 +80,8 @@ class Pool(Executor):
         except (EOFError, OSError):
             process.end()
             raise BrokenExecutor(
-                f"The process that judged died ({process.exit_description}). "
-                "Is there memory enough?"
+                f"The process that judged ended ({process.exit_description}). Is there enough "
+                "memory?"
             ) from None
         finally:
             timer.cancel()

@@ -58,7 +58,7 @@ class Submission:
             return SubmittedFiles(
                 self.path.name,
                 b"",
-                f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
+                f"{self.path.name} is behind a link to another folder. Submit the file itself.",
             )
         return dataclasses.replace(
             read_submitted_files(self.path), notes=tuple(self._notes(course))
@@ -86,8 +86,8 @@ class Submission:
         submitted_files = self.read(course)
         if submitted_files.fingerprint() != fingerprint:
             raise ReplacedSubmission(
-                f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module beside it, "
-                "was replaced after it was judged, so nothing of this stage was entered. "
+                f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module next to "
+                "it, was replaced after it was judged, so nothing of this stage was entered. "
                 "Run grade again."
             )
         return submitted_files
@@ -101,10 +101,13 @@ class Submission:
             newest, *ignored = [str(file) if several_folders else file.name for file in files]
             yield (
                 f"Several files are for this lesson. The newest, {newest}, was judged, and "
-                f"not {', '.join(ignored)}. If that is the wrong one, hand in the right one alone."
+                f"these were not: {', '.join(ignored)}. If that is the wrong one, submit only "
+                "the right one."
             )
         elif self.path.name != name:
-            yield f"{self.path.name} was taken for {name}. Give it that name when you hand it in."
+            yield (
+                f"{self.path.name} was recognised as {name}. Give it that name when you submit it."
+            )
 
 
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
@@ -191,7 +194,7 @@ def _reason(course: Course, file: Path) -> str:
     lesson = _lesson_of_file(file)
     if len(path.parts) < 3 or path.parts[1] not in stages():
         folder = f"{student}/{lesson.stage}/" if lesson and len(path.parts) > 1 else ""
-        return "it does not lie in <student>/<stage>/" + (folder and f": move it to {folder}")
+        return "it is not in <student>/<stage>/" + (folder and f": move it to {folder}")
     if lesson:
         return f"{lesson.name} belongs to {lesson.stage}: move it to {student}/{lesson.stage}/"
     if path.suffix.lower() == ".zip":
@@ -200,5 +203,5 @@ def _reason(course: Course, file: Path) -> str:
         return f"it is packed: python -m grader collect {command}, and delete it"
     lesson = lesson_by_name(path.name)
     if lesson:
-        return f"it is no notebook: {lesson.name}.ipynb, as Jupyter saves it, would be judged"
-    return "" if path.suffix == ".py" else "it is no notebook of the course"
+        return f"it is not a notebook: submit {lesson.name}.ipynb as Jupyter saves it"
+    return "" if path.suffix == ".py" else "it is not a notebook of the course"

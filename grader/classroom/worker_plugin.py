@@ -75,7 +75,7 @@ class JudgePlugin(WorkerPlugin):
         except UnfitWorker as error:
             complaint = str(error)
         except Exception as error:
-            complaint = f"It cannot take the course's code: {error!r}."
+            complaint = f"It cannot load the course's code: {error!r}."
         if not complaint:
             await worker.set_resources(**{self.name: self.threads})
             # The scheduler reconsiders waiting tasks when a worker joins or resumes, but not when a
@@ -103,7 +103,7 @@ class JudgePlugin(WorkerPlugin):
         """
         with self.lock:
             if self.closed:
-                raise BrokenExecutor("This grading is over.")
+                raise BrokenExecutor("This run has ended.")
             if self.client is None or self.client.dead:
                 self.client = JudgeClient(self.folder, self.threads, self.sandbox)
             client = self.client
@@ -221,7 +221,7 @@ class JudgeClient:
 
 
 def _broken() -> BrokenExecutor:
-    return BrokenExecutor("A process that judged died.")
+    return BrokenExecutor("A process that judged ended.")
 
 
 def _path_with(folder: Path) -> str:

@@ -99,7 +99,9 @@ def check() -> list[str]:
     for lesson in every_lesson():
         others = [built[other.released] for other in every_lesson() if other != lesson]
         if b"](pictures/" in built[lesson.solved]:
-            faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
+            faults.append(
+                f"{lesson.name} refers to a picture that does not exist. Run: make pictures"
+            )
         faults += [
             f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
             for line in leaks(built[lesson.solved], built[lesson.released], others)

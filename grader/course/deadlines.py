@@ -125,7 +125,7 @@ def read_deadlines(course: Course) -> Deadlines | None:
         # Normalized like the names of the roster: an ö has two forms in Unicode.
         table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
-        raise DeadlinesError(f"{path.name} is not in UTF-8. Save it again so.") from error
+        raise DeadlinesError(f"{path.name} is not in UTF-8. Save it as UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise DeadlinesError(
             f"{path.name}: {error}. A name with other than plain letters, digits, - and _ stands "
@@ -204,8 +204,7 @@ def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = 
         return value.replace(tzinfo=value.tzinfo or zone).astimezone(UTC)
     except (OverflowError, ValueError, OSError) as error:
         raise DeadlinesError(
-            f"{location}: {value!s} is too far away to reckon with. "
-            f"Write a date such as {_EXAMPLE}."
+            f"{location}: {value!s} is out of range. Write a date such as {_EXAMPLE}."
         ) from error
 
 
@@ -213,7 +212,7 @@ def _check_keys(location: str, table: dict, known: Iterable[str], what: str) -> 
     for name in table:
         if name not in known:
             raise DeadlinesError(
-                f"{location}: there is no {what} {name}. There is: {', '.join(known)}."
+                f"{location}: there is no {what} {name}. Choose from: {', '.join(known)}."
             )
 
 
@@ -237,7 +236,7 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
         if roster.person(id) is None:
             suggestions = " or ".join(person.id for person in roster.find_people(id))
             raise DeadlinesError(
-                f"{location}.students], {id}: nobody on the roster has this id. "
+                f"{location}.students], {id}: no student on the roster has this id. "
                 + (
                     f"Write {suggestions}."
                     if suggestions

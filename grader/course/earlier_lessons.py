@@ -77,7 +77,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     """
     path = next((PROJECT / "solutions").glob(f"*/{lesson}/lesson.py"), None)
     if path is None:
-        raise ValueError(f"There is no lesson {lesson!r}, from which functions are wanted.")
+        raise ValueError(f"There is no lesson {lesson!r} to take functions from.")
     try:
         return list(_texts_of(tuple(names), path.read_text("utf-8"), lesson))
     except LookupError as error:

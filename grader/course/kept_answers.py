@@ -80,7 +80,7 @@ def _kept_answer(
         )
     if like := notes.get("like"):
         if like not in bodies:
-            raise MalformedAnswers(f"{exercise}, {name}: there is no answer {like!r} to be like.")
+            raise MalformedAnswers(f"{exercise}, {name}: there is no answer {like!r} to edit.")
         source = edited(_notes_and_source(bodies[like])[1], source, f"{exercise}, {name}")
     only = notes.get("loses only", "")
     loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))

@@ -226,7 +226,7 @@ def lesson_of(exercise: str) -> Lesson:
     for lesson in all_lessons():
         if exercise in (one.name for one in lesson.exercises):
             return lesson
-    raise LookupError(f"No lesson asks for {exercise!r}.")
+    raise LookupError(f"No lesson has the exercise {exercise!r}.")
 
 
 @functools.cache

@@ -168,8 +168,8 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
             continue
         if len(cells) > len(columns):
             raise RosterError(
-                f"{file}, line {line}: {len(cells)} values for {len(columns)} columns. Put a value "
-                f"that holds a separator between quotation marks."
+                f"{file}, line {line}: {len(cells)} values for {len(columns)} columns. Put a "
+                "value that contains a separator between quotation marks."
             )
         values = dict(zip(columns, cells, strict=False))
         person = Person(**{name: values.get(name, "") for name in COLUMNS})

@@ -46,7 +46,7 @@ def reason_still_open(
     whole_class = {"": dates.due} if dates.due else {}
     names = {**extensions, **whole_class, **groups, **dates.students}
     if "" not in names:
-        return f"{stage} may be open: nothing says when it is due. deadlines.toml can."
+        return f"{stage} may be open, because no due date is known. Write it into deadlines.toml."
     open_groups = [
         f"{name or 'everybody'} until {deadlines.to_local_time(due):%d %B %Y, %H:%M %Z}"
         for name, due in names.items()

@@ -41,13 +41,12 @@ def read_file(path: Path) -> bytes:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
                 raise UnreadableNotebook(
-                    f"{path.name} is not an ordinary file. Hand in the .ipynb file itself."
+                    f"{path.name} is not an ordinary file. Submit the .ipynb file itself."
                 )
             if status.st_size > LARGEST_FILE:
                 raise UnreadableNotebook(
-                    f"{path.name} is larger than {LARGEST_FILE // 2**20} MB. Clear its outputs "
-                    "(in JupyterLab: Edit, Clear Outputs of All Cells), save, and hand it in "
-                    "again."
+                    f"{path.name} is larger than {LARGEST_FILE // 2**20} MB. Clear its outputs (in "
+                    "JupyterLab: Edit, Clear Outputs of All Cells), save, and submit it again."
                 )
             return file.read(LARGEST_FILE)
     except OSError as error:

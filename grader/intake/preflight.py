@@ -288,13 +288,13 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
     claimed = draft.notebook.lesson_name
     if claimed and claimed != lesson.name:
         yield (
-            f"{draft.submitted_files.name} holds the notebook of {claimed[:60]}, and nothing of "
-            f"{lesson.name}. Hand in {lesson.name}.ipynb."
+            f"{draft.submitted_files.name} contains the notebook of {claimed[:60]} and "
+            f"nothing of {lesson.name}. Submit {lesson.name}.ipynb."
         )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
-            f"There is no code in {draft.submitted_files.name}. Open the notebook you worked in, "
-            "save it, and hand that file in."
+            f"There is no code in {draft.submitted_files.name}. Open the notebook in which "
+            "you worked, save it, and submit that file."
         )
 
 
@@ -308,7 +308,7 @@ def _report_modules(draft: _Draft) -> Iterator[str]:
     ]
     if used:
         files = ", ".join(f"{name}.py" for name in used)
-        yield f"{files}, handed in beside the notebook, {'was' if len(used) == 1 else 'were'} used."
+        yield f"{files}, submitted with the notebook, {'was' if len(used) == 1 else 'were'} used."
 
 
 def _collect_written_answers(draft: _Draft) -> Iterator[str]:
@@ -332,7 +332,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
             moved.update(filled[1:])
             if any(draft.cells[index].kind == "code" for index in filled):
                 yield (
-                    f"The answer for {name} stood in a code cell. It was taken for text. In "
+                    f"The answer for {name} was in a code cell. It was treated as text. In "
                     "Jupyter, select the cell and press M to make it text again."
                 )
         else:
@@ -357,7 +357,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         if not certain:
             yield (
                 f"The cell for {name} is missing, and there is text elsewhere that may be the "
-                "answer. Somebody will look for it."
+                "answer. A grader will look for it."
             )
         draft.answers[name] = WrittenAnswer(text, certain, pictures)
     _remove_cells(draft, moved)

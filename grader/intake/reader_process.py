@@ -83,8 +83,9 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     excess = _excess(os.waitstatus_to_exitcode(status), reply)
     if excess:
         raise TooCostly(
-            f"Reading {name} takes {excess}. Clear its outputs (in JupyterLab: Edit, Clear Outputs "
-            "of All Cells), delete text that does not belong to it, save, and hand it in again."
+            f"Reading {name} takes {excess}. Clear its outputs (in JupyterLab: Edit, Clear "
+            "Outputs of All Cells), delete text that does not belong to it, save, and "
+            "submit it again."
         )
     try:
         kind, content = json.loads(reply)

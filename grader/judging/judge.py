@@ -33,8 +33,8 @@ from utils.notebooks.reading import UnreadableNotebook
 # Exceptions that a wrong answer causes in a test. Any other may be a fault of the test.
 _EXPECTED_FAILURES = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 JUDGE_FAILED_NOTE = (
-    "The judge failed on this notebook; this is not the student's fault, and no points were "
-    "given or taken. Whoever grades finds the reason in the verdict's file."
+    "The judge failed on this notebook. This is not the student's fault, and no "
+    "points were given or taken. The verdict's file has the reason for the grader."
 )
 
 

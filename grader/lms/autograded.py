@@ -273,7 +273,7 @@ def _add_missing(
         if name not in positions:
             filled = _filled_cell(cell, None, prepared.answers.get(name))
             if name in prepared.graded:  # it shares a cell with another one
-                filled.source = f"# {name} stands in the cell of another exercise."
+                filled.source = f"# {name} is in the cell of another exercise."
             copy.cells.insert(before + 1, filled)
             positions.update(
                 {later: place + 1 for later, place in positions.items() if place > before}

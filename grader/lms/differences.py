@@ -37,7 +37,7 @@ def differences(
         return [f"{entry.name}: it is not in the gradebook"]
     sentences = []
     if submission.timestamp != known_time(entry.places(course)):
-        sentences.append(f"{entry.name}: the gradebook has another time of submission")
+        sentences.append(f"{entry.name}: the gradebook has another submission time")
     if submission.extension != extension_of(course, submission, deadlines):
         sentences.append(f"{entry.name}: the gradebook has another extension")
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
@@ -49,20 +49,20 @@ def differences(
             score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
             if (verdict is None or grade.name in wanted) and not _is_close(grade.auto_score, score):
                 sentences.append(
-                    f"{label}: {grade.name} has {grade.auto_score} points, judged were {score}"
+                    f"{label}: {grade.name} has {grade.auto_score} points instead of {score}"
                 )
             if max_score is not None and not _is_close(grade.max_score, max_score):
                 sentences.append(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
         if not _is_close(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
-            sentences.append(f"{label}: the penalty for lateness is another")
+            sentences.append(f"{label}: the late penalty differs")
         if (
             verdict
             and verdict_key_of_copy(course, entry.student, entry.stage, notebook.name)
             != verdict.key
         ):
-            sentences.append(f"{label}: the autograded copy is of another verdict")
+            sentences.append(f"{label}: the autograded copy belongs to another verdict")
     missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
     return sentences + [
         f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)

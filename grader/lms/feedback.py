@@ -201,8 +201,8 @@ class FeedbackWriter:
         # A student with a mark given by hand and without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
             raise FeedbackNotReady(
-                f"{result.student}, {lesson.name}: what was handed in and judged last is not in "
-                "the gradebook. Run: python -m grader grade"
+                f"{result.student}, {lesson.name}: the latest verdict is not in the gradebook. "
+                "Run: python -m grader grade"
             )
         answers = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
         exercises = tuple(

@@ -23,7 +23,7 @@ from grader.lms.feedback_page import feedback_page
 
 # `Source.archive` ends with the owner's name in the archive and the name of the submitted file.
 _OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
-_TEAM = "handed in as {}, which may be a team: give each of them their own page"
+_TEAM = "submitted as {}, which may be a team: give each member their own page"
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def build_moodle_archive(
         person = feedback.person
         own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
         if not own_files:
-            skipped.append(f"{person.id}: their work was not collected from a zip of Moodle's")
+            skipped.append(f"{person.id}: their work was not collected from a Moodle zip")
             continue
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
@@ -100,7 +100,7 @@ def build_canvas_archive(
         if team:
             skipped.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
-            skipped.append(f"{id}: no notebook of theirs was collected from a zip of Canvas's")
+            skipped.append(f"{id}: no notebook of theirs was collected from a Canvas zip")
     return FeedbackArchive(files, tuple(skipped))
 
 
@@ -184,7 +184,7 @@ def write_feedback(
     writer = FeedbackWriter(course, stage)
     people = writer.people(students)
     all_feedback, pages = [], []
-    skipped = [f"{id}: has marks, and is not on the roster" for id in writer.strangers()]
+    skipped = [f"{id}: has marks but is not on the roster" for id in writer.strangers()]
     for done, person in enumerate(people, start=1):
         try:
             feedback = writer.feedback(person)

@@ -14,7 +14,7 @@ import nbformat
 from grader.lms.feedback import Feedback, LessonFeedback, SanitisedText
 from grader.lms.feedback_page import render_template
 
-SENTENCE = "Your own notebook is where you left it: this one holds the feedback on it."
+SENTENCE = "This notebook contains the feedback. Your own notebook is unchanged."
 
 
 def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:

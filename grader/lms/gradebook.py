@@ -41,8 +41,8 @@ def open_gradebook(course: Course) -> Gradebook:
     except SQLAlchemyError as error:
         reason = str(error).splitlines()[0].rstrip(".")
         raise GradebookUnavailable(
-            f"The gradebook cannot be opened: {reason}. c.CourseDirectory.db_url in "
-            "nbgrader_config.py says where it is."
+            f"The gradebook cannot be opened: {reason}. Its address is "
+            "c.CourseDirectory.db_url in nbgrader_config.py."
         ) from error
 
 

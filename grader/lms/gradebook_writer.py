@@ -89,9 +89,7 @@ def enter_verdicts(
         }
         log_changes(course, book, keys)
     if trouble:
-        raise GradebookError(
-            "The gradebook does not hold everything:\n" + "\n".join(dict.fromkeys(trouble))
-        )
+        raise GradebookError("The gradebook is not complete:\n" + "\n".join(dict.fromkeys(trouble)))
 
 
 def _try_to_enter(

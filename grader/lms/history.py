@@ -31,7 +31,7 @@ from grader.lms.autograded import verdict_key_of_copy
 TOLERANCE = 1e-6  # points are written with two decimal places
 LATE_PENALTY = "late penalty"  # used in place of an exercise name
 A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
-REMOVED = "taken out of the gradebook"
+REMOVED = "removed from the gradebook"
 
 Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
 

@@ -17,17 +17,17 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{label}: {stage.undecided}; whether the work is late is undecided. Write the "
-                "time into timestamp.txt beside it, such as 2026-11-22 18:30:00 UTC, and run grade "
-                "again."
+                f"{label}: {stage.undecided}, so late or on time is undecided. Write the time "
+                "into timestamp.txt in that folder, such as 2026-11-22 18:30:00 UTC, and run "
+                "grade again."
             )
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
-                f"until {until:%Y-%m-%d %H:%M} UTC, and that counts. To have it in the file, too, "
-                f'write below [{stage.stage}.students]: "{stage.student}" = '
-                f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there takes it back."
+                f"until {until:%Y-%m-%d %H:%M} UTC, and that counts. To have it in the file as "
+                f'well, write below [{stage.stage}.students]: "{stage.student}" = '
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there replaces it."
             )
     yield from unlisted_notes(results)
 

@@ -23,10 +23,10 @@ class PercentPerDay(LateSubmissionPlugin):
         10.0, min=0.0, max=100.0, help="Part of the score, in percent, for each day begun."
     ).tag(config=True)
     grace_minutes = Float(
-        0.0, min=0.0, help="Work that is late by no more than this counts as in time."
+        0.0, min=0.0, help="Work that is late by no more than this counts as on time."
     ).tag(config=True)
     most_percent = Float(
-        100.0, min=0.0, max=100.0, help="Part of the score, in percent, that is lost at most."
+        100.0, min=0.0, max=100.0, help="Largest part of the score, in percent, that is subtracted."
     ).tag(config=True)
 
     def late_submission_penalty(

@@ -62,7 +62,7 @@ def _time(place: Path) -> datetime | None:
             raise SubmissionTimeUnknown("timestamp.txt is empty")
         return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise SubmissionTimeUnknown("timestamp.txt does not say a time that can be read") from error
+        raise SubmissionTimeUnknown("timestamp.txt has no readable time") from error
 
 
 def _with_known_zone(text: str) -> str:

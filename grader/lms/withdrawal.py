@@ -43,10 +43,11 @@ def withdraw(
                 )
                 if graded_by_hand.first():
                     trouble.append(
-                        f"{student}, {stage}: nothing is handed in any more, but the gradebook "
-                        "holds marks or comments of a person. Put the submission back, or take it "
-                        f"out with: nbgrader db assignment list, and Gradebook.remove_submission"
-                        f"({stage!r}, {student!r})"
+                        f"{student}, {stage}: there is no submission any more, but the gradebook "
+                        "has marks or comments of a grader. Put the submission back, or remove it "
+                        "with: "
+                        f"nbgrader db assignment list, and Gradebook.remove_submission({stage!r}, "
+                        f"{student!r})"
                     )
                     continue
                 book.remove_submission(stage, student)

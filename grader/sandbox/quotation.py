@@ -46,8 +46,8 @@ SENTENCES = (
     ),
     (
         "FileNotFoundError",
-        r"There is no notebook .*The judge sees one notebook only",
-        "the judge sees one notebook only: paste what it needs into that notebook",
+        r"There is no notebook .*The judge sees only one notebook",
+        "the judge sees only one notebook: paste the functions that it needs into that notebook",
     ),
     ("MemoryError", r"it returned more data", "it returned more data than any answer needs"),
 )

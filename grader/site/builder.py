@@ -104,7 +104,7 @@ def ready(folder: Path) -> None:
             "pip install -r requirements-site.txt. `make site` does that by itself."
         )
     if folder.exists() and any(folder.iterdir()) and not (folder / SITE_MARKER).is_file():
-        raise SiteError(f"{folder} holds something else than a site. Name another folder.")
+        raise SiteError(f"{folder} contains something other than a website. Name another folder.")
 
 
 def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:

@@ -64,7 +64,7 @@ def titles() -> list[tuple[str, str]]:
         (stage, f"Stage {number}: {stage_title(stage)}")
         for number, stage in enumerate(stages(), start=1)
     ]
-    return [*titled, (OPTIONAL, "Optional: beside the course")] if optional_lessons() else titled
+    return [*titled, (OPTIONAL, "Optional")] if optional_lessons() else titled
 
 
 def _lessons_of(stage: str) -> list[Lesson]:

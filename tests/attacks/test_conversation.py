@@ -91,7 +91,7 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
             "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
             "ended",
         ),
-        "kills itself": ("os.kill(os.getpid(), 9)", "memory, or killed itself"),
+        "kills itself": ("os.kill(os.getpid(), 9)", "memory or ended itself"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
         "leaves a child in its place": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
         "becomes another program": (

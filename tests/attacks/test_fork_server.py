@@ -161,7 +161,7 @@ def test_a_worker_that_ends_takes_only_its_children_along():
         first.f(False)
         assert second.f() == 2
         children = [number for pid in first._worker.pids for number in tree(pid)]
-        with pytest.raises(StudentStopped, match="killed itself"):
+        with pytest.raises(StudentStopped, match="ended itself"):
             first.f(True)
         assert second.f() == 2
     deadline = time.monotonic() + PATIENCE

@@ -184,7 +184,9 @@ def _streets() -> Iterable[Street]:
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
     yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30, 2.78),))
-    yield Street(4, "Somebody behind a parked lorry", 20, actors=(lorry, peeping(75.5, 20 / 3.6)))
+    yield Street(
+        4, "A pedestrian behind a parked lorry", 20, actors=(lorry, peeping(75.5, 20 / 3.6))
+    )
     yield Street(
         5,
         "The car ahead brakes",
@@ -208,7 +210,7 @@ def _streets() -> Iterable[Street]:
         ),
     )
     yield Street(13, "A wide road at 50", 50, slope=0.025, traffic=True, plan=empty)
-    yield Street(14, "Somebody crosses a wide road", 50, plan=empty, actors=(adult(110, v50),))
+    yield Street(14, "A pedestrian crosses a wide road", 50, plan=empty, actors=(adult(110, v50),))
     yield Street(15, "A crowded street", traffic=True, plan=crowded)
     yield Street(16, "Downhill", slope=-0.05, actors=(adult(90, v30, side=1),))
     yield Street(17, "Behind a cyclist", traffic=True, actors=(slow_cyclist(25),))

@@ -128,7 +128,7 @@ class Lender:
 
     def announce_recomputed(self, names: Collection[str]) -> None:
         """Say that the arguments of functions were recomputed, as the functions may change them."""
-        self._show_reason(names, "this cell goes on with what it was given, made anew.")
+        self._show_reason(names, "this cell goes on with its original input, computed again.")
 
     def _show_reason(self, names: Collection[str], consequence: str) -> None:
         names = sorted(name for name in names if name not in self._said)

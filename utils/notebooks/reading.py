@@ -125,12 +125,12 @@ def _decode(draft: _Draft) -> str:
         draft.text = data.decode(encoding)
     except UnicodeDecodeError:
         raise UnreadableNotebook(
-            f"{draft.name} is not a notebook: it is not text. Save it again "
-            "in Jupyter and hand in the .ipynb file."
+            f"{draft.name} is not a notebook: it is not text. Save it again in Jupyter and "
+            "submit the .ipynb file."
         ) from None
     if not draft.text.strip(" \t\r\n\0"):
         raise UnreadableNotebook(
-            f"{draft.name} is empty. Save the notebook again in Jupyter and hand it in."
+            f"{draft.name} is empty. Save the notebook again in Jupyter and submit it."
         )
     return sentence
 
@@ -142,9 +142,9 @@ def _count_brackets(draft: _Draft) -> str:
         text = _TEXT_IN_JSON.sub("", text)  # brackets inside strings do not become objects
         if text.count("[") + text.count("{") > MOST_BRACKETS:
             raise UnreadableNotebook(
-                f"{draft.name} holds more than {MOST_BRACKETS:,} lists and entries, most of them "
-                "in its outputs. Clear its outputs (in JupyterLab: Edit, Clear Outputs of All "
-                "Cells), save, and hand it in again."
+                f"{draft.name} contains more than {MOST_BRACKETS:,} lists and entries, most of "
+                "them in its outputs. Clear its outputs (in JupyterLab: Edit, Clear Outputs of "
+                "All Cells), save, and submit it again."
             )
     return ""
 
@@ -158,18 +158,19 @@ def _parse(draft: _Draft) -> str:
         draft.content = _whole_cells(text)
         if not draft.content["cells"]:
             raise UnreadableNotebook(
-                f"{draft.name} is not a notebook: it is not valid JSON. It may "
-                "have been cut off while it was uploaded; hand it in again."
+                f"{draft.name} is not a notebook: it is not valid JSON. It may have been cut "
+                "off while it was uploaded; submit it again."
             ) from None
         return (
             f"{draft.name} is damaged or cut off after {len(draft.content['cells'])} of its "
-            "cells. Those were read, and nothing behind them. Save it again in Jupyter and hand "
-            "it in again."
+            "cells. Only these cells were read. Save it again in Jupyter and submit it "
+            "again."
         )
     if text[end:].strip(" \t\r\n\0"):
         return (
-            f"Behind the end of the notebook {draft.name} stands something else, such as a second "
-            "copy. Only the notebook was read. Save it again in Jupyter and hand it in again."
+            f"After the end of the notebook {draft.name} there is something else, such as a "
+            "second copy. Only the notebook was read. Save it again in Jupyter and submit "
+            "it again."
         )
     return ""
 
@@ -204,8 +205,8 @@ def _find_cells(draft: _Draft) -> str:
     lists = [sheet.get("cells") for sheet in sheets if isinstance(sheet, dict)]
     if not any(isinstance(cells, list) for cells in lists):
         raise UnreadableNotebook(
-            f"{draft.name} is JSON but not a notebook: it has no cells. Hand "
-            "in the .ipynb file that Jupyter saves."
+            f"{draft.name} is JSON but not a notebook: it has no cells. Submit the .ipynb "
+            "file that Jupyter saves."
         )
     draft.old = old
     draft.found = [cell for cells in lists for cell in _as_list(cells)]
@@ -219,8 +220,8 @@ def _read_cells(draft: _Draft) -> str:
     """Read each cell, even if some of its entries are missing."""
     if len(draft.found) > MOST_CELLS:
         raise UnreadableNotebook(
-            f"{draft.name} has {len(draft.found):,} cells; more than {MOST_CELLS:,} are not read. "
-            "Hand in the notebook you worked in."
+            f"{draft.name} has {len(draft.found):,} cells; more than {MOST_CELLS:,} are not "
+            "read. Submit the notebook in which you worked."
         )
     cells = [cell for cell in draft.found if isinstance(cell, dict)]
     draft.cells = tuple(_cell(cell, draft.old) for cell in cells)

@@ -20,8 +20,8 @@ _FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
 _RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
 _REMARKS = {
-    "text": "was typed into Canvas, where no notebook can be: ask for the .ipynb file",
-    "link": "is a link, to what may have changed since: ask for the .ipynb file",
+    "text": "was typed into Canvas, which cannot hold a notebook: ask for the .ipynb file",
+    "link": "is a link, and its target may have changed: ask for the .ipynb file",
 }
 
 

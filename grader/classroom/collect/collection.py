@@ -125,10 +125,10 @@ def _by_owner(
         try:
             ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
-            report.add_question(owner.label, f"{_files(len(files))} of theirs. {question}")
+            report.add_question(owner.label, f"{_files(len(files))} from this student. {question}")
     for (archive, owner), ids in ids_by_owner.items():
         if normalized(owner.label) in answers.earlier:
-            decision = f"taken for that of {', '.join(ids)}" if ids else "left out"
+            decision = f"assigned to {', '.join(ids)}" if ids else "left out"
             report.remarks.append(Question(owner.label, f"{decision}, as you answered before"))
         rivals = [
             other_owner

@@ -48,15 +48,15 @@ def lesson_of(
         if named in existing and is_placed(inside, file):
             return inside
         raise Contradiction(
-            f"is called {named.name}, and says inside that it is {inside.name}. Look at it, "
-            f"and add {lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
+            f"is named {named.name}, but its content is {inside.name}. Look at it, and add "
+            f"{lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
             (named, inside),
         )
     found = named or inside
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.unpacked.complaint
-        reason = f"{complaint}. " if complaint else "names no lesson, and holds none. "
+        reason = f"{complaint}. " if complaint else "names no lesson and does not contain one. "
         raise Unrecognised(f"{reason}If it is one, add {lesson_option(file, 'NN')}")
     return found
 

@@ -74,15 +74,13 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     except UnreadableFile as error:
         return [UnpackedFile((), SUBSTITUTE, complaint=str(error))]
     except TooCostly:
-        return [
-            UnpackedFile(
-                (), SUBSTITUTE, complaint="takes too long, or too much memory, to be opened"
-            )
-        ]
+        return [UnpackedFile((), SUBSTITUTE, complaint="takes too much time or memory to open")]
     except ReadingFailed:  # a fault of the grader, which must not affect other files
         return [
             UnpackedFile(
-                (), SUBSTITUTE, complaint="cannot be opened: look at it, and ask for it unpacked"
+                (),
+                SUBSTITUTE,
+                complaint="cannot be opened: look at it, and ask for it without a zip",
             )
         ]
     return [_from_json(*parts) for parts in replies]
@@ -126,7 +124,7 @@ def _unpack(
 def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[UnpackedFile]:
     if depth > DEEPEST:
         return [
-            UnpackedFile(path, SUBSTITUTE, complaint=f"lies {DEEPEST} zips deep, and is not opened")
+            UnpackedFile(path, SUBSTITUTE, complaint=f"is inside {DEEPEST} zips and is not opened")
         ]
     try:
         entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)

@@ -128,8 +128,8 @@ class Owners:
         if not names or any(name in letters(owner.names[0]) for name in names):
             return ""
         return (
-            f"Has the number of {person.id}, and another name. If it is a team, whose work came "
-            f"only once, add {_owner_option(owner, f'{person.id},ID')}; if not, "
+            f"Has the number of {person.id} but another name. If it is a team that "
+            f"submitted once, add {_owner_option(owner, f'{person.id},ID')}; if not, "
             f"{_owner_option(owner, person.id)}"
         )
 
@@ -156,10 +156,10 @@ class Owners:
         """Raise `CollectError` for an answer that names no student."""
         suggestions = ""
         if self._roster and self._roster.person(id) is None:
-            reason = "nobody on the roster has the id"
+            reason = "no student on the roster has the id"
             suggestions = " or ".join(person.id for person in self._roster.find_people(id))
         elif self._roster is None and safe_folder(id) != id:
-            reason, suggestions = "no folder can be called", safe_folder(id)
+            reason, suggestions = "no folder can have the name", safe_folder(id)
         else:
             return
         remedy = (
@@ -229,8 +229,9 @@ class Owners:
         elif owner.participant and not self._worksheet.rows:
             remedy = "give Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"Nobody on the roster is called so: {remedy}add {_owner_option(owner, 'ID')} (of a "
-            f"team, ID,ID; of nobody on the course, {NOBODY})"
+            f"No student on the roster has this name: {remedy}add "
+            f"{_owner_option(owner, 'ID')}. A team has several ids: ID,ID. To ignore these "
+            f"files, write {NOBODY}"
         )
 
     def _folder(self, owner: Owner) -> str:

@@ -94,7 +94,7 @@ class Record:
         ]
         untimed = [name for name, origin in present.items() if not origin.when]
         if times and untimed:
-            return None, f"no time is known of {min(untimed)}"
+            return None, f"the time of {min(untimed)} is unknown"
         return max(map(datetime.fromisoformat, times), default=None), ""
 
 
@@ -122,5 +122,5 @@ def reason_without_time(folder: Path) -> str:
         return ""
     record = read_record(folder)
     late = any(origin.late and (folder / name).is_file() for name, origin in record.files.items())
-    late_reason = "the learning platform marks it late, and gives no time"
+    late_reason = "the platform marks it late without a time"
     return record.undecided or (late_reason if late else "")

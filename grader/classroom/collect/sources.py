@@ -31,12 +31,12 @@ def open_archive(path: Path) -> Archive:
         except UnreadableFile as error:
             raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":
-        raise CollectError(f"{path} is no whole zip. Download it again.")
+        raise CollectError(f"{path} is not a complete zip. Download it again.")
     else:
         files = [((path.name,), _entry(path, (path.name,)))]
     entries = tuple(entry for parts, entry in files if not is_hidden(parts))
     if not entries:
-        raise CollectError(f"There is nothing in {path}.")
+        raise CollectError(f"{path} is empty.")
     checkouts = {parts[: parts.index(".git")] for parts, _ in files if ".git" in parts}
     return Archive(path, entries, frozenset(checkouts))
 

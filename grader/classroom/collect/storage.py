@@ -27,9 +27,9 @@ from utils.notebooks.reading import UnreadableNotebook
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
 TIMESTAMP_FILE = "timestamp.txt"
-_INTERRUPTED = "collecting was stopped before its time was written: collect it again"
-_RESUBMITTED = "it was handed in again, and no time is known"
-_UNREADABLE_TIME = "timestamp.txt did not say a time that could be read"
+_INTERRUPTED = "collecting was interrupted before its time was written; collect it again"
+_RESUBMITTED = "it was submitted again, and the time is unknown"
+_UNREADABLE_TIME = "timestamp.txt has no readable time"
 
 
 class UnclearVersion(Exception):
@@ -84,9 +84,9 @@ class StageFolder:
         """
         if self._placed.setdefault(name, origin.digest) != origin.digest:
             raise UnclearVersion(
-                f"differs from the {name} beside another notebook of theirs. Move each of the two "
-                f"notebooks into a folder of its own in {self._relative(self.path)}, with its "
-                f"{name}"
+                f"differs from the {name} next to another notebook of this student. Move each "
+                f"of the two notebooks into a folder of its own in {self._relative(self.path)}, "
+                f"with its {name}"
             )
         existing = current.path if current else self.path / name
         if not os.path.lexists(existing):
@@ -106,8 +106,8 @@ class StageFolder:
         newer = origin.newer_than(recorded)
         if newer is None:
             raise UnclearVersion(
-                f"differs from {self._relative(existing)}, and nothing tells which is newer. To "
-                "take this one, delete that"
+                f"differs from {self._relative(existing)}, and it is unknown which one is "
+                "newer. To take this one, delete the other"
             )
         if not newer:
             return KEPT

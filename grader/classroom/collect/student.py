@@ -85,7 +85,7 @@ class StudentCollector:
         self._write_times(folders.values())
         if not notebooks and not self._doubts:
             names = ", ".join(dict.fromkeys(one.path[-1] for _, one in submitted))
-            self._add_doubt(submitted[0][1].owner.label, f"handed in no notebook: {names}")
+            self._add_doubt(submitted[0][1].owner.label, f"contains no notebook: {names}")
         self._report_doubts()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
@@ -98,7 +98,7 @@ class StudentCollector:
             unpacked_files = unpack_file(one.entry, one.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                text = f"with what they handed in beside it is {TOO_MUCH_OF_A_STUDENT}"
+                text = f"together with the student's other files is {TOO_MUCH_OF_A_STUDENT}"
                 self._add_doubt(one.name, text, lesson_by_name(one.path[-1]))
                 continue
             for unpacked in unpacked_files:
@@ -110,7 +110,7 @@ class StudentCollector:
                 else:
                     lesson = lesson_by_name(file.path[-1])
                     wanted_file = f"{lesson.name}.ipynb" if lesson else "the .ipynb file"
-                    text = unpacked.complaint or f"is no notebook: ask for {wanted_file}"
+                    text = unpacked.complaint or f"is not a notebook: ask for {wanted_file}"
                     self._add_doubt(file.name, text, lesson)
         return files
 
@@ -197,7 +197,7 @@ class StudentCollector:
         candidates = [file for file in changed if not self._is_placed(lesson, file)]
         if not candidates:
             return
-        text = f"belongs to {lesson.stage}. To place it there, add --stage {lesson.stage}"
+        text = f"belongs to {lesson.stage}. To collect it, add --stage {lesson.stage}"
         if lesson in self._existing:
             self._report.remarks.append(Question(candidates[0].name, text))
         else:
@@ -243,8 +243,8 @@ def _submission_time(
     if times:
         return max(times), ""
     if rows:
-        return None, f"for a time, the table of times has {rows[0].time_text or 'nothing'!r}"
+        return None, f"the table of times has {rows[0].time_text or 'nothing'!r} instead of a time"
     # A platform that marks late work says that the rest is on time: a table of it suffices.
     if rows is None or all(one.late is False for _, one in submitted):
         return None, ""
-    return None, "the table of times has no line about them, or more than one"
+    return None, "the table of times has no row for this student, or several"

@@ -123,9 +123,9 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     column = next((index for index, title in enumerate(titles) if title in TITLES), None)
     if column is None:
         raise CollectError(
-            f"{path}: none of its columns is known to say when work was handed in. They are: "
-            f"{', '.join(rows[0]) if rows else 'none'}. Call the right one "
-            '"Last modified (submission)", and write times like 2026-10-12 23:59.'
+            f"{path}: no column is known to contain the submission time. The columns are: "
+            f'{", ".join(rows[0]) if rows else "none"}. Rename the right one to "Last '
+            'modified (submission)", and write times like 2026-10-12 23:59.'
         )
     language = TITLES[titles[column]]
     status = next((index for index, title in enumerate(titles) if title in STATUS), 1)

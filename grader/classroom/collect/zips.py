@@ -66,7 +66,7 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
     # Python's `is_dir` fails for an empty name.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
-        raise UnreadableFile(f"holds {len(infos):,} files; more than {limit:,} are not opened")
+        raise UnreadableFile(f"contains {len(infos):,} files; more than {limit:,} are not opened")
     return [
         (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
         for info in infos
@@ -106,17 +106,17 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 def _check(info: zipfile.ZipInfo) -> None:
     """Check the claimed size of a file before unpacking, which never produces more."""
     if stat.S_ISLNK(info.external_attr >> 16):
-        raise UnreadableFile("is a link to another file: hand in the file itself")
+        raise UnreadableFile("is a link to another file: submit the file itself")
     if info.flag_bits & 0x1:
-        raise UnreadableFile("has a password: hand it in without")
+        raise UnreadableFile("has a password: submit it without one")
     if info.file_size > LARGEST_FILE:
         raise UnreadableFile(
-            f"is larger than {LARGEST_FILE // 2**20} MB: clear its outputs and hand it in again"
+            f"is larger than {LARGEST_FILE // 2**20} MB: clear its outputs and submit it again"
         )
     if info.file_size > max(_SMALL_FILE, MOST_COMPRESSION * info.compress_size):
         raise UnreadableFile(
-            f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, as "
-            "bombs do: clear its outputs and hand it in again"
+            f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, "
+            "like a zip bomb: clear its outputs and submit it again"
         )
 
 

@@ -29,10 +29,13 @@ def main(root: Path) -> int:
         judged = judge_submission(root / "submission", root / "source", sandbox)
         write_atomically(json.dumps(build_results(judged), indent=1), results)
     except (IsolationFailed, SandboxUnavailable, JudgeFailed) as error:
-        print(f"Nothing was judged, and nobody has a mark by it.\n{error}")
+        print(f"Nothing was judged, and no student gets a mark from this run.\n{error}")
         return 1
     except Exception:
-        print(f"Nothing was judged, and nobody has a mark by it.\n{traceback.format_exc()}")
+        print(
+            "Nothing was judged, and no student gets a mark from this run.\n"
+            f"{traceback.format_exc()}"
+        )
         return 1
     return 0
 

@@ -33,8 +33,9 @@ def restrict_access(root: Path) -> None:
     """
     if os.geteuid() != 0:
         raise IsolationFailed(
-            "This autograder must be run by root, as Gradescope does: else student code would be "
-            "the same user as what judges it. Leave setup.sh and run_autograder as they are."
+            "Root must run this autograder, as Gradescope does; otherwise student code "
+            "would have the same user as the judge. Leave setup.sh and run_autograder as "
+            "they are."
         )
     for names, forbidden_bits in ((ROOT_ONLY, 0o077), (NOT_WRITABLE, 0o022)):
         for path in filter(os.path.lexists, (root / name for name in names)):
@@ -46,10 +47,10 @@ def _restrict(path: Path, forbidden_bits: int) -> None:
         os.chown(path, 0, 0, follow_symlinks=False)
         path.chmod(stat.S_IMODE(path.lstat().st_mode) & ~forbidden_bits)
     except OSError as error:
-        raise IsolationFailed(f"{path} cannot be closed to others: {error.strerror}.") from None
+        raise IsolationFailed(f"{path} cannot be protected: {error.strerror}.") from None
     status = path.lstat()
     if status.st_uid or status.st_mode & forbidden_bits or stat.S_ISLNK(status.st_mode):
-        raise IsolationFailed(f"{path} stays open to others than root.")
+        raise IsolationFailed(f"{path} can still be read by other users than root.")
 
 
 def strongest_sandbox() -> Sandbox:
@@ -70,7 +71,7 @@ def strongest_sandbox() -> Sandbox:
         else:
             return SANDBOXES[name]
     raise SandboxUnavailable(
-        "No walls can be built here between student code and tests, seed and results, so no "
-        "student code is run. Grade on a machine of your own, and hand out the marks with "
-        "`python -m grader export --format gradescope`.\n" + "\n".join(complaints)
+        "Student code cannot be isolated here from tests, seed and results, so none is "
+        "run. Grade on a machine of your own, and enter the marks with `python -m "
+        "grader export --format gradescope`.\n" + "\n".join(complaints)
     )

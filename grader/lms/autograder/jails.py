@@ -46,4 +46,4 @@ if __name__ == "__main__":
     try:
         build_jails(Path(sys.argv[1]))
     except OSError as error:
-        print(f"The image keeps no folders for student code: {error}")
+        print(f"The image does not keep the folders for student code: {error}")

@@ -136,9 +136,9 @@ def _explain_unjudged(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]
             is_notebook = Path(name).suffix.lower() == ".ipynb"
             lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(folder, name)))
             if lesson and not is_notebook:
-                yield f"{name} is no notebook. Hand in {lesson.name}.ipynb, as Jupyter saves it."
+                yield f"{name} is not a notebook. Submit {lesson.name}.ipynb, as Jupyter saves it."
             elif lesson and lesson not in lessons:
-                yield f"{name} is lesson {lesson.name}, which is not asked for here."
+                yield f"{name} is lesson {lesson.name}, which is not part of this assignment."
             elif is_notebook and not lesson:
                 yield (
                     f"{name}: cannot tell which lesson this is. Give the file the name it was "

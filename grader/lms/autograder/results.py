@@ -14,7 +14,7 @@ from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
 NOW, AFTERWARDS = "visible", "after_published"
 """Visibility of a result. Students may submit repeatedly, so the results of hidden tests are shown
 only after the last submission."""
-MISSING = "Nothing was handed in for this lesson."
+MISSING = "Nothing was submitted for this lesson."
 
 
 def build_results(judged: JudgedSubmission) -> dict:
@@ -22,7 +22,7 @@ def build_results(judged: JudgedSubmission) -> dict:
     tests = [test for lesson in judged.lessons for test in _tests(lesson)]
     score = total([lesson.verdict.score for lesson in judged.lessons if lesson.verdict])
     if total([test.get("score", 0.0) for test in tests]) != score:
-        raise ArithmeticError("What is shown does not add up to what was earned.")
+        raise ArithmeticError("The displayed points do not add up to the score.")
     return {
         "score": score,
         "output": "\n".join(judged.left),
@@ -55,7 +55,7 @@ def _exercise(number: str, exercise: ExerciseResult) -> Iterator[dict]:
         visibility = NOW if test.visible else AFTERWARDS
         yield _scored(f"{number}.{row}", name, test.score, test.max_score, test.message, visibility)
     if not exercise.tests:
-        message = "This could not be judged. What is said about the lesson above tells why."
+        message = "This could not be judged. The message about the lesson above says why."
         yield _scored(number, exercise.name, exercise.score, exercise.max_score, message, NOW)
     if exercise.slip:
         fields = _message(number, f"{exercise.name}: one slip", exercise.slip.sentence, AFTERWARDS)

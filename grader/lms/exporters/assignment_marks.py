@@ -12,8 +12,8 @@ from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, 
 
 UNMARKED_TITLES = {
     EXCUSED: "Without a mark, because they are excused",
-    MISSING: "Without a mark, because they handed in nothing",
-    WAITING: "Without a mark, because what they handed in is not entered yet",
+    MISSING: "Without a mark, because they submitted nothing",
+    WAITING: "Without a mark, because their submission is not entered yet",
 }
 
 
@@ -86,8 +86,8 @@ def collect_marks(order: ExportOptions) -> Marks:
             name for result in results.notebooks for name in (result.stage, result.lesson)
         )
         raise ExportError(
-            f"Say with --assignment which stage or lesson these marks are of. Handed in was: "
-            f"{', '.join(sorted(names))}."
+            "Name the stage or lesson to export with --assignment. There are submissions "
+            f"for: {', '.join(sorted(names))}."
         )
     waiting = [result for result in notebooks if result.standing == WAITING]
     if waiting and not order.provisional:
@@ -131,10 +131,10 @@ def _notes(
         if result.undecided and result.stage == stage and result.student in ids
     ]
     yield list_sentence(
-        "Provisional, with what waits for a person still to come", _by_lesson(waiting)
+        "Provisional, because a grader still has to grade a part", _by_lesson(waiting)
     )
-    yield list_sentence("Counted as 0, because nothing was handed in", _by_lesson(zeros))
-    yield list_sentence("Nothing taken off, as whether they were late is undecided", undecided)
+    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros))
+    yield list_sentence("No penalty subtracted, because late or on time is undecided", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
 

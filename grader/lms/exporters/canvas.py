@@ -50,8 +50,8 @@ def canvas(order: ExportOptions) -> ExportResult:
     possible = [row for row in sheet.rows if POINTS_POSSIBLE in row[0]]
     if not possible:
         raise ExportError(
-            f"{sheet.name} has no row {POINTS_POSSIBLE!r}, so that nobody can compare the points. "
-            "Export the gradebook again."
+            f"{sheet.name} has no row {POINTS_POSSIBLE!r}, so the points cannot be "
+            "compared. Export the gradebook again."
         )
     most = read_number(possible[0][column])
     factor = scale_factor(marks, most, sheet.head[column], order.scale)
@@ -74,8 +74,9 @@ def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
     ):
         return sheet.head[: sheet.head.index(LAST_PEOPLE_COLUMN) + 1]
     raise ExportError(
-        f"{sheet.name} is no gradebook of Canvas: that begins with Student or LastName, and has a "
-        "column Section. In Canvas: Grades, Export, Export Entire Gradebook."
+        f"{sheet.name} is not a gradebook of Canvas, which begins with Student or "
+        "LastName and has a column Section. In Canvas: Grades, Export, Export Entire "
+        "Gradebook."
     )
 
 
@@ -118,7 +119,7 @@ def _row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if row[column].strip() == NOT_ASSIGNED:
-            return "Canvas has not assigned it to them (N/A), and would drop what is written"
+            return "Canvas has not assigned it to them (N/A), and would ignore the mark"
         return ""
 
     return refuse

@@ -82,7 +82,7 @@ def fill_column(
         points = mark.points * column.times
         place = joined.rows.get(mark.person.id)
         reason = (
-            joined.doubts.get(mark.person.id, "no row in the file is theirs")
+            joined.doubts.get(mark.person.id, "the file has no row for them")
             if place is None
             else refusal(places[place].row, points)
         )
@@ -115,13 +115,13 @@ def fill_column(
     }
     notes = (
         *marks.notes,
-        list_sentence("Marks that the file had, and that are replaced", replaced),
-        list_sentence("Excused, and not written", unexcused),
-        list_sentence("Found by their name alone", joined.by_name),
+        list_sentence("Marks in the file that are replaced", replaced),
+        list_sentence("Excused, so no mark is written", unexcused),
+        list_sentence("Matched only by name", joined.by_name),
         list_sentence("Under another name in the file", joined.renamed),
-        list_sentence("In the file, and not on the roster", joined.strangers),
+        list_sentence("In the file but not on the roster", joined.strangers),
         list_sentence(
-            "On the roster, and not in the file",
+            "On the roster but not in the file",
             [name for id, name in absent.items() if id not in joined.doubts],
         ),
         *(f"{name}: {joined.doubts[id]}." for id, name in absent.items() if id in joined.doubts),
@@ -140,8 +140,8 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     """
     if not most:
         raise ExportError(
-            f"The platform says no points for {title!r}. Give the assignment "
-            f"{format_points(marks.most)} points there, and download the file again."
+            f"The platform has no maximum for {title!r}. Set {format_points(marks.most)}"
+            " points there, and download the file again."
         )
     if abs(most - marks.most) < TOLERANCE:
         return 1.0
@@ -178,8 +178,8 @@ def find_column(
         return hits[0]
     available = ", ".join(repr(title) for title in titles.values()) or "none for marks"
     raise ExportError(
-        f"{file} has {'no' if not hits else 'more than one'} {target}. Name the one that is meant "
-        f"with --column; there is: {available}."
+        f"{file} has {'no' if not hits else 'more than one'} {target}. Name the column "
+        f"with --column; the columns are: {available}."
     )
 
 

@@ -43,7 +43,7 @@ def write_export(
         before = None
         if path.exists() and path.read_bytes() != content:
             if path != usual:
-                raise ExportError(f"{path} is there already. Name another file, or remove it.")
+                raise ExportError(f"{path} exists already. Name another file, or delete it.")
             before = _unused_path(path)
             path.rename(before)
         try:

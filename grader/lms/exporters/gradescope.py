@@ -49,9 +49,14 @@ def gradescope(order: ExportOptions) -> ExportResult:
         email = _email(mark)
         try:
             if not email:
-                raise _NoEntry("Gradescope knows them by e-mail, and the roster has none.")
+                raise _NoEntry(
+                    "Gradescope identifies students by e-mail, and the roster has none for them."
+                )
             if sharing[email] > 1:
-                raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
+                raise _NoEntry(
+                    f"Gradescope identifies students by e-mail, and {email} also belongs to "
+                    "another student."
+                )
             entries[email] = _entry(order, mark, submitted.get(mark.person.id, ()))
         except _NoEntry as error:
             lost.append(f"{mark.person.display_name}, {format_points(mark.points)} points: {error}")
@@ -77,7 +82,7 @@ def _entry(order: ExportOptions, mark: Mark, submissions: Sequence[Submission]) 
     """Build the results of one student, with digests that identify the judged submission."""
     course = order.course
     if not submissions:
-        raise _NoEntry("nothing lies in submitted/ for it, so no submission can be compared.")
+        raise _NoEntry("submitted/ has no submission to compare with.")
     judged, reports = [], {}
     for submission in submissions:
         verdict = read_verdict(submission.verdict_path(course))
@@ -115,7 +120,7 @@ def _summary(results: Sequence[NotebookResult]) -> str:
     ]
     penalty = sum(row.penalty for row in results)
     if penalty:
-        lines.append(f"Taken off for lateness: {format_points(penalty)} points")
+        lines.append(f"Subtracted for lateness: {format_points(penalty)} points")
     return "\n".join(lines)
 
 
@@ -125,7 +130,7 @@ def _lesson_test(result: NotebookResult, verdict: Verdict | None) -> dict:
         "name": result.lesson,
         "score": round(result.score or 0.0, 2),
         "max_score": result.max_score,
-        "output": "Nothing was handed in."
+        "output": "Nothing was submitted."
         if result.standing == MISSING
         else _lesson_output(result, verdict),
         "visibility": "visible",
@@ -140,7 +145,7 @@ def _lesson_output(result: NotebookResult, verdict: Verdict | None) -> str:
         lines += _exercise(exercise)
     by_hand = (result.score or 0.0) - verdict.score
     if abs(by_hand) >= 0.005:
-        lines.append(f"Given by a person: {by_hand:+.4g} points")
+        lines.append(f"Points given by a grader: {by_hand:+.4g}")
     return "\n".join(lines)
 
 

@@ -21,7 +21,7 @@ def main(root: Path) -> str:
     emails = [user["email"].strip().casefold() for user in metadata["users"]]
     matching = [marks[email] for email in emails if email in marks]
     if not matching:
-        return f"There is no mark for {', '.join(emails)} here. Grade, export and upload again."
+        return f"There is no mark for {', '.join(emails)}. Grade, export and upload again."
     digests = {digest(path) for path in files_of(root / "submission")}
     judged = [mark for mark in matching if set(mark["judged"]) <= digests <= set(mark["known"])]
     if not judged:

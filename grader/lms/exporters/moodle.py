@@ -91,8 +91,8 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
     participants = all(PARTICIPANT.fullmatch(row[0].strip()) for row in sheet.rows)
     if not participants or not titles:
         raise ExportError(
-            f"{sheet.name} is no offline grading worksheet of Moodle, or its grades are words of a "
-            f"scale. {HOW_TO_DOWNLOAD}"
+            f"{sheet.name} is not an offline grading worksheet of Moodle, or its grades are "
+            f"words of a scale. {HOW_TO_DOWNLOAD}"
         )
     if len(titles) == 1 and wanted is None:
         return min(titles)
@@ -134,9 +134,9 @@ def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
 def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if points > most + TOLERANCE:
-            return f"Moodle skips marks above {format_points(most)} without a word"
+            return f"Moodle ignores marks above {format_points(most)} without a message"
         if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
-            return "their grade is locked in Moodle, which would skip the mark without a word"
+            return "their grade is locked in Moodle, which ignores the mark without a message"
         return ""
 
     return refuse

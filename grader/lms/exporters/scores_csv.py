@@ -39,7 +39,7 @@ def scores_csv(order: ExportOptions) -> ExportResult:
         if order.assignment in (None, result.stage, result.lesson)
     ]
     if not notebooks:
-        raise ExportError(f"Nobody has handed in anything for {order.assignment}.")
+        raise ExportError(f"No student has submitted anything for {order.assignment}.")
     stages: dict[str, dict[str, float]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score

@@ -86,7 +86,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
     except csv.Error as error:
         raise ExportError(f"{path.name} is not a CSV file: {error}. Download it again.") from error
     if len(rows) < 2 or len(rows[0]) < 2:
-        raise ExportError(f"{path.name} holds no table with students.")
+        raise ExportError(f"{path.name} has no table of students.")
     width = len(rows[0])
     for row in rows:
         if len(row) > width and any(row[width:]):

@@ -81,8 +81,8 @@ def _agree(name: str) -> Agreeable:
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
     """Raise, because the sandbox has only one notebook."""
     raise FileNotFoundError(
-        f"There is no notebook {str(name)!r} here. (The judge sees one notebook only: paste what "
-        "it needs into that notebook.)"
+        f"There is no notebook {str(name)!r} here. The judge sees only one notebook, so "
+        "paste the functions that it needs into that notebook."
     )
 
 
