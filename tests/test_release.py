@@ -236,7 +236,7 @@ def test_a_stage_without_a_due_date_may_be_open():
 def course(tmp_path, monkeypatch):
     """Folder of an empty course; running solutions and making pages are replaced."""
     monkeypatch.setattr(
-        runs, "executed_notebook", lambda lesson, kept, before: lesson.solved.read_bytes()
+        runs, "executed_notebook", lambda lesson, folder, extra: lesson.solved.read_bytes()
     )
     monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: b"page")
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
@@ -334,6 +334,16 @@ def test_a_solution_is_run_once_and_shows_its_output(tmp_path, monkeypatch):
     monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"2"})
     assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == b"run again"
     assert len(list((tmp_path / "kept").iterdir())) == 1  # the outdated result is deleted
+
+
+def test_the_site_runs_solutions_and_keeps_them(tmp_path, monkeypatch):
+    lesson = tiny_lesson(tmp_path, monkeypatch, "6 * 7")
+    monkeypatch.setattr(runs, "CACHE", tmp_path / "kept")
+    monkeypatch.setattr(runs, "recorder_code", lambda: "")
+    (ran,) = runs.solved_runs([lesson], 1, lambda *_: None).values()
+    (output,) = nbformat.reads(ran.decode(), as_version=4).cells[-1].outputs
+    assert output.data["text/plain"] == "42"
+    assert len(list((tmp_path / "kept").iterdir())) == 1
 
 
 def test_a_solution_that_fails_is_reported(tmp_path, monkeypatch):

@@ -10,19 +10,22 @@ import jinja2
 from markupsafe import Markup, escape
 
 from grader.course.paths import PROJECT
+from grader.course.settings import course_title, version
 
 TEMPLATES = Path(__file__).parent / "templates"
 
 
 @functools.cache
 def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader([TEMPLATES, PROJECT / "extension"]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.globals |= {"course": course_title(), "version": version()}
+    return environment
 
 
 def render(template: str, **content: object) -> str:

@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from grader.classroom.pages import coded
 from grader.course.mathml import STYLE, markdown_page
+from grader.course.settings import course_title, stage_title
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitisedText
 from grader.lms.results import format_points
 
@@ -25,10 +26,10 @@ def render_template(template: str, **content: object) -> str:
     return _environment().get_template(template).render(content)
 
 
-def stage_title(stage: str) -> str:
-    """Format a stage name as in "Stage 1 · numbers"; other names are returned unchanged."""
-    match = re.fullmatch(r"stage(\d+)_(\w+)", stage)
-    return f"Stage {match[1]} · {match[2].replace('_', ' ')}" if match else stage
+def stage_in_words(stage: str) -> str:
+    """Format a stage name as in "Stage 1 · Numbers"; other names are returned unchanged."""
+    match = re.fullmatch(r"stage(\d+)_\w+", stage)
+    return f"Stage {match[1]} · {stage_title(stage)}" if match else stage
 
 
 @functools.cache
@@ -44,9 +45,14 @@ def _environment() -> jinja2.Environment:
         "points": format_points,
         "coded": coded,
         "as_html": _as_html,
-        "in_words": stage_title,
+        "in_words": stage_in_words,
     }
-    environment.globals |= {"name_of": _name, "mark_of": _mark, "score_of": _score}
+    environment.globals |= {
+        "name_of": _name,
+        "mark_of": _mark,
+        "score_of": _score,
+        "course": course_title(),
+    }
     return environment
 
 

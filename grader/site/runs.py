@@ -4,7 +4,6 @@
 """
 
 import ast
-import functools
 import hashlib
 import importlib.util
 from collections.abc import Callable, Iterable
@@ -23,8 +22,11 @@ def solved_runs(
     lessons: Iterable[Lesson], workers: int, progress: Callable[[int, int, object], None]
 ) -> dict[Lesson, bytes]:
     """Run solved notebooks and record what their pages show; see `grader.course.solutions`."""
-    show = functools.partial(executed_notebook, kept=CACHE, before=recorder_code())
-    return run_all(lessons, workers, progress, show)
+
+    def run(lesson: Lesson) -> bytes:
+        return executed_notebook(lesson, CACHE, recorder_code())
+
+    return run_all(lessons, workers, progress, run)
 
 
 def missing_packages(lesson: Lesson) -> list[str]:
