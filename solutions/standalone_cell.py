@@ -1,14 +1,14 @@
-# @title Run this cell first: it brings the tools of the course, and data { display-mode: "form" }
-# No need to open it. It unpacks `utils` into a folder for this session and makes the lesson's scan.
+# @title Run this cell first: it contains the tools of the course and the data { display-mode: "form" }
+# You need not read it. It unpacks `utils` into a temporary folder and computes the lesson's scan.
 import atexit, base64, contextlib, hashlib, io, lzma, shutil, sys, tarfile, tempfile
 from pathlib import Path
 
-with contextlib.suppress(ImportError):  # the last line says what is missing
-    import matplotlib, numpy, scipy, shapely  # a kernel in a browser loads what is named here
+with contextlib.suppress(ImportError):  # the last line names what is missing
+    import matplotlib, numpy, scipy, shapely  # a kernel in a browser loads these packages
 
 packed = "PACKED"
 data = base64.b85decode(packed)
-assert hashlib.sha256(data).hexdigest() == "DIGEST", "This cell is damaged: get the notebook anew."
+assert hashlib.sha256(data).hexdigest() == "DIGEST", "This cell is damaged. Download the notebook again."
 if "utils" not in sys.modules:
     folder = Path(tempfile.mkdtemp(prefix="lidar-obstacle-lab-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)

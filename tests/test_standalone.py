@@ -126,7 +126,7 @@ def test_a_damaged_setup_cell_is_reported(tmp_path):
     place = cell.index('packed = "') + 5000
     other = "0" if cell[place] != "0" else "1"
     done = run_setup(tmp_path, cell[:place] + other + cell[place + 1 :])
-    assert "This cell is damaged: get the notebook anew." in done.stderr
+    assert "This cell is damaged. Download the notebook again." in done.stderr
 
 
 def test_a_standalone_submission_is_judged_like_any_other(sandbox):
