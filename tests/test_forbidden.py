@@ -109,17 +109,16 @@ def in_a_notebook(packages, without, forbidden, first=()):
 @pytest.mark.slow
 def test_everything_that_a_lesson_allows_can_be_imported(lesson, sandbox):
     """The result is the same in the sandbox, in a checked notebook, and without rules."""
-    packages = (*PACKAGES, *lesson.header.packages)
     forbidden = lesson.header.forbidden
-    plain, count = in_a_notebook(packages, forbidden, ())
+    plain, count = in_a_notebook(PACKAGES, forbidden, ())
     assert count > 300
-    judged = in_the_sandbox(packages, forbidden, forbidden, sandbox)
-    assert judged == in_the_sandbox(packages, forbidden, (), sandbox)
-    loaded = tuple(name for name in forbidden if name.partition(".")[0] in import_names(packages))
+    judged = in_the_sandbox(PACKAGES, forbidden, forbidden, sandbox)
+    assert judged == in_the_sandbox(PACKAGES, forbidden, (), sandbox)
+    loaded = tuple(name for name in forbidden if name.partition(".")[0] in import_names(PACKAGES))
     for first in {(), loaded}:
-        assert in_a_notebook(packages, forbidden, forbidden, first) == (plain, count)
+        assert in_a_notebook(PACKAGES, forbidden, forbidden, first) == (plain, count)
     # Modules that are missing only in the sandbox belong to packages that no lesson needs.
-    visible = {path.stem for path in files_of_packages(packages)}
+    visible = {path.stem for path in files_of_packages(PACKAGES)}
     only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}
     installed = metadata.packages_distributions()
     for name, missing in only_there.items():
@@ -171,8 +170,7 @@ EXPECTED = {
 @pytest.mark.parametrize("name", USES)
 def test_libraries_that_import_a_forbidden_module_work(name, sandbox):
     header = find_lesson(name).header
-    packages = (*PACKAGES, *header.packages)
-    program = Program((USES[name],), ("f",), forbidden=header.forbidden, packages=packages)
+    program = Program((USES[name],), ("f",), forbidden=header.forbidden, packages=PACKAGES)
     with StudentProxy(program, sandbox, Limits()) as student:
         assert student.f() == pytest.approx(EXPECTED[name])
 

@@ -396,4 +396,4 @@ def test_a_lesson_without_a_header_is_reported(tmp_path):
     path.write_text(HEAD.format(settings=""), "utf-8")
     assert read_header(path) == LessonHeader()
     names = {field.name for field in dataclasses.fields(LessonHeader)}
-    assert names == {"forbidden", "packages", "given", "lent"}
+    assert names == {"forbidden", "given", "lent"}

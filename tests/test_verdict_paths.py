@@ -114,7 +114,7 @@ def test_the_program_has_what_its_lesson_allows():
             {"helper": "y = 2"},
             given,
             header.forbidden,
-            (*PACKAGES, *header.packages),
+            PACKAGES,
             lesson.steps,
         )
     tree = find_lesson("04_kd_tree")

@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 
 __all__ = ["load_cloud", "read_cloud"]
 
+INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn")
+"""Packages that every answer may use, by their names on PyPI; a lesson may forbid parts of them."""
+
+ABSENT = (
+    "where notebooks are judged, there are only Python itself, NumPy, SciPy, Matplotlib, Shapely "
+    "and scikit-learn"
+)
+"""Why a module is missing, for a sentence of `check` or of the judge."""
+
 PACKAGES = ("clouds",)
 """Packages of `utils` that student code can import in the sandbox."""
 

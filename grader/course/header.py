@@ -27,9 +27,6 @@ class LessonHeader:
     ----------
     forbidden : tuple of str
         Modules that students may not use, because they do the exercise.
-    packages : tuple of str
-        Packages, by their names for pip, that students may use in addition to NumPy, SciPy and
-        matplotlib.
     given : tuple of str
         Functions and classes that the lesson defines and that answers rely on. The judge takes
         them from the lesson, even if a notebook changes them.
@@ -39,7 +36,6 @@ class LessonHeader:
     """
 
     forbidden: tuple[str, ...] = ()
-    packages: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
     lent: tuple[str, ...] = ()
 
@@ -70,6 +66,6 @@ def read_header(source: Path) -> LessonHeader:
         if name not in known or not isinstance(value, list):
             raise ValueError(
                 f"{source.parent.name}/{source.name}: the header says `{name}: {value}`. Below "
-                f"lidar_obstacle_lab stand lists of names: {' and '.join(known)}."
+                f"lidar_obstacle_lab there are lists of names: {' and '.join(known)}."
             )
     return LessonHeader(**{name: tuple(value) for name, value in settings.items()})

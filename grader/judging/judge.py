@@ -253,7 +253,7 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
         modules,
         Given(lesson.header.given, given_code(lesson), open=lesson.header.given),
         lesson.header.forbidden,
-        (*PACKAGES, *lesson.header.packages),
+        PACKAGES,
         lesson.steps,
     )
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
-# Packages that every lesson may import, by their names on PyPI; a header may name more.
-PACKAGES = ("numpy", "scipy", "matplotlib")
+from utils import in_sandbox
 
+PACKAGES = in_sandbox.INSTALLED
 
 # Solved lessons have fewer lines. In a longer notebook, student code could send a message by
 # choosing the line that fails, so lines are not shown.

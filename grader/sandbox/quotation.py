@@ -12,6 +12,7 @@ import builtins
 import re
 
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
+from utils.in_sandbox import ABSENT
 from utils.notebooks.forbidden import forbidden_part, refusal
 
 # Number of characters of a line that are shown and searched; people seldom write longer lines.
@@ -38,12 +39,8 @@ SENTENCES = (
     ("AttributeError", r".* has no attribute '(\w+)'", "no attribute '{}'"),
     ("TypeError", r".* unexpected keyword argument '(\w+)'", "no parameter '{}'"),
     ("ImportError", r"cannot import name '(\w+)'", "cannot import name '{}'"),
-    (
-        "ModuleNotFoundError",
-        r"No module named '([\w.]+)'",
-        "no module named '{}' where notebooks are judged: only the packages that the lesson needs "
-        "are there",
-    ),
+    ("ModuleNotFoundError", r"No module named '([\w.]+)'", f"no module named '{{}}': {ABSENT}"),
+    ("ModuleNotFoundError", r"No module named ", f"a module is missing: {ABSENT}"),
     (
         "FileNotFoundError",
         r"There is no notebook .*The judge sees only one notebook",

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, users
 from grader.sandbox.boundary import SHOWN
@@ -97,21 +96,10 @@ def f():
 """
 
 
-@tried(
-    "lesson_name",
-    {
-        "in a lesson with the usual packages": "04_kd_tree",
-        "in a lesson with scikit-learn": "05_euclidean_clustering",
-    },
-)
-def test_only_packages_of_the_lesson_can_be_imported(lesson_name):
-    lesson = find_lesson(lesson_name)
-    packages = (*PACKAGES, *lesson.header.packages)
-    modules, ours = outcome_of(WALK, packages=packages, call_seconds=8.0)
-    assert {"json", "numpy", "scipy", "matplotlib", "wire"} <= set(modules)
-    assert ("sklearn" in modules) == ("scikit-learn" in packages)
-    outsiders = {"tests", "solutions", *OUTSIDERS} - {"sklearn"}
-    assert outsiders & set(modules) == set()
+def test_only_packages_for_answers_can_be_imported():
+    modules, ours = outcome_of(WALK, packages=PACKAGES, call_seconds=8.0)
+    assert {"json", "numpy", "scipy", "matplotlib", "shapely", "sklearn", "wire"} <= set(modules)
+    assert {"tests", "solutions", *OUTSIDERS} & set(modules) == set()
     assert {name.split(".")[1] for name in ours} == {"clouds", "in_sandbox", "notebooks"}
     here = {path.stem for path in SHOWN[0].glob("*.py")}
     project = {name for name, path in modules.items() if Path(path).is_relative_to(PROJECT)}
@@ -119,8 +107,8 @@ def test_only_packages_of_the_lesson_can_be_imported(lesson_name):
     assert project == here | {"utils"}
 
 
-OUTSIDERS = ("vtk", "vtkmodules", "pyvista", "shapely", "skimage", "pooch", "rosbags", "sklearn")
-OUTSIDERS += ("nbgrader", "pandas", "pytest", "grader")
+OUTSIDERS = ("vtk", "vtkmodules", "pyvista", "skimage", "pooch", "rosbags", "nbgrader", "pandas")
+OUTSIDERS += ("pytest", "grader")
 IMPORTER = """
 import glob, importlib, importlib.machinery, importlib.util, os, sys, sysconfig
 def everywhere():
@@ -177,7 +165,7 @@ def test_unlisted_packages_cannot_be_imported(how):
 
 
 def test_shared_libraries_of_unlisted_packages_cannot_be_loaded():
-    """VTK and GEOS cannot be loaded as shared libraries, without Python's import."""
+    """VTK and PCL cannot be loaded as shared libraries, without Python's import."""
     source = """
 import ctypes, os
 def f(roots):
@@ -185,7 +173,7 @@ def f(roots):
     for root in roots:
         for folder, folders, files in os.walk(root):
             found += [name for name in files
-                      if ".so" in name and any(w in name.lower() for w in ("vtk", "geos", "pcl"))]
+                      if ".so" in name and any(w in name.lower() for w in ("vtk", "pcl"))]
     return found
 """
     # Debian's Python is in /usr, and the system's own libraries there are shown on purpose.
@@ -220,11 +208,6 @@ def f():
         with pytest.raises(StudentError, match="not allowed in this lesson"):
             student.f()
         assert any("is not allowed" in problem for problem in student.problems)
-
-
-def test_lessons_add_no_package_but_scikit_learn():
-    for lesson in all_lessons():
-        assert set(lesson.header.packages) <= {"scikit-learn"}, lesson.name
 
 
 @in_namespaces

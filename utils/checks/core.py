@@ -16,11 +16,17 @@ from utils.checks.limits import TimeUp, limited
 from utils.checks.line_hint import place_to_change
 from utils.checks.outcomes import Check, Outcome
 from utils.checks.run_cache import one_run
-from utils.checks.static_analysis import forbidden_in, functions_used, refused_modules
+from utils.checks.static_analysis import (
+    absent_modules,
+    forbidden_in,
+    functions_used,
+    refused_modules,
+)
 from utils.checks.summary import resolve
 from utils.checks.timeouts import loops_around, told_of
 from utils.checks.tips import place_in, tip_for
 from utils.checks.waiting_cells import remember
+from utils.in_sandbox import ABSENT
 from utils.lent.events import hear
 from utils.lent.stubs import own
 
@@ -200,6 +206,8 @@ def check(function: Callable, exercise: str | None = None) -> None:
     table = Table(checks)
     if refused := refused_modules(_part(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
+    elif absent := absent_modules(_part(function, exercise), checks[0].lesson):
+        outcomes = [Outcome(checks[0], _absence(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
@@ -264,6 +272,11 @@ def _refusal(exercise: str, modules: list[str]) -> Refused:
         f"{exercise} uses {names}, which is not allowed in this lesson: it does the exercise for "
         "you. With it the judge gives no points, either."
     )
+
+
+def _absence(exercise: str, modules: list[str]) -> Refused:
+    names = " and ".join(modules)
+    return Refused(f"{exercise} uses {names}, but {ABSENT}.")
 
 
 def _mistake(exercise: str, function: Callable) -> Mistake | None:

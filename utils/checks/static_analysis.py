@@ -1,16 +1,30 @@
 """Find the other functions and the forbidden modules that a student's function uses."""
 
+import ast
 import dis
 import functools
+import importlib.util
 import json
+import linecache
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
+from utils.display import shell
 from utils.lent.stubs import own
 
-# Written by `python -m grader build` from the headers of the lessons.
+# Written by `python -m grader build` from the headers of the lessons that are judged.
 _FORBIDDEN = Path(__file__).with_name("forbidden.json")
+# Modules at the top level that the judge's sandbox can import: Python's own, those of
+# `utils.in_sandbox.INSTALLED`, and what these and IPython bring with them.
+_AVAILABLE = frozenset(
+    (
+        *sys.stdlib_module_names,
+        *("numpy", "scipy", "matplotlib", "mpl_toolkits", "pylab", "shapely", "sklearn", "joblib"),
+        *("threadpoolctl", "PIL", "dateutil", "IPython", "traitlets", "utils", "", "builtins"),
+    )
+)
 
 
 def refused_modules(function: Callable, lesson: str) -> list[str]:
@@ -32,6 +46,66 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
     return [
         module for module in forbidden if any(f"{name}.".startswith(f"{module}.") for name in used)
     ]
+
+
+def absent_modules(function: Callable, lesson: str) -> list[str]:
+    """Return the installed modules that a function uses and that the judge does not have.
+
+    Modules of the student, which are submitted with the notebook, are not among them; neither are
+    modules for which the notebook has a fallback: an import in a ``try`` statement. A lesson that
+    is not judged may use every module. The parameters are those of `refused_modules`.
+    """
+    if lesson not in _forbidden():
+        return []
+    tops = dict.fromkeys(name.partition(".")[0] for name in _modules_of(function))
+    return [
+        name
+        for name in tops
+        if name not in _AVAILABLE and _is_installed(name) and not _has_fallback(name, function)
+    ]
+
+
+def _is_installed(module: str) -> bool:
+    """Return whether a module is in a folder of installed packages."""
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return False
+    places = [] if spec is None else [spec.origin or "", *(spec.submodule_search_locations or ())]
+    return any(Path(place).parts and "-packages" in place for place in places)
+
+
+def _has_fallback(module: str, function: Callable) -> bool:
+    """Return whether a cell imports a module in a ``try`` statement, so that it may be missing."""
+    code = getattr(function, "__code__", None)
+    own_cell = "".join(linecache.getlines(code.co_filename)) if code else ""
+    cells = [own_cell, *(shell().user_ns.get("In", ()) if shell() else ())]
+    return any(module in cell and _imports_in_try(module, cell) for cell in cells)
+
+
+def _imports_in_try(module: str, cell: str) -> bool:
+    try:
+        tree = ast.parse(cell)
+    except SyntaxError:  # a cell with magics
+        return False
+    attempts = (node for node in ast.walk(tree) if isinstance(node, ast.Try))
+    imports = (
+        node
+        for attempt in attempts
+        for part in attempt.body
+        for node in ast.walk(part)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    )
+    names = (
+        name
+        for node in imports
+        for name in (
+            [node.module or ""]
+            if isinstance(node, ast.ImportFrom)
+            else [alias.name for alias in node.names]
+        )
+    )
+    return any(name.partition(".")[0] == module for name in names)
 
 
 def functions_used(function: Callable) -> dict[str, Callable]:

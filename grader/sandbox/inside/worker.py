@@ -43,6 +43,8 @@ MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are undefined because their import was refused, each with the refused module.
 _REFUSED: dict[str, str] = {}
+# Names that are undefined because a module is missing, each with Python's message about it.
+_ABSENT: dict[str, str] = {}
 
 
 def main(read_end: int, write_end: int) -> None:
@@ -319,6 +321,8 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
             failure["place"] = (
                 failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
             )
+            if failure["type"] == "ModuleNotFoundError":
+                _ABSENT.update(dict.fromkeys(statement.binds, failure["message"]))
             failures.append(failure)
     return failures
 
@@ -482,6 +486,9 @@ def describe(error: BaseException) -> dict:
     if isinstance(error, NameError) and error.name in _REFUSED:
         error = refusal(_REFUSED[error.name])
         message = str(error)
+    if isinstance(error, NameError) and error.name in _ABSENT:
+        message = _ABSENT[error.name]
+        error = ModuleNotFoundError(message)
     return {
         "type": type(error).__name__[:100],
         "message": message[:LONGEST_TEXT],

@@ -5,7 +5,6 @@
 #     language: python
 #     name: python3
 #   lidar_obstacle_lab:
-#     packages: [scikit-learn]
 #     lent: [one_round, slopes_of, success_rate, good_samples, drive]
 # ---
 

@@ -6,7 +6,6 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     forbidden: [sklearn.cluster, scipy.cluster, scipy.sparse.csgraph, hdbscan, dbscan, open3d, pcl]
-#     packages: [scikit-learn]
 #     lent: [which_thresholds, two_errors, measure]
 # ---
 

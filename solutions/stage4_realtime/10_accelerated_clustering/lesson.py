@@ -6,7 +6,6 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     forbidden: [sklearn.cluster, scipy.cluster, hdbscan, dbscan, open3d, pcl]
-#     packages: [scikit-learn]
 #     lent: [points_in_cells, join_cheaply, join_exactly, after_two_steps, measure_ways, time_steps, measure_thresholds, spring_the_trap, race]
 # ---
 

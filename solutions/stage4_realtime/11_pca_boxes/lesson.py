@@ -5,7 +5,6 @@
 #     language: python
 #     name: python3
 #   lidar_obstacle_lab:
-#     packages: [scikit-learn]
 #     given: [turned, floor_area_at, closeness_at]
 #     lent: [headings_of_stream, middle_errors]
 # ---

@@ -5,7 +5,6 @@
 #     language: python
 #     name: python3
 #   lidar_obstacle_lab:
-#     packages: [scikit-learn]
 #     lent: [card_of, sweep, mistakes_of, wobble_of, gain_curve]
 # ---
 
