@@ -143,7 +143,7 @@ def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
         "is 1 if something has to be fixed.",
         "",
     )
-    add_workers_option(doctor, "solutions")
+    add_workers_option(doctor, "solutions judged")
 
 
 def _add_demo(subparsers: argparse._SubParsersAction) -> None:

@@ -151,7 +151,8 @@ def _command(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
         help_text = command._get_formatter()._expand_help(option) if option.help else ""
         yield f"| {_invocation(option)} | {help_text} |".replace("  |", " |")
     if command.epilog:
-        yield f"\n```sh\n{command.epilog.removeprefix('examples:').strip()}\n```"
+        calls = "\n".join(map(str.strip, command.epilog.splitlines()[1:]))
+        yield f"\nExamples:\n\n```sh\n{calls}\n```"
 
 
 def _invocation(option: argparse.Action) -> str:

@@ -38,11 +38,11 @@
     const moving = film.getAttribute("src");
     const button = document.createElement("button");
     button.type = "button";
-    button.textContent = "Halt the film";
+    button.textContent = "Pause the film";
     button.addEventListener("click", () => {
       const halted = film.getAttribute("src") !== moving;
       film.setAttribute("src", halted ? moving : film.dataset.still);
-      button.textContent = halted ? "Halt the film" : "Play the film";
+      button.textContent = halted ? "Pause the film" : "Play the film";
     });
     film.closest("figure").append(button);
   }
