@@ -32,6 +32,7 @@ from utils.checks.failures import (
 )
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import resolve
+from utils.in_sandbox import ABSENT
 
 SHOWN = Check("shown", "f", "It holds", "Look at it.", run=print)
 HIDDEN = Check("test_hidden", "f", "It holds elsewhere", "Look there.")
@@ -173,10 +174,14 @@ REFUSED = "is not allowed in this lesson: it does the exercise for you"
             "ModuleNotFoundError",
             "No module named 'open3d'",
             "import open3d as o3d",
-            "ModuleNotFoundError: no module named 'open3d' where notebooks are judged: only the "
-            "packages that the lesson needs are there",
+            f"ModuleNotFoundError: no module named 'open3d': {ABSENT}",
         ),
-        ("ModuleNotFoundError", "No module named 'secret17'", "import_(x)", "ModuleNotFoundError"),
+        (
+            "ModuleNotFoundError",
+            "No module named 'secret17'",
+            "import_(x)",
+            f"ModuleNotFoundError: a module is missing: {ABSENT}",
+        ),
         (
             "ImportError",
             f"scipy.cluster {REFUSED}",

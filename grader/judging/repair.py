@@ -44,7 +44,8 @@ SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # once an edit has hung
 MOST_RESTARTS = 100
 # After so many edits that pass the failed checks but not everything, the search stops.
 MOST_JUDGED = 3
-UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
+# A missing module is not among them: a progress bar is one edit away from a right answer.
+UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
 EDITS_PER_LOOK = 16  # edits, because reading the processor's clock takes longer than most edits
 SECONDS_BETWEEN_LOOKS = 0.1  # seconds, because one edit that hangs takes as long as many others
 
