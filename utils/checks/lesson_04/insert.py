@@ -16,7 +16,7 @@ from utils.checks.assertions import (
     observe,
     reach,
 )
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import QUIZ, chain_tree, diagonal_points
@@ -223,14 +223,11 @@ def leaves_the_point(KdTree: Callable) -> None:
         assert_tree(tree, _DIAGONAL, either_way=True)
 
 
-@visible(
+@noted(
     "insert",
-    weight=2,
     title="Copes with a tree of a thousand levels",
-    why="Points that arrive in sorted order, as along a wall, make a tree as deep as it has "
-    "points, and Python ends a function that calls itself a thousand times.",
-    hint="Walk down with a loop: while there is a child on the right side, it becomes the "
-    "current node. No function needs to call itself.",
+    why="The sorted wall below makes a tree as deep as it has points. A function that calls itself "
+    "once per level ends there in a RecursionError; a loop does not.",
 )
 def copes_with_depth(KdTree: Callable) -> None:
     _assert_sides(KdTree)
