@@ -63,7 +63,7 @@ def test_a_process_that_dies_loses_only_its_own_job(death, words, workers):
         futures.insert(2, judges.submit(death))
         for number, future in enumerate(futures):
             if number == 2:
-                with pytest.raises(BrokenExecutor, match=f"died.*{words}.*memory"):
+                with pytest.raises(BrokenExecutor, match=f"ended.*{words}.*memory"):
                     future.result(PATIENCE)
             else:
                 assert future.result(PATIENCE) == bytes(2 * LARGE)
