@@ -109,6 +109,62 @@ SLIPS = {
     "not divided": ("dx = x - y\nreturn dx", "dx = x - y\nreturn (dx / n)"),
     "with replacement": ("return z.choice(n, 2)", "return z.choice(n, 2, replace=False)"),
     "a mask returned": ("y = x > 0\nreturn y", "y = x > 0\nreturn x[y]"),
+    "a bracket on the right": ("return x ** 1 / 2", "return x ** (1 / 2)"),
+    "a bracket on the left": ("return n - 1 // 2", "return (n - 1) // 2"),
+    "the upper middle": ("return x[n // 2]", "return x[(n - 1) // 2]"),
+    "no axis twice": ("return x.min(), x.max()", "return x.min(axis=0), x.max(axis=0)"),
+    "the other axis twice": (
+        "return x.min(axis=1), x.max(axis=1)",
+        "return x.min(axis=0), x.max(axis=0)",
+    ),
+    "a name of the notebook": (
+        "y = y + z + n + node\nreturn street[street[:, 0] > y]",
+        "y = y + z + n + node\nreturn x[x[:, 0] > y]",
+    ),
+    "like with like": (
+        "y = f(z)\nif y.sum() > 0:\n    z = y",
+        "y = f(z)\nif y.sum() > z.sum():\n    z = y",
+    ),
+    "another name returned": ("y = f(z)\nreturn x, y", "y = f(z)\nreturn x, z"),
+    "a table returned for a mask": ("return abs(x - y) < n", "return (abs(x - y))"),
+    "a bracket too many": ("return n * (x + y * z)", "return n * x + y * z"),
+    "behind the call": ("return abs(x) + y", "return abs(x + y)"),
+    "within the call": ("return np.sqrt(x + y)", "return (np.sqrt(x) + y)"),
+    "a pair for numbers": ("return x, y", "return *x, y"),
+    "whole numbers for a mask": ("return x.astype(int)", "return x"),
+    "a power": ("return x", "return (x ** n)"),
+    "the complement": ("return np.log(x)", "return np.log((1 - x))"),
+    "an attribute": ("y = node", "x.y = node"),
+    "rows of rows": ("x = np.argsort(y)\nreturn x", "x = x[np.argsort(y)]\nreturn x"),
+    "a loop for a question": ("if x:\n    y = f(x)", "while x:\n    y = f(x)"),
+    "an empty queue": ("z = deque()\nreturn z", "z = deque([x])\nreturn z"),
+    "both sides exchanged": (
+        "if x:\n    f(node.left)\nelse:\n    f(node.right)",
+        "if x:\n    f(node.right)\nelse:\n    f(node.left)",
+    ),
+    "one of two kept": (
+        "y, z = 0, 0\nfor k in x:\n    n = f(k)\n    z = k\nreturn y, z",
+        "y, z = 0, 0\nfor k in x:\n    n = f(k)\n    z = k\n    y = n\nreturn y, z",
+    ),
+    "and for masks": ("return x[y and z]", "return x[(y) & (z)]"),
+    "not for a mask": ("return x[not y]", "return x[~(y)]"),
+    "a result that nobody keeps": ("f(x, y)\nreturn x", "x = f(x, y)\nreturn x"),
+    "a column of numbers": ("return x / y", "return x / y[:, None]"),
+    "the rows of a count": ("r = f(z)\nreturn y[n < 3], r", "r = f(z)\nreturn y[n[r] < 3], r"),
+    "a number for a parameter": (
+        "y = y + z + node\nreturn f(x) < 0.5",
+        "y = y + z + node\nreturn f(x) < n",
+    ),
+    "two parameters exchanged": ("return y < x < z", "return z < x < y"),
+    "print": ("y = 2 * x\nprint(y)", "y = 2 * x\nreturn y"),
+    "two levels out": (
+        "for k in x:\n    for m in k:\n        y += m\n        return y",
+        "for k in x:\n    for m in k:\n        y += m\nreturn y",
+    ),
+    "one of two levels out": (
+        "for k in x:\n    y = 0\n    for m in k:\n        y += m\n        return y",
+        "for k in x:\n    y = 0\n    for m in k:\n        y += m\n    return y",
+    ),
     "a mask that nobody asks": ("y = x > 0", "y = x > 0\nreturn x[~y]"),
 }
 
@@ -159,6 +215,13 @@ def test_docstrings_and_signatures_stay():
         edit.statement.startswith('def f(x, k=3):\n    """A text."""')
         for edit in edits_in(text)
         if edit.first < 3
+    )
+
+
+def test_a_return_one_level_out_is_tried_first():
+    first, *_ = edits_in(function("for k in x:\n    if k < y:\n        y = k + 1\n    return y"))
+    assert first.statement + "\n" == function(
+        "for k in x:\n    if k < y:\n        y = k + 1\nreturn y"
     )
 
 

@@ -19,7 +19,13 @@ import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
+from utils.notebooks.edits_of_nodes import (
+    Names,
+    SourceText,
+    edits_of_node,
+    edits_of_several_nodes,
+    names_in,
+)
 from utils.notebooks.statements import Statement
 
 # Limit for all edits of all functions together; the likeliest are kept.
@@ -44,6 +50,8 @@ class Edit:
         The new lines.
     statement : str
         Source of the whole statement after the edit.
+    rank : int
+        The least for the likeliest edits.
     """
 
     cell: int
@@ -51,6 +59,7 @@ class Edit:
     last: int
     text: str
     statement: str
+    rank: int
 
 
 def edits_of(cells: list[str], statements: Iterable[Statement]) -> list[Edit]:
@@ -75,11 +84,10 @@ def edits_of(cells: list[str], statements: Iterable[Statement]) -> list[Edit]:
             found += _edits_of_statement(cells, statement)
         except (ValueError, IndexError, SyntaxError, RecursionError, MemoryError):
             continue  # the text of the cell does not match its syntax tree
-    found.sort(key=lambda pair: pair[0])
-    return [found_edit for _, found_edit in found[:MOST_EDITS]]
+    return sorted(found, key=lambda edit: edit.rank)[:MOST_EDITS]
 
 
-def _edits_of_statement(cells: list[str], statement: Statement) -> Iterator[tuple[int, Edit]]:
+def _edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]:
     node = statement.node
     decorators = [decorator.lineno for decorator in getattr(node, "decorator_list", ())]
     first, last = min([node.lineno, *decorators]), node.end_lineno
@@ -93,12 +101,12 @@ def _edits_of_statement(cells: list[str], statement: Statement) -> Iterator[tupl
         changed = text()
         if changed not in seen:
             seen.add(changed)
-            yield rank, _edit(statement.cell, first, lines, changed)
+            yield _edit(statement.cell, first, lines, changed, rank)
         if len(seen) > MOST_EDITS:
             return
 
 
-def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
+def _edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> Edit:
     """Build an edit of only the lines that differ."""
     new = changed.split("\n")
     begin = 0
@@ -111,11 +119,11 @@ def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
     if begin in (len(lines) - end, len(new) - end):
         begin -= 1
     text = "\n".join(new[begin : len(new) - end])
-    return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed)
+    return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed, rank)
 
 
 def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
-    """Yield the rank of each edit, 0 for the likeliest, and a function that builds the block."""
+    """Yield the rank of each edit, the least for the likeliest, and a function that makes it."""
     source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
@@ -127,8 +135,12 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
             yield rank, functools.partial(source.with_text, begin, end, text)
     for rank, text in _with_return(block, function, names):
         yield rank, functools.partial(str, text)
-    for text in _moved_statements(block, function):
-        yield 2, functools.partial(str, text)
+    for rank, text in _moved_statements(block, function):
+        yield rank, functools.partial(str, text)
+    for text in _kept_too(block, function):
+        yield 1, functools.partial(str, text)
+    for rank, replacements in edits_of_several_nodes(source, function, names):
+        yield rank, functools.partial(_with_texts, source, replacements)
 
 
 def _walk(node: ast.AST, parent: ast.AST | None = None, field: str = "") -> Iterator[tuple]:
@@ -161,9 +173,48 @@ def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[
                 yield 4, f"{end}{whole}[~{name}]"
 
 
-def _moved_statements(block: str, function: ast.AST) -> Iterator[str]:
-    """Yield the block with statements moved one level out or in, swapped, deleted or cut short."""
+def _kept_too(block: str, function: ast.AST) -> Iterator[str]:
+    """Yield the block with one name of a loop kept in another one that the loop never sets.
+
+    The other name is returned, but set before the loop only.
+    """
     lines = block.split("\n")
+    shown = {
+        name.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Return)
+        for name in ast.walk(node)
+        if isinstance(name, ast.Name)
+    }
+    for loop in ast.walk(function):
+        if isinstance(loop, (ast.For, ast.While)):
+            nodes = list(ast.walk(loop))
+            inside = {node.id: True for node in nodes if _is_set(node)}
+            assignments = [node for node in nodes if isinstance(node, ast.Assign)]
+            before = {node.id for node in ast.walk(function) if _is_set(node)} - inside.keys()
+            for node in assignments:
+                first, indent = node.end_lineno, " " * node.col_offset
+                for kept in sorted(shown & before):
+                    for name in inside:
+                        text = f"{indent}{kept} = {name}"
+                        yield "\n".join([*lines[:first], text, *lines[first:]])
+
+
+def _is_set(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+
+
+def _with_texts(source: SourceText, replacements: list[tuple[int, int, str]]) -> str:
+    """Return the whole text with several parts replaced."""
+    for begin, end, text in sorted(replacements, reverse=True):
+        source = SourceText(source.with_text(begin, end, text))
+    return source.with_text(0, 0, "")
+
+
+def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield the block with statements moved out or in, swapped, deleted or cut short."""
+    lines = block.split("\n")
+    yield from ((-1, text) for text in _returns_moved_out(lines, function, []))
     for parent in ast.walk(function):
         for field in ("body", "orelse", "finalbody"):
             body = getattr(parent, field, None)
@@ -171,7 +222,22 @@ def _moved_statements(block: str, function: ast.AST) -> Iterator[str]:
                 yield from _moved_in(lines, body, getattr(parent, "col_offset", 0))
 
 
-def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[str]:
+def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt]) -> Iterator[str]:
+    """Yield the lines with one `return` behind one of the blocks that it is in."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Return):
+            first, last = child.lineno - 1, child.end_lineno
+            for block in reversed(outside):
+                shift = block.col_offset - child.col_offset
+                end = block.end_lineno
+                returned = _shifted(lines, first, last, shift)[first:last]
+                yield "\n".join([*lines[:first], *lines[last:end], *returned, *lines[end:]])
+        elif not isinstance(child, (ast.FunctionDef, ast.Lambda)):
+            blocks = [*outside, child] if hasattr(child, "body") else outside
+            yield from _returns_moved_out(lines, child, blocks)
+
+
+def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tuple[int, str]]:
     depth = body[0].col_offset
     if ast.get_docstring(ast.Module(body, [])) is not None:
         body = body[1:]
@@ -181,25 +247,25 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[st
     for position, statement in enumerate(body):
         first, last = statement.lineno - 1, statement.end_lineno
         if position:  # one level out, with all statements that follow
-            yield _shifted(lines, first, rest, outer - depth)
+            yield 1, "\n".join(_shifted(lines, first, rest, outer - depth))
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
             if inner:  # into the block before, with some of the statements that follow
                 for end in [following.end_lineno for following in body[position:]]:
-                    yield _shifted(lines, first, end, inner[0].col_offset - depth)
+                    yield 2, "\n".join(_shifted(lines, first, end, inner[0].col_offset - depth))
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]
-            yield "\n".join([*lines[:here], *exchanged, *lines[last:]])
+            yield 2, "\n".join([*lines[:here], *exchanged, *lines[last:]])
         if len(body) > 1:
-            yield "\n".join([*lines[:first], *lines[last:]])
+            yield 1, "\n".join([*lines[:first], *lines[last:]])
     for word in _JUMPS:
-        yield "\n".join([*lines[:rest], " " * depth + word, *lines[rest:]])
+        yield 3, "\n".join([*lines[:rest], " " * depth + word, *lines[rest:]])
 
 
-def _shifted(lines: list[str], first: int, last: int, by: int) -> str:
+def _shifted(lines: list[str], first: int, last: int, by: int) -> list[str]:
     """Return the lines with some of them indented, or unindented if `by` is negative."""
     moved = [
         (" " * by + line if by > 0 else line[-by:]) if line.strip() else line
         for line in lines[first:last]
     ]
-    return "\n".join([*lines[:first], *moved, *lines[last:]])
+    return [*lines[:first], *moved, *lines[last:]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -98,16 +99,16 @@ _AXIS_FUNCTIONS = frozenset(
     ["sum", "mean", "min", "max", "any", "all", "argmin", "argmax", "median", "prod"]
     + ["std", "var", "norm", "sort", "argsort", "cumsum"]
 )
-_WRAPS = ("-{}", "abs({})", "{} ** 0.5", "{} ** 2")
+_WRAPS = ("abs({})", "{} ** 0.5", "{} ** 2")
 _COLUMNS = ("[:, 0]", "[:, 1]", "[:, 2]")
 _INDICES = ("[0]", "[1]", "[2]")
-_SLICES = (
-    *("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()"),
-    *_COLUMNS,
-)
+_SLICES = ("[:, :3]", "[:, :2]", "[:, ::-1]", ".copy()", *_COLUMNS)
+_RARE_SLICES = ("[::-1]", "[1:]", "[:-1]", "[:3]", "[:2]", ".T")
 _ROW_TESTS = (".all(axis=1)", ".any(axis=1)")
 _CALLS = ("len({})", "{}.sum()", "np.floor({})", "np.linalg.norm({})", "np.isfinite({})")
-_COMBINATIONS = ("{} / {}", "{} * {}", "{} + {}", "{} - {}")
+_COMBINATIONS = ("{} / {}", "{} * {}", "{} + {}", "{} - {}", "{} ** {}")
+# Methods whose result is much like the array that they belong to.
+_SIMILAR = frozenset(["astype", "copy", "round", "tolist", "sort", "item"])
 _KEYWORDS = {
     "choice": ("replace=False", "size=2", "size=3"),
     **dict.fromkeys(("zeros", "ones", "empty", "full", "array"), ("dtype=bool", "dtype=int")),
@@ -194,18 +195,22 @@ def edits_of_node(
     Yields
     ------
     tuple of int, int, int, str
-        The likeliest edits have rank 0. Positions are in bytes.
+        The likeliest edits have the least rank. Positions are in bytes.
     """
     value = getattr(node, "value", None)
     if isinstance(node, ast.Compare):
-        yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
+        yield from _of_comparison(source, node, names)
     elif isinstance(node, ast.BoolOp):
         yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
         yield from _single_operands(source, node.values, node)
+        sign = " & " if isinstance(node.op, ast.And) else " | "
+        yield 1, *source.span(node), sign.join(f"({source.of(value)})" for value in node.values)
     elif isinstance(node, ast.BinOp):
         yield from _of_binary(source, node)
     elif isinstance(node, ast.UnaryOp):
         yield 0, *source.span(node), f"({source.of(node.operand)})"
+        if isinstance(node.op, ast.Not):
+            yield 0, *source.span(node), f"~({source.of(node.operand)})"
     elif isinstance(node, ast.AugAssign):
         yield from _of_augmented(source, node)
     elif isinstance(node, (ast.Break, ast.Continue, ast.Pass)):
@@ -226,9 +231,11 @@ def edits_of_node(
     elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
         for twin in _TWIN.get(node.id, ()):
             yield 1, *source.span(node), twin
-        if node.id in names.bound:
-            for name in names.bound:
-                yield 4, *source.span(node), name
+        shown = isinstance(parent, (ast.Return, ast.Tuple, ast.Compare))
+        for name in names.bound if node.id in names.bound else ():
+            yield 2 if shown else 4, *source.span(node), name
+        if isinstance(parent, ast.Tuple):
+            yield 2, *source.span(node), f"*{node.id}"
     elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
         yield 2, *_with_comma(source, node, parent), ""
     elif isinstance(node, ast.Return) and value is not None:
@@ -236,6 +243,13 @@ def edits_of_node(
     elif isinstance(node, ast.Return):
         yield from ((1, *source.span(node), word) for word in ("continue", "break", "pass"))
     elif isinstance(node, ast.Expr) and field == "body" and not isinstance(value, ast.Constant):
+        if isinstance(value, ast.Call) and getattr(value.func, "id", "") == "print":
+            inside = ", ".join(map(source.of, value.args))
+            yield -1, *source.span(node), f"return {inside}"
+        elif isinstance(value, ast.Call):
+            for argument in value.args:
+                if isinstance(argument, ast.Name):
+                    yield 1, *source.span(node), f"{argument.id} = {source.of(value)}"
         yield 1, *source.span(node), f"return {source.of(node.value)}"
     elif isinstance(node, ast.Assign) and len(node.targets) == 1:
         yield from _of_assignment(source, node, names)
@@ -264,6 +278,25 @@ def _operators(
                 yield 0, begin + at, begin + at + len(sign), replacement
 
 
+def _of_comparison(
+    source: SourceText, node: ast.Compare, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
+    """Change the operator, drop the comparison, or compare the same value of another name."""
+    yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
+    if len(node.ops) > 1:
+        return
+    yield 2, *source.span(node), f"({source.of(node.left)})"
+    for one, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):
+        inner = [part for part in ast.walk(one) if isinstance(part, ast.Name)]
+        inner = [part for part in inner if part.id in names.bound]
+        if len(inner) == 1 and not isinstance(one, ast.Name):
+            (begin, end), (first, last) = source.span(one), source.span(inner[0])
+            for name in names.bound:
+                text = source.text(begin, first) + name + source.text(last, end)
+                if name != inner[0].id:
+                    yield 1, *source.span(other), text
+
+
 def _single_operands(
     source: SourceText, operands: list[ast.expr], node: ast.expr
 ) -> Iterator[tuple[int, int, int, str]]:
@@ -280,6 +313,104 @@ def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, 
         yield from _single_operands(source, [node.left, node.right], node)
     if not isinstance(node.op, _COMMUTE):
         yield 1, *_swapped(source, node.left, node.right)
+    if isinstance(node.op, ast.FloorDiv):
+        for change in ("({} - 1)", "({} + 1)"):
+            yield 0, *source.span(node.left), change.format(source.of(node.left))
+    yield from _with_a_bracket(source, node)
+
+
+def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
+    """Let the other one of two operators that follow each other come first."""
+    begin, end = source.span(node)
+    if isinstance(node.left, ast.BinOp) and source.span(node.left)[0] == begin:
+        middle = source.span(node.left.right)[0]
+        yield 0, middle, end, f"({source.text(middle, end)})"
+    if isinstance(node.right, ast.BinOp) and source.span(node.right)[1] == end:
+        middle = source.span(node.right.left)[1]
+        yield 0, begin, middle, f"({source.text(begin, middle)})"
+    for operand in (node.left, node.right):
+        first, last = source.span(operand)
+        around = source.text(max(begin, first - 1), first) + source.text(last, min(last + 1, end))
+        if isinstance(operand, ast.BinOp) and around == "()":
+            yield 1, first - 1, last + 1, source.of(operand)
+    call = node.left  # f(x) + y is f(x + y), and the other way round
+    if isinstance(call, ast.Call) and len(call.args) == 1 and not call.keywords:
+        (first, last), close = source.span(call.args[0]), source.span(call)[1]
+        rest = source.text(close, end)
+        yield 1, first, end, source.text(first, last) + rest + source.text(last, close)
+
+
+def _with_less_inside(source: SourceText, call: ast.Call) -> Iterator[tuple[int, int, int, str]]:
+    """Take the last operand out of a call: f(x + y) becomes f(x) + y."""
+    if len(call.args) == 1 and isinstance(call.args[0], ast.BinOp) and not call.keywords:
+        inside = call.args[0]
+        begin, end = source.span(call)
+        middle, last = source.span(inside.left)[1], source.span(inside)[1]
+        moved = source.text(middle, last)
+        yield 2, begin, end, f"({source.text(begin, middle)}{source.text(last, end)}{moved})"
+
+
+def edits_of_several_nodes(
+    source: SourceText, function: ast.AST, names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Yield the rank of each slip that repeats itself, and all its replacements.
+
+    Such slips are a variable of the notebook or a number in place of a parameter, two names that
+    are exchanged throughout, and calls that all lack the same axis.
+
+    Parameters
+    ----------
+    source : SourceText
+    function : ast.AST
+    names : Names
+    """
+    nodes = [node for statement in function.body for node in ast.walk(statement)]
+    read = [node for node in nodes if isinstance(node, ast.Name)]
+    used = {node.id for node in read}
+    for parameter in [name for name in names.arguments if name not in used]:
+        for foreign in names.missing:
+            places = [source.span(node) for node in read if node.id == foreign]
+            yield -1, [(*place, parameter) for place in places]
+        for node in nodes:
+            if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+                yield 0, [(*source.span(node), parameter)]
+    for one, other in itertools.combinations(names.arguments[1:], 2):
+        exchanged = {one: other, other: one}
+        both = [node for node in read if node.id in exchanged]
+        yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
+    attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
+    for one, other in _TWINS:
+        exchanged = {one: other, other: one}
+        both = [node for node in attributes if node.attr in exchanged]
+        ends = [source.span(node)[1] for node in both]
+        if len({node.attr for node in both}) > 1:
+            yield (
+                1,
+                [
+                    (end - len(node.attr), end, exchanged[node.attr])
+                    for node, end in zip(both, ends, strict=True)
+                ],
+            )
+    yield from _axes_of_several_calls(source, nodes)
+
+
+def _axes_of_several_calls(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Give all calls the same axis if none of them has one, or all of one name if they have."""
+    bare, given = [], {}
+    for node in nodes:
+        name = node.func.attr if isinstance(getattr(node, "func", None), ast.Attribute) else ""
+        if name in _AXIS_FUNCTIONS:
+            axes = [word.value for word in node.keywords if word.arg == "axis"]
+            bare += [] if axes else [(source.span(node)[1], ", " if node.args else "")]
+            given.setdefault(name, []).extend(axes)
+            given.setdefault("", []).extend(axes)
+    for axis in (0, 1) if len(bare) > 1 else ():
+        yield 1, [(end - 1, end, f"{comma}axis={axis})") for end, comma in bare]
+    for axes in given.values():
+        for axis in (0, 1) if len(axes) > 1 else ():
+            yield 1, [(*source.span(value), str(axis)) for value in axes]
 
 
 def _swapped(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
@@ -314,9 +445,13 @@ def _of_call(
     name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
     if len(node.args) == 1:
         yield 1, *source.span(node), f"({source.of(node.args[0])})"
-    if isinstance(node.func, ast.Attribute) and not node.args:
+    if isinstance(node.func, ast.Attribute) and (not node.args or name in _SIMILAR):
         yield 1, *source.span(node), source.of(node.func.value)
+    if isinstance(node.func, ast.Name) and not node.args and not node.keywords:
+        for argument in names.bound:
+            yield 2, *source.span(node), f"{node.func.id}([{argument}])"
     yield from _swapped_pairs(source, node.args, 1)
+    yield from _with_less_inside(source, node)
     if node.args:
         yield from _with_added_name(source, node.args, names.bound, 5)
         for keyword in _KEYWORDS.get(name, ()):
@@ -376,6 +511,8 @@ def _of_subscript(source: SourceText, node: ast.Subscript) -> Iterator[tuple[int
             yield 2, *source.span(inside), change.format(f"({source.of(inside)})")
     if not isinstance(inside, ast.Tuple):
         yield 1, *source.span(inside), f":, {source.of(inside)}"
+    if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
+        yield 3, begin, end, source.of(inside)
 
 
 def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
@@ -442,10 +579,14 @@ def _of_assignment(
         begin = source.span(target)[1]
         end = source.span(node.value)[0]
         at = source.text(begin, end).find("=")
-        for sign in ("+=", "-=", "&=", "|="):
-            yield 2, begin + at, begin + at + 1, sign
+        for rank, sign in ((2, "+="), (3, "-="), (3, "&="), (3, "|=")):
+            yield rank, begin + at, begin + at + 1, sign
     if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
         yield 2, *_swapped(source, target, node.value)
+    if isinstance(target, ast.Name):
+        yield 1, *source.span(node.value), f"{target.id}[{source.of(node.value)}]"
+        for whole in names.arguments:
+            yield 2, *source.span(target), f"{whole}.{target.id}"
 
 
 def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
@@ -454,6 +595,7 @@ def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, st
         yield 2, begin, begin + 4, "if"
     else:
         yield 2, begin, begin + 2, "elif"
+        yield 2, begin, begin + 2, "while"
 
 
 def _wrapped(
@@ -470,32 +612,47 @@ def _wrapped(
         return
     begin, end = source.span(node)
     text = source.of(node)
-    atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
+    name = isinstance(node, ast.Name)
+    atom = name or isinstance(node, (ast.Attribute, ast.Subscript, ast.Call))
     inner = text if atom else f"({text})"
     if tested or isinstance(parent, ast.BoolOp):
         yield 0, begin, end, f"(not {inner})"
     elif isinstance(parent, ast.Subscript):
-        yield from ((1, begin, end, sign + inner) for sign in "-~" if field == "slice")
+        for rank, sign in ((0, "~"), (1, "-")) if field == "slice" else ():
+            yield rank, begin, end, sign + inner
     elif isinstance(node, ast.Constant):
         yield 1, begin, end, f"(-{inner})"
     elif not isinstance(node, (ast.Tuple, ast.List)):
         if placed and not _is_arithmetic(node):
-            yield 0, begin, end, f"~{inner}"
+            yield 2, begin, end, f"~{inner}"
         for wrap in _WRAPS:
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
+        number = isinstance(node, (ast.BinOp, ast.Name))  # the sign of a table hardly gets lost
+        yield 1 if placed and number else 3, begin, end, f"(-{inner})"
+        yield 3, begin, end, f"(1 - {inner})"
         for part in _SLICES if atom and placed else ():
             yield 2, begin, end, inner + part
-        for part in (*_COLUMNS, *_INDICES) if operand and isinstance(node, ast.Name) else ():
+        for part in _RARE_SLICES if atom and placed else ():
+            yield 3, begin, end, inner + part
+        for part in (*_COLUMNS, *_INDICES, "[:, None]") if operand and name else ():
             yield 3, begin, end, inner + part
         for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
             yield 1, begin, end, f"{inner}.T"
         for change in ("{} + 1", "{} - 1") if placed else ():
-            yield 2, begin, end, f"({change.format(inner)})"
+            yield 1 if isinstance(node, ast.Name) else 3, begin, end, f"({change.format(inner)})"
     if isinstance(parent, ast.Return):
-        for wrap in ("np.array({})", "int({})", "float({})", "tuple({})", "list({})"):
-            yield 3, begin, end, wrap.format(f"({text})" if isinstance(node, ast.Tuple) else text)
+        for rank, wrap in (
+            *((2, "list({})"), (2, "np.array({})")),
+            *((3, "int({})"), (3, "float({})"), (3, "tuple({})")),
+        ):
+            yield (
+                rank,
+                begin,
+                end,
+                wrap.format(f"({text})" if isinstance(node, ast.Tuple) else text),
+            )
 
 
 def _with_a_name(
@@ -513,6 +670,9 @@ def _with_a_name(
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
+    for name in names.bound if isinstance(node, ast.Name) else ():
+        if name not in names.arguments and name != node.id:
+            yield 3, begin, end, f"{inner}[{name}]"
     for form in _COMBINATIONS:
         for name in names.bound:
             yield 5, begin, end, f"({form.format(inner if atom else f'({inner})', name)})"
