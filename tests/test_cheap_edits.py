@@ -128,7 +128,7 @@ def bounded():
 @pytest.mark.usefixtures("bounded")
 @pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
-    """Answers with the very mistake that an exercise is about are left out; the judge knows it."""
+    """Answers with the very mistake that an exercise is about are left out: they keep less."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
@@ -145,7 +145,7 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_mistake_that_a_cheap_answer_makes_says_so():
-    """Otherwise a cheap answer with a known mistake would keep three fifths of the points."""
+    """Otherwise a cheap answer with a known mistake would keep three fifths without an edit."""
     named = {}
     for exercise, table in test_cheap_answers.CHEAP.items():
         checks_of(exercise)  # declares the mistakes

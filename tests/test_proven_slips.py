@@ -103,18 +103,10 @@ def slip(*about, **more):
     return Mistake("This is a slip.", print, *about, **more)
 
 
-def test_a_mistake_about_the_task_itself_is_not_tried(tried):
-    run = RunResults(
-        (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL)),
-        mistakes={"line_through": slip(is_the_task=True), "ransac_line": slip()},
-    )
-    repair.find_slips(SETTING, HANDED_IN, run, {})
-    assert [exercise for _, exercise, _ in tried] == ["ransac_line"]
-
-
-def test_a_cheap_mistake_is_a_slip_only_if_an_edit_proves_it(tried, monkeypatch):
+@pytest.mark.parametrize("kind", ["is_cheap", "is_the_task"])
+def test_some_mistakes_are_slips_only_if_an_edit_proves_them(tried, monkeypatch, kind):
     monkeypatch.setattr(repair, "explains", lambda *about: True)
-    named, cheap = slip(), slip(is_cheap=True)
+    named, cheap = slip(), slip(**{kind: True})
     outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
     assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"ransac_line": named}
@@ -365,17 +357,35 @@ def test_raising_lines_include_the_line_of_the_call():
     assert repair._raising_lines(outcomes) == {(3, 12), (1, 2), (3, 5)}
 
 
-def test_edits_of_an_exercise_share_one_second(passing):
+def test_edits_of_an_exercise_share_two_seconds(passing):
     student = Edited(["abxy"] * 200, 0.02)  # plus the same time in the judge
-    assert passing(student) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
+    assert passing(student) == [] and student.tried == 4 * repair.EDITS_PER_LOOK
     student = Edited(["abxy"] * 100, 0.001)
     assert passing(student) == [] and student.tried == 99
+
+
+class Expensive(Edited):
+    """A student whose every answer takes time, the first one too."""
+
+    @property
+    def cpu_seconds(self):
+        return self.seconds * len(self.given)
+
+
+@pytest.mark.parametrize("seconds, tried", [(0.004, 8), (0.008, 7), (0.05, 3)])
+def test_expensive_questions_get_more_time(passing, seconds, tried):
+    """An edit costs two questions, and all edits the price of 200, but 2 s at least and 8 s at most.
+
+    So 0.016 s of 2 s, 0.032 s of 3.2 s, and 0.2 s of 8 s, rounded up to a multiple of 16 edits.
+    """
+    student = Expensive(["abxy"] * 200, seconds)  # plus the same time in the judge
+    assert passing(student) == [] and student.tried == tried * repair.EDITS_PER_LOOK
 
 
 def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
     student = Edited(["abxy"] * 200, 0.3)  # plus the same time in the judge
-    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 2
+    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 4
 
 
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
@@ -389,10 +399,10 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = Edited(["abxy"] * 100, slept=0.07)  # over a second between the first two time checks
-    assert passing(student, budget=budget) == [] and student.tried == repair.EDITS_PER_LOOK
+    student = Edited(["abxy"] * 100, slept=0.07)  # over a second between two time checks
+    assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.07 * repair.EDITS_PER_LOOK)
+    assert budget.seconds == pytest.approx(180 - 0.07 * 2 * repair.EDITS_PER_LOOK)
     # Time that is spent between edits, such as judging one completely, does not count.
     student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
 
@@ -651,7 +661,7 @@ def test_the_solution_is_the_lessons_own_and_is_loaded_once():
 
 @pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
 def test_a_slip_never_reduces_the_score(earned):
-    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
+    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned, rules.ONE_SLIP_KEEPS)
     assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
 
 
@@ -672,3 +682,12 @@ def test_a_verdict_reports_a_proven_slip(proven, kept):
     assert [test.message for test in result.tests] == ["", "", "no\nHint: a hint", same_reason]
     plain = results.result_of(exercise, run, None)
     assert (plain.score, plain.slip, plain.tests[3].message) == (2.5, None, "nor here")
+
+
+def test_a_slip_in_what_an_exercise_is_about_keeps_less():
+    exercise = next(graded for graded in LINE.machine_graded if graded.name == "line_through")
+    outcomes = outcomes_of("line_through", None, FAIL, FAIL, FAIL)
+    run = RunResults(outcomes, mistakes={"line_through": slip(is_the_task=True)})
+    result = results.result_of(exercise, run, None, repair.Repair(3, 14, "before", "after"))
+    assert result.score == pytest.approx(rules.MISSED_TASK_KEEPS * exercise.points)
+    assert 0 < rules.MISSED_TASK_KEEPS < rules.ONE_SLIP_KEEPS

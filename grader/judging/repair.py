@@ -33,8 +33,10 @@ from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Processor seconds for the edits of one exercise, in the judge and in the sandbox.
-CPU_SECONDS = 1.0
+# Processor seconds for the edits of one exercise, in the judge and in the sandbox: enough for all
+# edits of most exercises. Where a question is expensive, the likeliest edits still get their turn.
+LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 8.0
+LIKELIEST_EDITS = 200
 # Seconds of wall-clock time, for code that sleeps a little in each call.
 MOST_SECONDS = 60.0
 # A right answer needs less for the first checks, and an edit may create an endless loop.
@@ -84,8 +86,6 @@ def find_slips(
         return found
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = results.mistakes.get(exercise.name)
-        if mistake and mistake.is_the_task:
-            continue
         improved = carried.get(exercise.name)
         outcomes = improved.outcomes if improved else results.outcomes_of(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)
@@ -96,7 +96,7 @@ def find_slips(
                 found[exercise.name] = repair
             elif (
                 mistake
-                and not (mistake.is_cheap or improved)
+                and not (mistake.is_cheap or mistake.is_the_task or improved)
                 and explains(setting, program, exercise.name, mistake, failed_checks)
             ):
                 found[exercise.name] = mistake
@@ -277,18 +277,20 @@ def _passing_edits(
             student.start()
         except StudentStopped:
             return
-        begin, slept, found, next_look = time.process_time(), 0.0, 0, 0.0
+        begin, slept, found, next_look = time.process_time() + student.cpu_seconds, 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
         failed_checks = _FailedChecks(setting, student, budget, failed)
         if not failed_checks.first_fails():  # an answer that guesses must not get another try
             return
+        one_question = time.process_time() + student.cpu_seconds - begin
+        most_work = min(max(LEAST_CPU_SECONDS, LIKELIEST_EDITS * one_question), MOST_CPU_SECONDS)
         given = _unchanged_cells(setting.lesson, program)
         edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]
         for tried, (number, edit) in enumerate(edits):
             if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
                 next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
-                worked = time.process_time() - begin + student.cpu_seconds
-                if max(worked, slept) > CPU_SECONDS or time.monotonic() > until:
+                worked = time.process_time() + student.cpu_seconds - begin
+                if max(worked, slept) > most_work or time.monotonic() > until:
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grader.course.lessons import Exercise, Lesson
-from grader.course.rules import ONE_SLIP_KEEPS
+from grader.course.rules import MISSED_TASK_KEEPS, ONE_SLIP_KEEPS
 from grader.judging.error_carried_forward import CarriedForward
 from grader.judging.messages import Message, message_of, messages_of, shareable
 from grader.judging.points import shares, total
@@ -56,15 +56,16 @@ def result_of(
     sentences += [message_of(story.first, story.mistake).text] if story.first else []
     first = story.first.check.name if story.first and not story.not_started else ""
     score = total([result.score for result in checks])
-    slip = _slip(proven, exercise.points, score) if proven else None
+    keeps = MISSED_TASK_KEEPS if mistake and mistake.is_the_task else ONE_SLIP_KEEPS
+    slip = _slip(proven, exercise.points, score, keeps) if proven else None
     score = total([score, slip.score]) if slip else score
     cause = "\n".join(sentences)
     return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
 
 
-def _slip(proven: Repair | Mistake, points: float, score: float) -> Slip:
+def _slip(proven: Repair | Mistake, points: float, score: float, keeps: float) -> Slip:
     """Return the slip with the points that it adds to those of the checks."""
-    kept = max(round(100 * ONE_SLIP_KEEPS * points) - round(100 * score), 0) / 100
+    kept = max(round(100 * keeps * points) - round(100 * score), 0) / 100
     if isinstance(proven, Mistake):
         return Slip(0, 0, "", "", kept)
     return Slip(proven.cell, proven.line, proven.before, proven.after, kept)
