@@ -10,7 +10,7 @@ import pytest
 from tests.notebook_runs import children
 from tests.prerequisites import PATIENCE
 from utils.checks import check, checks_of, line_hint
-from utils.checks.core import ChecksFailed
+from utils.checks.core import ChecksFailed, run_check
 from utils.checks.line_hint import place_to_change
 
 CHECKS = checks_of("line_through")
@@ -43,6 +43,51 @@ def wrong_twice(p, q):
         return None
     a, b = -dy / length, dx / length
     return a, b, a * p[0] + b * p[1]
+
+
+class Node:
+    def __init__(self, point, index):
+        self.point, self.index, self.left, self.right = point, index, None, None
+
+
+def insert(tree, point, index):
+    newcomer = Node(point, index)
+    if tree.root is None:
+        tree.root = newcomer
+        return
+    parent, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "left" if point[axis] > parent.point[axis] else "right"
+        if getattr(parent, side) is None:
+            setattr(parent, side, newcomer)
+            return
+        parent, depth = getattr(parent, side), depth + 1
+
+
+class PassesOn:
+    root = None
+
+    def insert(self, point, index):
+        insert(self, point, index)
+
+
+class HasTheMethod:
+    root = None
+
+    def insert(self, point, index):
+        newcomer = Node(point, index)
+        if self.root is None:
+            self.root = newcomer
+            return
+        parent, depth = self.root, 0
+        while True:
+            axis = depth % len(point)
+            side = "left" if point[axis] < parent.point[axis] else "right"
+            if getattr(parent, side) is None:
+                setattr(parent, side, newcomer)
+                return
+            parent, depth = getattr(parent, side), depth
 
 
 def draws_and_prints(p, q):
@@ -189,3 +234,33 @@ def test_check_shows_the_hint_below_the_first_failure(capsys):
     assert output.index("Where to look") < output.index(
         "[passed]" if "[passed]" in output else "[waiting]"
     )
+
+
+@pytest.mark.parametrize(
+    "kind, line",
+    [
+        (PassesOn, 'side = "left" if point[axis] > parent.point[axis] else "right"'),
+        (HasTheMethod, "parent, depth = getattr(parent, side), depth"),
+    ],
+)
+def test_a_method_and_the_function_behind_it_get_a_line(kind, line):
+    checks = checks_of("insert")
+    failed = [each for each in checks if run_check(each, kind).failure]
+    assert failed
+    place = place_to_change(kind, checks, failed)
+    assert [each.text for each in place.lines] == [line]
+
+
+def returns_at_the_top(p, q):
+    return None
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a, b = -dy / length, dx / length
+    return a, b, -(a * p[0] + b * p[1])
+
+
+def test_the_first_line_of_a_function_is_never_named():
+    place = place_to_change(returns_at_the_top, CHECKS, failed_checks(returns_at_the_top))
+    assert place is None or all("def " not in line.text for line in place.lines)

@@ -19,6 +19,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from types import FunctionType
 
 from utils.checks.limits import limited_memory
 from utils.checks.outcomes import Check
@@ -75,7 +76,7 @@ def place_to_change(
     Parameters
     ----------
     function : callable
-        The student's function.
+        The student's function, or a class of which one method is the exercise.
     checks : sequence of utils.checks.outcomes.Check
         All visible checks of the exercise.
     failed : sequence of utils.checks.outcomes.Check
@@ -87,8 +88,10 @@ def place_to_change(
         None if no such line is found in time, if there are more than `MOST_LINES`, or if the
         system cannot fork a process.
     """
+    exercise = checks[0].exercise
+    part = _written_for(exercise, function)
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
-        source, first = inspect.getsourcelines(function)
+        source, first = inspect.getsourcelines(part)
         text = textwrap.dedent("".join(source))
         statements = slicing.parse_notebook([text])[0]
         if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
@@ -138,11 +141,18 @@ def _lines_that_pass(
 def _passing(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> Iterator[int]:
-    """Yield the first line of each edit with which all checks pass, without repetition."""
-    found = set()
+    """Yield the first line of each edit with which all checks pass, without repetition.
+
+    Only the likeliest edits count, as unlikely ones undo a mistake far from where it was made. An
+    edit of the first line of the function, `def`, says nothing about its body.
+    """
+    found, best = set(), None
     for number, changed in _changed(function, statement, edits):
-        line = edits[number].first
-        if line not in found and all(_passes(check, changed) for check in checks):
+        line, rank = edits[number].first, edits[number].rank
+        if best is not None and rank > best:
+            return
+        if line > 1 and line not in found and all(_passes(check, changed) for check in checks):
+            best = rank
             found.add(line)
             yield line
 
@@ -180,11 +190,39 @@ def _changed(
     function: Callable, statement: slicing.Statement, edits: list[Edit]
 ) -> Iterator[tuple[int, Callable]]:
     """Yield the index of each edit, and the function after that edit."""
+    name = statement.node.name
+    part = _written_for(name, function)
     for number, edit in enumerate(edits):
-        namespace = dict(function.__globals__)
+        namespace = dict(part.__globals__)
         with contextlib.suppress(Exception):
             exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), namespace)
-            yield number, namespace[statement.node.name]
+            changed = namespace[name]
+            yield number, _class_with(function, name, changed) if part is not function else changed
+
+
+def _written_for(exercise: str, function: Callable) -> Callable:
+    """Return the function itself, or the one that a method of a class contains or passes on to."""
+    if not isinstance(function, type):
+        return function
+    method = vars(function).get(exercise)
+    if not isinstance(method, FunctionType) or exercise not in method.__code__.co_names:
+        return method
+    called = method.__globals__.get(exercise)
+    return called if isinstance(called, FunctionType) else method
+
+
+def _class_with(kind: type, name: str, changed: FunctionType) -> type:
+    """Return a subclass in which a method, or the function that it passes on to, is another one."""
+    if _written_for(name, kind) is vars(kind).get(name):
+        return type(kind.__name__, (kind,), {name: changed})
+    methods = {
+        own: FunctionType(
+            method.__code__, changed.__globals__, own, method.__defaults__, method.__closure__
+        )
+        for own, method in vars(kind).items()
+        if isinstance(method, FunctionType)
+    }
+    return type(kind.__name__, (kind,), methods)
 
 
 def _passes(check: Check, function: Callable) -> bool:
