@@ -23,6 +23,14 @@ USELESS = Harm("useless", 0.0, 0.5)
 PARTLY = Harm("partly", 0.1, 0.85)
 # A caller would fix the result easily, or hardly ever meet the fault.
 SMALL = Harm("small", 0.6, 0.97)
+# The method that the lesson teaches is not there.
+MISSING = Harm("missing", 0.0, 0.5)
+# The lesson gives this code as the idea that fails, or it ignores its input.
+NAIVE = Harm("naive", 0.0, 0.1)
+
+
+# Stands for the whole body of the function.
+BODY = "    ### BEGIN SOLUTION\n"
 
 
 @dataclass(frozen=True)
@@ -34,7 +42,7 @@ class Slip:
     title : str
         Description of the slip in a few words.
     old, new : str
-        Text that occurs once in the solution's function, and its replacement.
+        Text that occurs once in the solution's function, or `BODY`, and its replacement.
     harm : Harm
         Effect of the slip.
     """
@@ -43,3 +51,17 @@ class Slip:
     old: str
     new: str
     harm: Harm
+
+    def applied_to(self, source: str) -> str:
+        """Return the source of the solution's function with the slip.
+
+        Raises
+        ------
+        ValueError
+            If the text to replace does not occur exactly once.
+        """
+        if source.count(self.old) != 1:
+            raise ValueError(f"{self.old!r} occurs {source.count(self.old)} times")
+        if self.old == BODY:
+            return source[: source.index(BODY)] + self.new
+        return source.replace(self.old, self.new)

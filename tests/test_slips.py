@@ -35,11 +35,10 @@ def solution_of(exercise):
 
 def with_slip(exercise, slip):
     """Return the lesson and the functions of its solution, one of them with the slip."""
-    lesson, source = lesson_of(exercise), solution_of(exercise)
-    assert source.count(slip.old) == 1, f"{slip.old!r} stands there {source.count(slip.old)} times"
+    lesson, source = lesson_of(exercise), slip.applied_to(solution_of(exercise))
     answers = vars(load_reference(lesson.name))
     space = dict(answers[exercise].__globals__)
-    exec(textwrap.dedent(source.replace(slip.old, slip.new)), space)
+    exec(textwrap.dedent(source), space)
     return lesson, {**answers, exercise: space[exercise]}
 
 

@@ -67,9 +67,15 @@ GROUPS, LABELS = frozen(_three_groups())
 
 @once
 def assert_works(euclidean_clustering: Callable) -> None:
-    """Require that groups far apart are separate clusters; raise `NotYet` otherwise."""
+    """Require what makes a clustering; raise `NotYet` otherwise.
+
+    Groups far apart are separate clusters, and a row of neighbours, from its end, is one.
+    """
     with needs("groups of points far apart are clusters of their own"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
+    with needs("a chain of neighbours is one cluster"):
+        row = row_of_points([2.0, 0.0, 0.0], 0.45, 7)
+        assert_partition(euclidean_clustering(row.copy(), 0.8), np.ones(7, int), row)
 
 
 def assert_clusters(

@@ -101,17 +101,24 @@ def untouched(
 
 
 def array(case: Case, name: str) -> None:
-    """Note if the answer is a list instead of an array; this costs no points."""
+    """Note if the answer is a list, or an array that lost its columns; this costs no points."""
 
     def ask(function: Callable) -> None:
         answer = case.ask(function)
         if isinstance(answer, (list, tuple)):
             raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
+        nothing = as_array(case.of(case.first[:0]).ask(function))
+        if nothing.ndim == 1:
+            raise CheckFailed(
+                "Without rows the array has lost its columns: later cells cannot take one of them.",
+                yours=f"shape {nothing.shape}",
+                expected=f"shape (0, {case.first.shape[1]})",
+            )
 
     ask.__name__, ask.__module__ = name, case.lesson
     noted(
         case.exercise,
-        title="The rows are an array, not a list",
-        why="Later cells take columns of it, such as rows[:, 2], which a list has not; and where "
-        "no row is left, a list has no columns either.",
+        title="The rows are an array that keeps its columns",
+        why="Later cells take columns of it, such as rows[:, 2]. A list has no columns, nor has an "
+        "array that is made of an empty list.",
     )(ask)

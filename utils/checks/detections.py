@@ -70,6 +70,9 @@ def as_boxes(answer: object) -> np.ndarray:
     return boxes.astype(float)
 
 
+_FEW_GHOSTS = 2
+
+
 def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     """Return the index of the box that contains most of a car or person and little else, or None.
 
@@ -112,21 +115,66 @@ def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> Non
     _assert_found(answers, [(frame, clear_cars(frame)) for frame in frames], "cars")
 
 
-def assert_reached(answer: object, car: Box, frame: Frame) -> None:
-    """Assert that some box contains the car, whatever else it or other boxes contain."""
-    boxes = as_boxes(answer)
-    returns = frame.cloud[frame.scan.objects == car.identity, :3]
-    returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
+_NAMES = {"pedestrian": "person", "truck": "lorry"}
+
+
+def assert_reached(answer: object, thing: Box, frame: Frame) -> None:
+    """Assert that some box contains a thing, whatever else it or other boxes contain."""
+    boxes, name = as_boxes(answer), _NAMES.get(thing.kind, thing.kind)
+    returns = frame.cloud[frame.scan.objects == thing.identity, :3]
+    returns = returns[returns[:, 2] > thing.centre[2] - thing.size[2] / 2 + 0.55]
     if not any(
         _within(returns, boxes[number], 0.2).mean() >= HELD
-        for number in _covering(boxes, car.centre, 4.0)
+        for number in _covering(boxes, thing.centre, 4.0)
     ):
         raise CheckFailed(
-            f"No box holds the car at {point_text(car.centre[:2])}.",
-            given=_visible_part(car, frame),
+            f"No box holds the {name} at {point_text(thing.centre[:2])}.",
+            given=_visible_part(thing, frame),
             yours=f"{len(boxes)} boxes in that scan",
-            expected="one around that car",
-            draw=lambda: _draw(frame, boxes, [car.corners], "missed"),
+            expected=f"one around that {name}",
+            draw=lambda: _draw(frame, boxes, [thing.corners], "missed"),
+        )
+
+
+def assert_kind_reached(answer: object, kind: str, frame: Frame) -> None:
+    """Assert that some box contains each thing of a kind in the frame."""
+    for thing in frame.boxes:
+        if thing.kind == kind:
+            assert_reached(answer, thing, frame)
+
+
+def assert_apart(answer: object, frame: Frame, gap: float) -> None:
+    """Assert that no box contains both cars of a frame, which are parked `gap` metres apart."""
+    boxes = as_boxes(answer)
+    cars = [box for box in frame.boxes if box.kind == "car"]
+    for box in boxes:
+        shares = [
+            _within(frame.cloud[frame.scan.objects == car.identity, :3], box, 0.2).mean()
+            for car in cars
+        ]
+        if min(shares) > 0.5:
+            raise CheckFailed(
+                f"Two cars, parked {gap} m apart, have one box.",
+                yours="one box around both",
+                expected="a box for each",
+                draw=lambda box=box: _draw(frame, boxes, [box], "two cars"),
+                hint="Two things are one cluster where the threshold is larger than the gap "
+                "between them: is threshold handed on?",
+            )
+
+
+def assert_road_free(answer: object, frame: Frame) -> None:
+    """Assert that hardly a box is around road or nothing."""
+    boxes = as_boxes(answer)
+    ghosts = [box for box in boxes if not _holds_obstacle(box, frame)]
+    if len(ghosts) > _FEW_GHOSTS:
+        raise CheckFailed(
+            f"{len(ghosts)} boxes hold road, or nothing at all, for example at "
+            f"{point_text(ghosts[0][:, :2].mean(axis=0))}.",
+            given="a road that climbs",
+            yours=f"{len(boxes)} boxes in that scan",
+            expected="boxes around cars, a lorry and a person",
+            draw=lambda: _draw(frame, boxes, ghosts, "road"),
         )
 
 

@@ -34,8 +34,8 @@ class Mistake:
         Whether the answer needs no work on the task, such as all labels equal. The mistake then
         does not prove a slip; only an edit does.
     is_the_task : bool
-        Whether avoiding the mistake is the point of the exercise. It is then not a slip, however
-        small the change.
+        Whether avoiding the mistake is the point of the exercise. It then keeps fewer points than
+        another slip, and only an edit proves it.
     """
 
     says: str

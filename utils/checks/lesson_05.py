@@ -63,7 +63,7 @@ _LABELS_WITH_SINGLES = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 
 @visible(
     "euclidean_clustering",
-    weight=3,
+    weight=2,
     title="Groups far apart are clusters of their own",
     why="A cluster is an obstacle: two cars must not become one, nor one car two.",
     hint="Take a point without a label, give it a new label, then give the same label to "
@@ -75,7 +75,7 @@ def separates_groups(euclidean_clustering: Callable) -> None:
 
 @visible(
     "euclidean_clustering",
-    weight=11,
+    weight=13,
     title="A chain of neighbours is one cluster, however long",
     why="A wall is metres long and its ends are far apart, but it is one obstacle.",
     hint="Each point that you label must itself be asked for its neighbours: let it wait in the "
@@ -131,14 +131,14 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     hint="Two points are close where their distance in metres is below the parameter threshold.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
-    # Pairs 0.2, 0.45, 0.6 and 0.9 m apart, so that each threshold joins a different number of them.
-    pairs = np.column_stack([np.arange(4) * 9.0, np.arange(4) * 9.0 + [0.2, 0.45, 0.6, 0.9]])
-    cloud = np.outer(pairs.ravel(), [1.0, 0.0, 0.0])
+    # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins a different number of them.
+    rows = np.arange(4)[:, None] * 9.0 + np.outer([0.2, 0.45, 0.6, 0.9], [0, 1, 2])
+    cloud = np.outer(rows.ravel(), [1.0, 0.0, 0.0])
     for threshold, labels in (
-        (0.3, [1, 1, 2, 3, 4, 5, 6, 7]),
-        (0.5, [1, 1, 2, 2, 3, 4, 5, 6]),
-        (0.7, [1, 1, 2, 2, 3, 3, 4, 5]),
-        (1.0, [1, 1, 2, 2, 3, 3, 4, 4]),
+        (0.3, [1, 1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]),
+        (0.5, [1, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8]),
+        (0.7, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 5, 6]),
+        (1.0, [1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4]),
     ):
         answer = euclidean_clustering(cloud.copy(), threshold)
         assert_clusters(answer, np.array(labels), cloud, threshold)
@@ -357,6 +357,7 @@ mistakes(
         "Only points close to the first one of a cluster join: balls instead of chains.",
         _around_first_points,
         "Put each point that joins into the queue, and ask it for its own neighbours.",
+        is_cheap=True,
     ),
     Mistake(
         "Each point takes the label of a neighbour before it, and clusters that meet later keep "

@@ -345,7 +345,7 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=28,
+    weight=34,
     title="The point of a cell is the mean of its points",
     why="A mean of many noisy returns is nearer to the surface than any one of them.",
     hint="Add up the rows of each cell and divide each sum by its own count: counts[:, None] is a "
@@ -441,6 +441,44 @@ def floors_below_zero(voxel_grid: Callable) -> None:
             assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
+# Cells that a key of one's own may confuse: by the sum of their numbers, by the digits in a row, by
+# the product with primes, or by the numbers without their signs.
+_CONFUSABLE = (
+    ((1, 0, 0), (0, 1, 0)),
+    ((1, 11, 1), (11, 1, 1)),
+    ((3, 0, 0), (0, 0, 3)),
+    ((-4, -4, -2), (4, 4, -2)),
+    ((4, -3, 1), (4, 3, -1)),
+    ((-4, 1, 0), (3, 1, 0)),
+    ((5, -2, 2), (5, 1, 2)),
+    ((5, 2, -1), (5, 2, 0)),
+    ((12, 0, 0), (2, 1, 0)),
+)
+
+
+@visible(
+    "voxel_grid",
+    weight=4,
+    title="Different cells stay apart, on all sides of the sensor",
+    why="Two points from different cells, merged into one, give a point between them, where there "
+    "is nothing.",
+    hint="Two points share a cell if all three numbers of floor(xyz / voxel_size) are equal, signs "
+    "included: as_numbers(...) tells such rows apart.",
+)
+def keeps_cells_apart(voxel_grid: Callable) -> None:
+    require_row_per_cell(voxel_grid)
+    for pair in _CONFUSABLE:
+        cloud = np.column_stack([(np.array(pair) + 0.5) * 0.2, np.ones(2)])
+        rows = len(as_array(voxel_grid(cloud.copy(), 0.2)))
+        if rows != 2:
+            raise CheckFailed(
+                f"The cells {pair[0]} and {pair[1]} are taken for one.",
+                given="a point in each of the two cells, and voxel_size=0.2",
+                yours=f"{rows} row{'s' * (rows != 1)}",
+                expected="2 rows",
+            )
+
+
 @visible(
     "voxel_grid",
     weight=2,
@@ -458,7 +496,7 @@ def begins_at_multiples(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=8,
+    weight=9,
     title="The parameter decides how large the cells are",
     why="Cell size trades detail for speed, and every pipeline chooses its own.",
     hint="The cell is floor(xyz / voxel_size), with the voxel_size that is given.",
@@ -521,15 +559,7 @@ def thins_the_smallest(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
     empty = np.empty((0, 4))
-    answer = voxel_grid(empty.copy(), 0.2)
-    assert_nothing_left(answer, empty, columns)
-    if as_array(answer).ndim != 2:
-        raise CheckFailed(
-            "Without points the answer has lost its columns.",
-            given="a cloud of shape (0, 4)",
-            yours=f"shape {as_array(answer).shape}",
-            expected=f"shape (0, {columns})",
-        )
+    assert_nothing_left(voxel_grid(empty.copy(), 0.2), empty, columns)
     horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 in a return of a horizontal beam
     for point in (_CELLS[:1], horizontal):
         assert_row_per_cell(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
@@ -557,6 +587,14 @@ def rounds_down(voxel_grid: Callable) -> None:
     cloud = np.full((3, 4), 0.1)
     cloud[:, 0] = 0.25, 0.375, 0.625
     assert_row_per_cell(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
+
+
+def _mirrored(cloud: np.ndarray, size: float) -> np.ndarray:
+    """Merge rows whose cells are equal without their signs."""
+    cells = np.floor(np.abs(cloud[:, :3]) / size)
+    _, which = np.unique(cells, axis=0, return_inverse=True)
+    which = which.ravel()
+    return np.array([cloud[which == cell].mean(axis=0) for cell in range(which.max() + 1)])
 
 
 def _merged(
@@ -667,6 +705,11 @@ mistakes(
         ".astype(int) alone cuts off what is behind the point: np.floor comes first.",
     ),
     Mistake(
+        "The sign is lost: a cell on the left and its mirror image on the right are one.",
+        lambda right, cloud, size: _mirrored(cloud, size),
+        "No abs: np.floor(xyz / voxel_size) may be negative.",
+    ),
+    Mistake(
         "Coordinates are rounded to the nearest, so every cell begins half a cell too early.",
         lambda right, cloud, size: _merged(cloud, size, first=size / 2),
         "np.floor, not np.round.",
@@ -703,6 +746,12 @@ mistakes(
         lambda right, cloud, size: _merged(cloud, 1 / size),
     ),
     Mistake(
+        "The last cell is missing: each cell is written when the next one begins, and no other "
+        "begins after the last.",
+        lambda right, cloud, size: right[np.lexsort(np.floor(right[:, :3] / size).T[::-1])][:-1],
+        "Write the last cell after the loop.",
+    ),
+    Mistake(
         "Nothing is merged: the cloud comes back as it went in.",
         lambda right, cloud, size: cloud,
         is_cheap=True,
@@ -711,14 +760,14 @@ mistakes(
         (
             table(
                 "0.3 0.1 0.1 0.1; -0.23 0.1 0.3 0.1; 0.45 0.2 0.4 0.9; 0.7 0.1 0.1 0.4; "
-                "0.35 0.1 0.9 0.3; 1.4 0.3 0.1 0.2"
+                "0.35 0.1 0.9 0.3; 1.4 0.3 0.1 0.2; -0.73 0.2 0.3 0.6"
             ),
             0.5,
         ),
         (
             table(
                 "1.3 -1.2 0.4 0.2; 2.3 -0.7 0.3 4.6; 1.1 -0.9 3.4 0.5; 3.9 0.6 0.2 0.8; "
-                "1.8 -1.6 0.9 2.3; 2.9 -1.1 0.1 0.6"
+                "1.8 -1.6 0.9 2.3; 2.9 -1.1 0.1 0.6; -3.2 -0.3 0.6 0.7"
             ),
             2.0,
         ),

@@ -384,12 +384,11 @@ def cuts_below_and_above(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
 
-@visible(
+@noted(
     "crop_region",
-    weight=2,
     title="The faces belong to the box",
-    why="Two boxes side by side shall leave no gap between them.",
-    hint="Inside is >= minimum and <= maximum.",
+    why="Two boxes side by side leave no gap between them: write >= minimum and <= maximum. "
+    "Measured points hardly ever lie exactly there, so it costs nothing.",
 )
 def counts_the_faces(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -497,12 +496,11 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     )
 
 
-@visible(
+@noted(
     "remove_ego_returns",
-    weight=2,
     title="The faces belong to the box",
-    why="What crop_region keeps of a box, this removes: together they are the whole cloud.",
-    hint="Inside is >= minimum and <= maximum, as in crop_region; outside is < or >.",
+    why="What crop_region keeps of a box, this removes: outside is < minimum or > maximum. "
+    "Measured points hardly ever lie exactly there, so it costs nothing.",
 )
 def removes_the_faces(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -819,11 +817,6 @@ mistakes(
         "Join both comparisons with &.",
     ),
     Mistake(
-        "Points on the faces go; they belong to the box.",
-        lambda right, *case: case[0][_depths(*case).min(axis=1) > 0],
-        "Use >= and <=, not > and <.",
-    ),
-    Mistake(
         "The lesson's own region decides, whatever minimum and maximum are.",
         lambda right, cloud, low, high: _rows_inside(cloud, _MINIMUM, _MAXIMUM),
         "Compare with minimum and maximum, by their names.",
@@ -875,11 +868,6 @@ mistakes(
         "Only x and y are compared; what is above or below the box is no part of it.",
         lambda right, *case: case[0][_depths(*case)[:, :2].min(axis=1) < 0],
         "Compare all three coordinates: cloud[:, :3].",
-    ),
-    Mistake(
-        "Points on the faces stay; they belong to the box.",
-        lambda right, *case: case[0][_depths(*case).min(axis=1) <= 0],
-        "Inside is >= minimum and <= maximum; outside is < or >.",
     ),
     Mistake(
         "The lesson's own box decides, whatever minimum and maximum are.",

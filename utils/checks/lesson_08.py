@@ -80,6 +80,20 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
 
 @visible(
     "get_bounding_boxes",
+    weight=2,
+    title="A box is as exact as its points",
+    why="Each step of a pipeline adds its own errors. Rounding is for texts that people read.",
+    hint="Return the numbers as they are, without round.",
+)
+def is_exact(get_bounding_boxes: Callable) -> None:
+    require_three_boxes(get_bounding_boxes)
+    points, labels = _POINTS + [0.0043, -0.0036, 0.0047], np.ones(7, dtype=int)
+    answer = get_bounding_boxes(points.copy(), labels.copy())
+    assert_box_corners(answer, _BOX[None] + [0.0043, -0.0036, 0.0047], points, labels)
+
+
+@visible(
+    "get_bounding_boxes",
     weight=3,
     title="A cluster may lie anywhere: ahead on the left, behind on the right",
     why="Behind us on the right all coordinates are negative, and their largest is below 0.",

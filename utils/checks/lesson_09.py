@@ -168,7 +168,7 @@ def _summary(labels: np.ndarray) -> str:
 
 @visible(
     "filter_clusters",
-    weight=4,
+    weight=6,
     title="Clusters with too few points go, the others stay",
     why="Later steps draw a box around every label above 0: each drop of spray that stays "
     "is an obstacle to brake for.",
@@ -193,7 +193,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
 
 @visible(
     "filter_clusters",
-    weight=2,
+    weight=3,
     title="Points of removed clusters get the label 0",
     why="0 is noise for every step that follows; a negative label is the name of nothing.",
     hint="Write 0 where a cluster is too small.",
@@ -300,6 +300,23 @@ common_checks.names(
 
 @visible(
     "filter_clusters",
+    weight=5,
+    title="A large cluster stays, however large it is",
+    why="A wall, a lorry or the car in front has hundreds or thousands of points in a scan.",
+    hint="There is a minimum and no maximum: compare the size with min_num_points alone.",
+)
+def keeps_large_clusters(filter_clusters: Callable) -> None:
+    require_most_clusters_right(filter_clusters)
+    sizes = np.array([300, 4, 1100, 9, 6500, 2, 30_000])
+    labels = np.repeat(np.arange(1, 8), sizes)
+    kept = np.where(sizes < 10, 0, np.arange(1, 8))
+    assert_right_clusters_left(
+        filter_clusters(labels.copy(), 10), labels, np.repeat(kept, sizes), 10
+    )
+
+
+@visible(
+    "filter_clusters",
     weight=3,
     title="Label 0 stays 0, however many points have it",
     why="Other steps set noise to 0, too. It must not come back as one huge obstacle.",
@@ -335,7 +352,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
 
 @visible(
     "filter_clusters",
-    weight=2,
+    weight=3,
     title="Takes no points, one point, and all points in one cluster",
     why="After the other filters nothing may be left, or a single wall.",
     hint="The same lines serve every case: np.unique of no points is no labels.",

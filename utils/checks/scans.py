@@ -98,6 +98,37 @@ def crossing(seed: int) -> Frame:
     return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
+CLIMB = 0.04  # metres up per metre ahead, in `climb`
+GAP = 0.85  # metres between the two parked cars of `climb`
+
+
+@functools.lru_cache(maxsize=64)
+def climb(seed: int) -> Frame:
+    """Return a scan of a road that climbs, with things that simple detectors leave out.
+
+    A person stands just next to the bumper, a lorry on the same side, and two cars are parked close
+    behind each other on the other side, at the edge of the road.
+    """
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import placed, some_car, some_walker, world_of
+    from utils.simulator.traffic import truck
+
+    rng = np.random.default_rng((seed, 34))
+    side = rng.choice([-1, 1])
+    first, second = some_car(rng), some_car(rng)
+    x, y = rng.uniform(1.5, 2.5), 4.9 * side
+    gap = (first.size[0] + second.size[0]) / 2 + GAP
+    person = (rng.uniform(3.2, 3.4), -side * rng.uniform(2.15, 2.35))
+    things = [
+        placed(some_walker(rng), *person),
+        placed(truck(rng.uniform(11.5, 12.5)), rng.uniform(5.0, 6.0), -5.2 * side, 0.0),
+        placed(first, x, y, 0.0),
+        placed(second, x + gap, y, 0.0),
+    ]
+    return observe(world_of(Ground(slope=CLIMB), things), half_sensor(), seed)
+
+
 def car_across(frame: Frame) -> Box:
     """Return the true box of the car across the road in `crossing`."""
     return min(

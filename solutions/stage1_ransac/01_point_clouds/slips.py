@@ -20,6 +20,41 @@ SLIPS = {
         Slip("the root of the sum", _ROOT, "np.sqrt((x + y) ** 2)", USELESS),
         Slip("no return", f"return {_ROOT}", f"distance = {_ROOT}", USELESS),
         Slip("needs four columns", "cloud[:, 0], cloud[:, 1]", "cloud.T[[0, 1, 3]][:2]", SMALL),
+        Slip(
+            "a half for a power of a half",
+            "np.sqrt(x**2 + y**2)",
+            "(x**2 + y**2) ** 1 / 2",
+            USELESS,
+        ),
+        Slip(
+            "return inside the loop",
+            "x, y = cloud[:, 0], cloud[:, 1]\n    return np.sqrt(x**2 + y**2)",
+            "distances = np.zeros(len(cloud))\n"
+            "    for row in range(len(cloud)):\n"
+            "        distances[row] = np.hypot(cloud[row, 0], cloud[row, 1])\n"
+            "        return distances",
+            USELESS,
+        ),
+        Slip(
+            "return one value inside the loop",
+            "x, y = cloud[:, 0], cloud[:, 1]\n    return np.sqrt(x**2 + y**2)",
+            "for x, y in cloud[:, :2]:\n        return np.sqrt(x**2 + y**2)",
+            USELESS,
+        ),
+        Slip(
+            "rounded to centimetres",
+            "np.sqrt(x**2 + y**2)",
+            "np.sqrt(x**2 + y**2).round(2)",
+            PARTLY,
+        ),
+        Slip("prints", "return np.sqrt(x**2 + y**2)", "print(np.sqrt(x**2 + y**2))", USELESS),
+        Slip("no axis", "np.sqrt(x**2 + y**2)", "np.linalg.norm(cloud[:, :2])", USELESS),
+        Slip(
+            "the wrong axis",
+            "np.sqrt(x**2 + y**2)",
+            "np.linalg.norm(cloud[:, :2], axis=0)",
+            USELESS,
+        ),
     ],
     "drop_invalid": [
         Slip("| for &", "is_somewhere & ~", "is_somewhere | ~", USELESS),
@@ -37,5 +72,12 @@ SLIPS = {
         Slip("no axis", _FINITE, "np.isfinite(xyz).all()", PARTLY),
         Slip("returns the mask", f"cloud[{_MASK}]", _MASK, USELESS),
         Slip("close to 0 counts as 0", "xyz == 0", "np.abs(xyz) < 0.3", SMALL),
+        Slip(
+            "compares with NaN",
+            "np.isfinite(xyz).all(axis=1)",
+            "(xyz != np.nan).all(axis=1)",
+            PARTLY,
+        ),
+        Slip("and for &", "is_somewhere & ~", "is_somewhere and ~", USELESS),
     ],
 }

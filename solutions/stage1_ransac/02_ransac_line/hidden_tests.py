@@ -16,7 +16,6 @@ from utils.checks.assertions import CheckFailed, call_each
 from utils.checks.failures import fixed
 from utils.checks.lesson_02 import (
     as_line_and_mask,
-    assert_border_is_inlier,
     assert_line_distances,
     assert_mask_matches_line,
     assert_no_line,
@@ -420,21 +419,6 @@ def test_iterations_count(student, seed):
                 "points can hardly do that."
             )
         )
-
-
-@hidden(
-    "ransac_line",
-    weight=1,
-    title="Points at exactly the threshold are inliers, wherever the line runs",
-    hint="distance_tolerance is the largest distance of an inlier: compare with <=.",
-)
-def test_border(student, seed):
-    require_line_in_crowd(student.ransac_line)
-    rng = np.random.default_rng(seed)
-    for axis in (0, 1):
-        three = np.array([[0.0, 0.0], [8.0, 0.0], [4.0, rng.choice([-1, 1])]])
-        three = (three + rng.integers(-20, 20, 2))[:, [axis, 1 - axis]]
-        assert_border_is_inlier(student.ransac_line, three)
 
 
 @hidden(

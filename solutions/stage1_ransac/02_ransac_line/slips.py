@@ -28,6 +28,9 @@ SLIPS = {
         Slip("close points are none", "not length > 0", "length < 0.5", SMALL),
         Slip("upright lines are none", "not length > 0", "dx == 0", PARTLY),
         Slip("the squared length", "np.hypot(dx, dy)", "dx**2 + dy**2", PARTLY),
+        Slip("a and b exchanged", "return a, b, -(a", "return b, a, -(a", USELESS),
+        Slip("no return", "return a, b, -(a", "line = a, b, -(a", USELESS),
+        Slip("None as soon as one way is 0", "not length > 0", "dx == 0 or dy == 0", PARTLY),
     ],
     "point_line_distance": [
         Slip("no absolute value", f"np.abs({_VALUE})", _VALUE, USELESS),
@@ -55,6 +58,39 @@ SLIPS = {
             f"np.abs({_VALUE}) / np.linalg.norm(line)",
             USELESS,
         ),
+        Slip(
+            "return inside the loop",
+            "return np.abs(a * points[:, 0] + b * points[:, 1] + c)",
+            "distances = []\n"
+            "    for x, y in points[:, :2]:\n"
+            "        distances.append(abs(a * x + b * y + c))\n"
+            "        return np.array(distances)",
+            USELESS,
+        ),
+        Slip(
+            "no return",
+            "return np.abs(a * points[:, 0] + b * points[:, 1] + c)",
+            "distance = np.abs(a * points[:, 0] + b * points[:, 1] + c)",
+            USELESS,
+        ),
+        Slip(
+            "a mask for distances",
+            "return np.abs(a * points[:, 0] + b * points[:, 1] + c)",
+            "return np.abs(a * points[:, 0] + b * points[:, 1] + c) < 0.5",
+            USELESS,
+        ),
+        Slip(
+            "prints",
+            "return np.abs(a * points[:, 0] + b * points[:, 1] + c)",
+            "print(np.abs(a * points[:, 0] + b * points[:, 1] + c))",
+            USELESS,
+        ),
+        Slip(
+            "adds before the product",
+            "a * points[:, 0] + b * points[:, 1] + c",
+            "a * (points[:, 0] + b * points[:, 1]) + c",
+            USELESS,
+        ),
     ],
     "ransac_line": [
         Slip("the last line", f"if {_BETTER}", "if True", USELESS),
@@ -68,7 +104,6 @@ SLIPS = {
         Slip("the line is not kept", _KEEP, "best_inliers = inliers", USELESS),
         Slip("the mask is not kept", _KEEP, "best_line = line", USELESS),
         Slip("outliers for inliers", "line) <= distance", "line) >= distance", USELESS),
-        Slip("< for <=", "line) <= distance", "line) < distance", SMALL),
         Slip("with replacement", _DRAW, "rng.integers(len(points), size=2)", SMALL),
         Slip("break for continue", "continue", "break", SMALL),
         Slip("None is not asked for", "line is None", "False", SMALL),
@@ -90,6 +125,36 @@ SLIPS = {
             "the last mask",
             "\n    return best_line, best_inliers",
             "\n    return best_line, inliers",
+            USELESS,
+        ),
+        Slip(
+            "return inside the loop",
+            "\n    return best_line, best_inliers",
+            "\n        return best_line, best_inliers",
+            USELESS,
+        ),
+        Slip(
+            "any inlier is enough",
+            "inliers.sum() > best_inliers.sum()",
+            "inliers.sum() > 0",
+            USELESS,
+        ),
+        Slip(
+            "neighbours alone",
+            "rng.choice(len(points), size=2, replace=False)",
+            "rng.integers(len(points) - 1) + np.array([0, 1])",
+            SMALL,
+        ),
+        Slip(
+            "the same sample each round",
+            "        first, second =",
+            "        rng = np.random.default_rng(0)\n        first, second =",
+            USELESS,
+        ),
+        Slip(
+            "row numbers for points",
+            "line_through(points[first], points[second])",
+            "line_through(first, second)",
             USELESS,
         ),
     ],

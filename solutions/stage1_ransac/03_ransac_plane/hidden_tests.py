@@ -40,7 +40,6 @@ from utils.checks.lesson_03.point_plane_distance import (
     require_plain_distances,
 )
 from utils.checks.lesson_03.ransac_plane import (
-    assert_border_is_inlier,
     assert_no_round_is_missing,
     assert_rows_differ,
     assert_three_are_enough,
@@ -364,7 +363,7 @@ def test_masks(student, seed):
 
 @hidden(
     "ransac_plane",
-    weight=2,
+    weight=4,
     title="Follows tolerances you have not seen",
     hint="Compare the distances with distance_tolerance.",
 )
@@ -404,24 +403,6 @@ def test_three_points(student, seed):
 def test_rounds(student, seed):
     require_plane_among_outliers(student.ransac_plane)
     assert_no_round_is_missing(student.ransac_plane)
-
-
-@hidden(
-    "ransac_plane",
-    weight=1,
-    title="Points at exactly the threshold are inliers, wherever the plane lies",
-    hint="distance_tolerance is the largest distance of an inlier: compare with <=.",
-)
-def test_edge(student, seed):
-    require_plane_among_outliers(student.ransac_plane)
-    rng = np.random.default_rng(seed)
-    for turn in range(3):
-        four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
-        four[3, 2] = rng.choice([-1, 1])
-        # Never a plane through the sensor: d would be 0 on some seeds only.
-        moved = rng.integers(1, 20, 3) * rng.choice([-1, 1], 3)
-        four = np.roll(four, turn, axis=1) + moved
-        assert_border_is_inlier(student.ransac_plane, four)
 
 
 @hidden(
@@ -472,7 +453,7 @@ def test_few_points(student, seed):
 
 @hidden(
     "fit_plane",
-    weight=3,
+    weight=5,
     title="Right for planes in any direction, with noise",
     hint="Centre the points, take the SVD, and the direction with the smallest spread.",
 )
@@ -493,7 +474,7 @@ def test_fit_any_direction(student, seed):
 
 @hidden(
     "fit_plane",
-    weight=10,
+    weight=13,
     title="The mean lies on the plane, wherever the points are",
     hint="d is minus the product of the normal and the mean.",
 )
@@ -509,7 +490,7 @@ def test_fit_offset(student, seed):
 
 @hidden(
     "fit_plane",
-    weight=4,
+    weight=5,
     title="Right for pieces of the course's own scan",
     hint="Any cloud has a best plane, flat or not.",
 )

@@ -1,6 +1,6 @@
 """Slips in lesson 03."""
 
-from tests.slips import PARTLY, SMALL, USELESS, Slip
+from tests.slips import MISSING, PARTLY, SMALL, USELESS, Slip
 
 _DISTANCE = "points[:, :3] @ normal + offset"
 _BETTER = "np.count_nonzero(close) > np.count_nonzero(inliers)"
@@ -32,6 +32,11 @@ SLIPS = {
             "(q - p) * (r - p)",
             USELESS,
         ),
+        Slip("a pair", "(*normal, -normal @ p)", "normal, -normal @ p", USELESS),
+        Slip(
+            "no return", "return (*normal, -normal @ p)", "plane = (*normal, -normal @ p)", USELESS
+        ),
+        Slip("the scalar product", "np.cross(q - p, r - p)", "np.dot(q - p, r - p)", USELESS),
     ],
     "point_plane_distance": [
         Slip("no absolute value", f"np.abs({_DISTANCE})", _DISTANCE, USELESS),
@@ -60,6 +65,33 @@ SLIPS = {
             "np.abs(points[:, :3] * normal).sum(axis=1) + offset",
             USELESS,
         ),
+        Slip(
+            "along z",
+            "np.abs(points[:, :3] @ normal + offset)",
+            "np.abs(points[:, :3] @ normal + offset) / abs(normal[2])",
+            USELESS,
+        ),
+        Slip(
+            "a mask for distances",
+            "np.abs(points[:, :3] @ normal + offset)",
+            "np.abs(points[:, :3] @ normal + offset) <= 0.2",
+            USELESS,
+        ),
+        Slip(
+            "no return",
+            "return np.abs(points[:, :3] @ normal + offset)",
+            "distance = np.abs(points[:, :3] @ normal + offset)",
+            USELESS,
+        ),
+        Slip(
+            "return inside the loop",
+            "return np.abs(points[:, :3] @ normal + offset)",
+            "distances = []\n"
+            "    for point in points[:, :3]:\n"
+            "        distances.append(abs(point @ normal + offset))\n"
+            "        return np.array(distances)",
+            USELESS,
+        ),
     ],
     "ransac_plane": [
         Slip("the last plane", f"if {_BETTER}", "if True", USELESS),
@@ -79,7 +111,6 @@ SLIPS = {
             "\n    return model, ~inliers",
             USELESS,
         ),
-        Slip("< for <=", "candidate) <= distance", "candidate) < distance", SMALL),
         Slip("with replacement", _DRAW, "rng.integers(len(points), size=3)", SMALL),
         Slip("break for continue", "continue", "break", SMALL),
         Slip("None is not asked for", "candidate is None", "False", SMALL),
@@ -105,6 +136,42 @@ SLIPS = {
             "\n    return model, close",
             USELESS,
         ),
+        Slip(
+            "return inside the loop",
+            "\n    return model, inliers",
+            "\n        return model, inliers",
+            USELESS,
+        ),
+        Slip(
+            "any inlier is enough",
+            "np.count_nonzero(close) > np.count_nonzero(inliers)",
+            "np.count_nonzero(close) > 0",
+            USELESS,
+        ),
+        Slip(
+            "three rows in a row",
+            "rng.choice(len(points), 3, replace=False)",
+            "rng.integers(len(points) - 2) + np.arange(3)",
+            SMALL,
+        ),
+        Slip(
+            "the same sample each round",
+            "        sample =",
+            "        rng = np.random.default_rng(0)\n        sample =",
+            USELESS,
+        ),
+        Slip(
+            "zeros and ones",
+            "\n    return model, inliers",
+            "\n    return model, inliers.astype(int)",
+            USELESS,
+        ),
+        Slip(
+            "row numbers for a mask",
+            "\n    return model, inliers",
+            "\n    return model, np.flatnonzero(inliers)",
+            USELESS,
+        ),
     ],
     "fit_plane": [
         Slip("not centred", "points[:, :3] - centre,", "points[:, :3],", USELESS),
@@ -123,6 +190,36 @@ SLIPS = {
         Slip("one mean for all", "mean(axis=0)", "mean() * np.ones(3)", USELESS),
         Slip("the first result", "full_matrices=False)[2]", "full_matrices=False)[0]", USELESS),
         Slip("full matrices", ", full_matrices=False", "", SMALL),
+        Slip(
+            "through the first three points",
+            "    centre = points[:, :3].mean(axis=0)\n"
+            "    by_spread = np.linalg.svd(points[:, :3] - centre, "
+            "full_matrices=False)[2]\n"
+            "    least = by_spread[2]\n"
+            "    return (*least, -least @ centre)",
+            "    return plane_through(*points[:3, :3])",
+            MISSING,
+        ),
+        Slip(
+            "errors along z",
+            "    centre = points[:, :3].mean(axis=0)\n"
+            "    by_spread = np.linalg.svd(points[:, :3] - centre, "
+            "full_matrices=False)[2]\n"
+            "    least = by_spread[2]\n"
+            "    return (*least, -least @ centre)",
+            "    a, b, c = np.linalg.lstsq(np.c_[points[:, :2], "
+            "np.ones(len(points))], points[:, 2], rcond=None)[0]\n"
+            "    length = np.sqrt(a * a + b * b + 1)\n"
+            "    return a / length, b / length, -1 / length, c / length",
+            PARTLY,
+        ),
+        Slip("no return", "return (*least", "plane = (*least", USELESS),
+        Slip(
+            "the median for the mean",
+            "points[:, :3].mean(axis=0)",
+            "np.median(points[:, :3], axis=0)",
+            PARTLY,
+        ),
     ],
     "iterations_needed": [
         Slip("rounded down", "math.ceil", "math.floor", SMALL),
@@ -153,5 +250,12 @@ SLIPS = {
             USELESS,
         ),
         Slip("one more", "math.ceil(", "1 + math.ceil(", SMALL),
+        Slip(
+            "the sign in the logarithm",
+            "math.log1p(-good_sample)",
+            "math.log1p(good_sample)",
+            USELESS,
+        ),
+        Slip("a large number for infinity", "return math.inf", "return 10**9", SMALL),
     ],
 }

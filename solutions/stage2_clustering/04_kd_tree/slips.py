@@ -1,6 +1,6 @@
 """Slips in lesson 04."""
 
-from tests.slips import PARTLY, SMALL, USELESS, Slip
+from tests.slips import MISSING, PARTLY, SMALL, USELESS, Slip
 
 _AXIS = "axis = depth % len(point)"
 _SIDE = '"left" if point[axis] < parent.point[axis] else "right"'
@@ -30,10 +30,22 @@ SLIPS = {
             "tree.root = newcomer",
             USELESS,
         ),
+        Slip("no loop", "while True:", "if True:", USELESS),
+        Slip(
+            "never ends",
+            "setattr(parent, side, newcomer)\n            return",
+            "setattr(parent, side, newcomer)",
+            USELESS,
+        ),
+        Slip(
+            "the child's coordinates for the parent's",
+            "parent.point[axis]",
+            "parent.point[axis - 1]",
+            PARTLY,
+        ),
     ],
     "search": [
         Slip("> for >=", _RIGHT, "target[axis] + tolerance > split", SMALL),
-        Slip("< for <= at the rim", _NEAR, "dist(node.point, target) < tolerance", SMALL),
         Slip("elif", f"if {_RIGHT}", f"elif {_RIGHT}", PARTLY),
         Slip(
             "the ends exchanged",
@@ -79,6 +91,22 @@ SLIPS = {
         Slip("2 for the number of axes", "% len(target)", "% 2", PARTLY),
         Slip("points for indices", "found.append(node.index)", "found.append(node.point)", USELESS),
         Slip("None is not asked for", "node is None", "False", USELESS),
+        Slip("return inside the loop", "    return found", "        return found", USELESS),
+        Slip(
+            "the height is left out",
+            "dist(node.point, target)",
+            "dist(node.point[:2], target[:2])",
+            PARTLY,
+        ),
+        Slip(
+            "nothing is pruned on either side",
+            "target[axis] - tolerance < split:\n"
+            "            waiting.append((node.left, depth + 1))\n"
+            "        if target[axis] + tolerance >= split",
+            "True:\n            waiting.append((node.left, depth + 1))\n        if True",
+            MISSING,
+        ),
+        Slip("a generator", "return found", "return (index for index in found)", USELESS),
     ],
     "median_order": [
         Slip("the upper median", _MIDDLE, "len(rows) // 2", SMALL),
@@ -116,5 +144,13 @@ SLIPS = {
         Slip("the points, not their rows", "int(rows[middle])", "points[rows[middle]]", USELESS),
         Slip("no part may be empty", "len(rows) == 0", "False", USELESS),
         Slip("break for continue", "continue", "break", USELESS),
+        Slip("return inside the loop", "    return order", "        return order", USELESS),
+        Slip("no bracket", "(len(rows) - 1) // 2", "len(rows) - 1 // 2", USELESS),
+        Slip(
+            "no right part",
+            "(rows[:middle], depth + 1), (rows[middle + 1:], depth + 1)",
+            "(rows[:middle], depth + 1)",
+            USELESS,
+        ),
     ],
 }

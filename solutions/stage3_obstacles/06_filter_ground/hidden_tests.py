@@ -227,7 +227,7 @@ def test_voxel_sizes(student, seed, size):
 
 @hidden(
     "voxel_grid",
-    weight=3,
+    weight=4,
     title="As many points as cells all around the sensor, above and below it",
     hint="On both sides of zero the cell is floor(xyz / voxel_size).",
 )

@@ -21,6 +21,14 @@ SLIPS = {
         ),
         Slip("another default", "=-1.2", "=-1.73", SMALL),
         Slip("no default", "=-1.2", "", SMALL),
+        Slip("rounded", "cloud[:, 2] >=", "cloud[:, 2].round(1) >=", PARTLY),
+        Slip(
+            "row numbers in a tuple",
+            "return cloud[stands_above]",
+            "return np.where(stands_above)",
+            USELESS,
+        ),
+        Slip("no return", "return cloud[stands_above]", "cloud = cloud[stands_above]", USELESS),
     ],
     "voxel_grid": [
         Slip(
@@ -68,6 +76,24 @@ SLIPS = {
             "    cloud[0]\n",
             SMALL,
         ),
-        Slip("an empty list", "        return cloud\n", "        return []\n", SMALL),
+        Slip(
+            "the first point of each cell",
+            "return sums / count[:, None]",
+            "return cloud[np.unique(as_numbers(cell_of_point), return_index=True)[1]]",
+            PARTLY,
+        ),
+        Slip("sums for cells", "as_numbers(cell_of_point)", "cell_of_point.sum(axis=1)", PARTLY),
+        Slip(
+            "mirrored cells",
+            "np.floor(cloud[:, :3] / voxel_size)",
+            "np.floor(np.abs(cloud[:, :3]) / voxel_size)",
+            SMALL,
+        ),
+        Slip(
+            "the last cell is forgotten",
+            "return sums / count[:, None]",
+            "return (sums / count[:, None])[:-1]",
+            USELESS,
+        ),
     ],
 }

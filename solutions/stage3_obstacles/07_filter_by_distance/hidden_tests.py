@@ -343,18 +343,6 @@ def test_crop_heights(student, seed):
 @hidden(
     "crop_region",
     weight=2,
-    title="Points on the faces are inside",
-    hint="The box is closed: minimum <= point <= maximum.",
-)
-def test_crop_faces(student, seed):
-    require_crop(student.crop_region)
-    cloud, box, inside = on_a_lattice(seed)
-    assert_points_left_by_box(ask(student, "crop_region", cloud, *box), cloud, *box, inside)
-
-
-@hidden(
-    "crop_region",
-    weight=2,
     title="Every row keeps its place and its intensity, bright or not",
     hint="Compare the first three columns; the fourth is no coordinate, and stays.",
 )
@@ -453,18 +441,6 @@ def test_remove_heights(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 2, tall=False):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
-
-
-@hidden(
-    "remove_ego_returns",
-    weight=2,
-    title="Points on the faces are inside",
-    hint="The box is closed: minimum <= point <= maximum is our own car.",
-)
-def test_remove_faces(student, seed):
-    require_ego_removed(student.remove_ego_returns)
-    cloud, box, inside = on_a_lattice(seed)
-    assert_points_left_by_box(ask(student, "remove_ego_returns", cloud, *box), cloud, *box, ~inside)
 
 
 @hidden(

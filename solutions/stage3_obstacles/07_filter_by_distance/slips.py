@@ -59,6 +59,22 @@ SLIPS = {
             "cloud[along_the_road <= distance, :3]",
             SMALL,
         ),
+        Slip(
+            "a half for a power of a half",
+            "np.hypot(cloud[:, 0], cloud[:, 1])",
+            "(cloud[:, 0] ** 2 + cloud[:, 1] ** 2) ** 1 / 2",
+            USELESS,
+        ),
+        Slip(
+            "sides added",
+            "np.hypot(cloud[:, 0], cloud[:, 1])",
+            "np.abs(cloud[:, 0]) + np.abs(cloud[:, 1])",
+            PARTLY,
+        ),
+        Slip(
+            "the mask", "cloud[along_the_road <= distance]", "along_the_road <= distance", USELESS
+        ),
+        Slip("no return", "return cloud[along", "cloud = cloud[along", USELESS),
     ],
     "crop_region": [
         Slip("one is enough", ".all(axis=1)", ".any(axis=1)", USELESS),
@@ -76,11 +92,15 @@ SLIPS = {
         Slip("no upper corner", "(xyz >= minimum) & (xyz <= maximum)", "(xyz >= minimum)", PARTLY),
         Slip("no height", _BOX, "((xyz >= minimum) & (xyz <= maximum))[:, :2].all(axis=1)", PARTLY),
         Slip("places alone", "cloud[inside]", "xyz[inside]", SMALL),
+        Slip("the mask", "return cloud[inside]", "return inside", USELESS),
+        Slip("no return", "return cloud[inside]", "cloud = cloud[inside]", USELESS),
+        Slip("the first corner for all axes", "xyz >= minimum", "xyz >= minimum[0]", USELESS),
+        Slip("x alone", ".all(axis=1)", "[:, 0]", PARTLY),
         Slip(
-            "without its faces",
+            "the lesson's own region",
             "(xyz >= minimum) & (xyz <= maximum)",
-            "(xyz > minimum) & (xyz < maximum)",
-            SMALL,
+            "(xyz >= (-10, -5, -2)) & (xyz <= (30, 6, 1))",
+            PARTLY,
         ),
     ],
     "remove_ego_returns": [
@@ -98,11 +118,16 @@ SLIPS = {
         ),
         Slip("no height", _BOX, "((xyz >= minimum) & (xyz <= maximum))[:, :2].all(axis=1)", PARTLY),
         Slip("places alone", "cloud[~is_ours]", "xyz[~is_ours]", SMALL),
+        Slip("the mask", "return cloud[~is_ours]", "return ~is_ours", USELESS),
+        Slip("no return", "return cloud[~is_ours]", "cloud = cloud[~is_ours]", USELESS),
+        Slip("not for ~", "cloud[~is_ours]", "cloud[not is_ours]", USELESS),
+        Slip("x alone", ".all(axis=1)", "[:, 0]", USELESS),
         Slip(
-            "without its faces",
+            "the lesson's own box",
             "(xyz >= minimum) & (xyz <= maximum)",
-            "(xyz > minimum) & (xyz < maximum)",
-            SMALL,
+            "(xyz >= (-1.5, -1.7, -1.0)) & (xyz <= (2.6, 1.7, -0.4))",
+            PARTLY,
         ),
+        Slip("all four columns", "cloud[:, :3]", "cloud", USELESS),
     ],
 }

@@ -40,5 +40,19 @@ SLIPS = {
         ),
         Slip("intensity in the corners", "label), :3]", "label)]", PARTLY),
         Slip("no form for none", ".reshape(-1, 8, 3)", "", SMALL),
+        Slip(
+            "one number for all, twice",
+            "points.max(axis=0), points.min(axis=0)",
+            "points.max(), points.min()",
+            USELESS,
+        ),
+        Slip(
+            "the other axis, twice",
+            "points.max(axis=0), points.min(axis=0)",
+            "points.max(axis=1), points.min(axis=1)",
+            USELESS,
+        ),
+        Slip("rounded to centimetres", ".reshape(-1, 8, 3)", ".reshape(-1, 8, 3).round(2)", SMALL),
+        Slip("no return", "return np.array", "boxes = np.array", USELESS),
     ],
 }

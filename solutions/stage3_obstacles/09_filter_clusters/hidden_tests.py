@@ -53,7 +53,7 @@ def objects_of_course_cloud(seed):
 
 @hidden(
     "filter_clusters",
-    weight=5,
+    weight=7,
     title="Right on clusters of the course's own scan",
     hint="Compare np.unique(labels, return_counts=True) before and after.",
 )
@@ -65,7 +65,7 @@ def test_course_cloud(student, seed):
 
 @hidden(
     "filter_clusters",
-    weight=5,
+    weight=7,
     title="Right on swarms of small clusters that you have not seen",
     hint="Clusters of all sizes, small ones one after the other: each is judged by its own number "
     "of points, and by nothing that came before.",
@@ -75,6 +75,19 @@ def test_swarms(student, seed):
     for minimum in (2, 5, 20):
         assert_right(student, clutter(rng, 60, 40), minimum)
     assert_right(student, clutter(rng, 40, 400), 100)
+
+
+@hidden(
+    "filter_clusters",
+    weight=7,
+    title="Right where cars, walls and lorries have hundreds and thousands of points",
+    hint="There is a minimum and no maximum.",
+)
+def test_large_clusters(student, seed):
+    rng = np.random.default_rng(seed)
+    sizes = (np.array([150, 400, 900, 2500, 7000, 20_000]) * rng.uniform(1, 2, 6)).astype(int)
+    labels = np.repeat(rng.permutation(np.arange(1, 13)), [*sizes, *rng.integers(1, 9, 6)])
+    assert_right(student, rng.permutation(labels), 10)
 
 
 @hidden(

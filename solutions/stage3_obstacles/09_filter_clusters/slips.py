@@ -52,5 +52,27 @@ labels = cluster_labels.copy()
         ),
         Slip("sizes for labels", "0, cluster_labels)", "0, size_of_its_cluster)", USELESS),
         Slip("largest of nothing", _COUNT, _loop(), SMALL),
+        Slip(
+            "the large ones go, too",
+            "size_of_its_cluster < min_num_points,",
+            "(size_of_its_cluster < min_num_points) | (size_of_its_cluster > 1000),",
+            PARTLY,
+        ),
+        Slip("the sizes without their rows", "size[row]", "size", USELESS),
+        Slip("no return", "return np.where", "labels = np.where", USELESS),
+        Slip(
+            "return inside the loop",
+            "    _, row, size = np.unique(cluster_labels, return_inverse=True, "
+            "return_counts=True)\n"
+            "    size_of_its_cluster = size[row]\n"
+            "    return np.where(size_of_its_cluster < min_num_points, 0, "
+            "cluster_labels)",
+            "    labels = cluster_labels.copy()\n"
+            "    for label in np.unique(cluster_labels):\n"
+            "        if (cluster_labels == label).sum() < min_num_points:\n"
+            "            labels[cluster_labels == label] = 0\n"
+            "        return labels",
+            USELESS,
+        ),
     ],
 }

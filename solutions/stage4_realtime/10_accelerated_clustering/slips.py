@@ -63,5 +63,15 @@ SLIPS = {
             _SIDE.replace("(points, threshold)", "(points, 0.5)"),
             PARTLY,
         ),
+        Slip(
+            "a fixed threshold for the first step",
+            "first, threshold)\n    label",
+            "first, 0.5)\n    label",
+            SMALL,
+        ),
+        Slip(
+            "the other labels", "label[cell_of_point], return_index", "label, return_index", USELESS
+        ),
+        Slip("no return", "return np.argsort", "labels = np.argsort", USELESS),
     ],
 }

@@ -24,6 +24,27 @@ SLIPS = {
         Slip("mirrored where it was right", "det(by_spread) < 0", "det(by_spread) > 0", PARTLY),
         Slip("a row flipped", "by_spread[:, 2] *= -1", "by_spread[2] *= -1", USELESS),
         Slip("determinant before the order", "det(by_spread) < 0", "det(ascending) < 0", PARTLY),
+        Slip(
+            "correlation for covariance",
+            "centred.T @ centred / len(xyz)",
+            "np.corrcoef(centred.T)",
+            USELESS,
+        ),
+        Slip(
+            "no return where it is right",
+            "        by_spread[:, 2] *= -1\n    return by_spread",
+            "        by_spread[:, 2] *= -1\n        return by_spread",
+            USELESS,
+        ),
+        Slip(
+            "the axes of the rows",
+            "np.linalg.eigh(centred.T @ centred / len(xyz))",
+            "np.linalg.eigh(centred.T @ centred / len(xyz))[0], np.linalg.svd(centred)[2][::-1]",
+            USELESS,
+        ),
+        Slip(
+            "no guard for no points", "    if len(xyz) == 0:\n        return np.eye(3)\n", "", SMALL
+        ),
     ],
     "get_oriented_boxes": [
         Slip("turned by minus yaw twice", _CORNERS, _CORNERS.replace("yaw", "-yaw"), USELESS),
@@ -63,6 +84,25 @@ SLIPS = {
             "quarter_turn = np.radians(np.arange(90))",
             "quarter_turn = np.radians(np.arange(45))",
             PARTLY,
+        ),
+        Slip(
+            "the mean for the middle",
+            "straight.min(axis=0), straight.max(axis=0)",
+            "straight.mean(axis=0) - np.ptp(straight, axis=0) / 2, "
+            "straight.mean(axis=0) + np.ptp(straight, axis=0) / 2",
+            PARTLY,
+        ),
+        Slip(
+            "the outermost points cut off",
+            "straight.min(axis=0), straight.max(axis=0)",
+            "np.quantile(straight, 0.01, axis=0), np.quantile(straight, 0.99, axis=0)",
+            PARTLY,
+        ),
+        Slip(
+            "return inside the loop",
+            "    return np.array(boxes)",
+            "        return np.array(boxes)",
+            USELESS,
         ),
     ],
 }

@@ -11,15 +11,17 @@ import itertools
 import numpy as np
 
 from grader.judging.hidden_tests import hidden
-from utils.checks.assertions import CheckFailed
+from utils.checks.assertions import CheckFailed, needs
 from utils.checks.detections import (
     as_boxes,
+    assert_apart,
     assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
     assert_cars_seen,
     assert_dry,
     assert_gone,
+    assert_kind_reached,
     assert_nothing_at_sensor,
     assert_own_car_free,
     assert_people_found,
@@ -35,8 +37,10 @@ from utils.checks.lesson_12.match_boxes import (
     require_matching,
 )
 from utils.checks.scans import (
+    GAP,
     car_across,
     clear_cars,
+    climb,
     crossing,
     half_sensor,
     own_car,
@@ -83,6 +87,12 @@ def sees(student, frame):
     """Return the detector's boxes in a frame, after a check that it finds the frame's cars."""
     assert_cars_seen(student.detect_obstacles, frame)
     return detected(student.detect_obstacles, frame)
+
+
+def climbs(student, seed):
+    """Return two climbing roads, after a check that the detector finds the cars of a square."""
+    assert_cars_seen(student.detect_obstacles, square(seed))
+    return climb(seed), climb(seed + 1)
 
 
 def answer_for(student, cloud, frame):
@@ -141,6 +151,53 @@ def test_reach(student, seed):
 
 @hidden(
     "detect_obstacles",
+    weight=3,
+    title="A person beside the bumper has a box, on either side",
+    hint="remove_ego_returns takes away the box of the own car and nothing beyond it.",
+)
+def test_person_at_the_bumper(student, seed):
+    for frame in climbs(student, seed):
+        assert_kind_reached(detected(student.detect_obstacles, frame), "pedestrian", frame)
+
+
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="Cars at the edge of the road have boxes, on either side",
+    hint="Where does your region of interest end to the side?",
+)
+def test_edge_of_the_road(student, seed):
+    for frame in climbs(student, seed):
+        assert_kind_reached(detected(student.detect_obstacles, frame), "car", frame)
+
+
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="Lorries have boxes",
+    hint="A cluster of a thousand points is a wall or a lorry.",
+)
+def test_lorries(student, seed):
+    for frame in climbs(student, seed):
+        assert_kind_reached(detected(student.detect_obstacles, frame), "truck", frame)
+
+
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="Cars that are parked closely have boxes of their own",
+    hint="Two things are one cluster where the threshold is larger than the gap between them.",
+)
+def test_parked_cars(student, seed):
+    for frame in climbs(student, seed):
+        answer = detected(student.detect_obstacles, frame)
+        with needs("cars at the edge of the road have boxes"):
+            assert_kind_reached(answer, "car", frame)
+        assert_apart(answer, frame, GAP)
+
+
+@hidden(
+    "detect_obstacles",
     weight=4,
     title="Sees few ghosts in streets and a city you have not seen",
     hint="Draw the boxes of scenes.random_street(1): which hold road, which hold nothing? The road "
@@ -153,7 +210,7 @@ def test_few_ghosts(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=9,
+    weight=12,
     title="Turns the boxes of cars that stand at an angle",
     hint="Seen from above, the sides of a box should run along the sides of the car.",
 )
@@ -164,7 +221,7 @@ def test_turned_cars(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=9,
+    weight=12,
     title="Does not take its own car for an obstacle, however much of it the scanner sees",
     hint="All that lies in the box of the own car has to go, up to its faces.",
 )
@@ -188,7 +245,7 @@ def test_dirty_scan(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=7,
+    weight=11,
     title="Does not take single returns in the air, such as drops of rain, for obstacles",
     hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
     "labels that get boxes?",

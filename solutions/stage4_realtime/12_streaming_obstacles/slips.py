@@ -46,6 +46,32 @@ boxes = []
             PARTLY,
         ),
         Slip("only with intensity", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL),
+        Slip("everything within four metres goes", "(2.6, 1.7, -0.4)", "(4.0, 4.0, 4.0)", SMALL),
+        Slip(
+            "a lane for a region",
+            "minimum, maximum)\n",
+            "(-15.0, -3.5, -3.0), (35.0, 3.5, 1.0))\n",
+            SMALL,
+        ),
+        Slip(
+            "large clusters go",
+            "labels = filter_clusters(labels, min_num_points)",
+            "labels = filter_clusters(labels, min_num_points)\n"
+            "    labels = np.where(np.bincount(labels)[labels] > 400, 0, labels)",
+            SMALL,
+        ),
+        Slip(
+            "a threshold of one metre",
+            "accelerated(points, threshold)",
+            "accelerated(points, 1.0)",
+            SMALL,
+        ),
+        Slip(
+            "the high points for the road",
+            "points[points[:, 2] < ground_level]",
+            "points[points[:, 2] > ground_level]",
+            USELESS,
+        ),
     ],
     "match_boxes": [
         Slip(
@@ -76,5 +102,14 @@ boxes = []
             "as long as previous", "np.full(len(current), -1)", "np.full(len(previous), -1)", PARTLY
         ),
         Slip("smallest of nothing", "distances.size and ", "", SMALL),
+        Slip("return inside the loop", "    return partners", "        return partners", USELESS),
+        Slip(
+            "x alone",
+            "current.mean(axis=1)[:, None] - previous.mean(axis=1)",
+            "(current.mean(axis=1)[:, None] - previous.mean(axis=1))[..., :1]",
+            PARTLY,
+        ),
+        Slip("no distance is close enough", "<= max_distance", ">= max_distance", USELESS),
+        Slip("no return", "return partners", "pairs = partners", USELESS),
     ],
 }

@@ -101,7 +101,7 @@ def fits_a_road(fit_plane: Callable) -> None:
 
 @visible(
     "fit_plane",
-    weight=13,
+    weight=16,
     title="The mean of the points lies on the plane",
     why="A plane with the right tilt at the wrong height calls all of the road an obstacle.",
     hint="d is minus the product of the normal and the mean.",
@@ -130,7 +130,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
 
 @visible(
     "fit_plane",
-    weight=2,
+    weight=4,
     title="Fits a wall as well as a road",
     why="z = a x + b y + c cannot describe a wall, and this function will meet walls.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
@@ -158,7 +158,7 @@ def fits_far_away(fit_plane: Callable) -> None:
 
 @visible(
     "fit_plane",
-    weight=3,
+    weight=4,
     title="The fourth column does not count, whether it varies much or little",
     why="Brightness is no direction in space.",
     hint="points[:, :3] before anything else.",
@@ -309,6 +309,7 @@ mistakes(
         "Only the first three points decide.",
         lambda right, points: best_plane(points[:3])[0],
         "All points count: subtract their mean, then take the SVD.",
+        is_cheap=True,
     ),
     Mistake(
         "The errors are measured along z, not square to the plane.",

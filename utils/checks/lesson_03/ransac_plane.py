@@ -144,7 +144,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
 
 @visible(
     "ransac_plane",
-    weight=3,
+    weight=4,
     title="Inliers are the points within distance_tolerance",
     why="The pavement lies a hand above the road. The threshold decides whether it is an inlier.",
     hint="Compare the distances with distance_tolerance, not with a number of your own.",
@@ -367,7 +367,7 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
 
 @visible(
     "ransac_plane",
-    weight=1,
+    weight=2,
     title="Draws from all points, the first and the last included",
     why="A point that is never drawn may be one of the few on the road.",
     hint="rng.choice(len(points), 3, replace=False) draws from the rows 0 to len(points) - 1, "
@@ -375,15 +375,28 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    planes, drawn = [], np.zeros(len(_FIVE_POINTS), dtype=bool)
+    planes, drawn, apart = [], np.zeros(len(_FIVE_POINTS), dtype=bool), False
+    neighbours = {frozenset((row + np.arange(3)) % 5) for row in range(5)}
     for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
-            drawn |= gaps_from(_FIVE_POINTS, plane) < 2e-3
-        if drawn.all():
+            rows = np.flatnonzero(gaps_from(_FIVE_POINTS, plane) < 2e-3)
+            drawn[rows] = True
+            apart |= frozenset(rows) not in neighbours
+        if drawn.all() and apart:
             return
     if all(_planes_equal(plane, planes[0]) for plane in planes):
         return  # another check asks whether different seeds draw different samples
+    if drawn.all():
+        raise CheckFailed(
+            "Only neighbours in the list of points are drawn together.",
+            given="five points, and max_iterations=2",
+            yours=f"every plane goes through three rows that follow each other, in {len(planes)} "
+            "runs",
+            expected="any three rows",
+            hint="Draw three different rows, independently of each other: "
+            "rng.choice(len(points), 3, replace=False).",
+        )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Of five points the one in row {row} was in no sample.",
@@ -393,12 +406,11 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     )
 
 
-@visible(
+@noted(
     "ransac_plane",
-    weight=2,
     title="A point at exactly distance_tolerance is an inlier",
-    why="The docstring calls it the largest distance of an inlier: up to it, and including it.",
-    hint="Compare the distances with <=.",
+    why="The docstring calls distance_tolerance the largest distance of an inlier: write <=. "
+    "Measured points hardly ever lie exactly there, so it costs nothing.",
 )
 def includes_the_edge(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)

@@ -11,27 +11,33 @@ from utils.checks.assertions import (
     CheckFailed,
     assert_left_alone,
     brief,
+    needs,
     observe,
 )
 from utils.checks.core import noted, visible
 from utils.checks.detections import (
     as_boxes,
+    assert_apart,
     assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
     assert_cars_seen,
     assert_dry,
+    assert_kind_reached,
     assert_nothing_at_sensor,
     assert_own_car_free,
     assert_people_found,
     assert_reached,
+    assert_road_free,
     assert_sees,
     assert_upright,
     detected,
 )
 from utils.checks.failures import fixed
 from utils.checks.scans import (
+    GAP,
     car_across,
+    climb,
     crossing,
     own_car,
     rain,
@@ -43,7 +49,7 @@ from utils.checks.scans import (
 )
 from utils.checks.static_analysis import functions_used
 
-SQUARE_SEED, WALK_SEED = 25, 7
+SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 
 
 @visible(
@@ -102,7 +108,62 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=9,
+    weight=3,
+    title="A person beside the bumper has a box",
+    why="Whoever crosses in front of a standing car is nearer than anything else.",
+    hint="remove_ego_returns takes away the box of the own car, from (-1.5, -1.7, -1.0) to "
+    "(2.6, 1.7, -0.4), and nothing beyond it.",
+)
+def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, street_before())
+    assert_kind_reached(
+        detected(detect_obstacles, climb(CLIMB_SEED)), "pedestrian", climb(CLIMB_SEED)
+    )
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Cars at the edge of the road, up to 7 m to the side, have boxes",
+    why="A parked car pulls out, and a door opens: both begin beside the lane.",
+    hint="Where does your region of interest end to the side?",
+)
+def looks_to_the_side(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, street_before())
+    assert_kind_reached(detected(detect_obstacles, climb(CLIMB_SEED)), "car", climb(CLIMB_SEED))
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="A lorry has a box, although it has many points",
+    why="The largest thing on the road is the last one to overlook.",
+    hint="filter_clusters has a minimum and no maximum: a cluster of many points is a wall or "
+    "a lorry.",
+)
+def finds_the_lorry(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, street_before())
+    assert_kind_reached(detected(detect_obstacles, climb(CLIMB_SEED)), "truck", climb(CLIMB_SEED))
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Two cars that are parked closely have two boxes",
+    why="A single box closes the gap from which a child may run.",
+    hint="Two things are one cluster where the threshold is larger than the gap between them.",
+)
+def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, street_before())
+    answer = detected(detect_obstacles, climb(CLIMB_SEED))
+    with needs("cars at the edge of the road have boxes"):
+        assert_kind_reached(answer, "car", climb(CLIMB_SEED))
+    assert_apart(answer, climb(CLIMB_SEED), GAP)
+
+
+@visible(
+    "detect_obstacles",
+    weight=12,
     title="Does not take its own car for an obstacle",
     why="An obstacle at 0 m means full braking, for ever.",
     hint="Call remove_ego_returns with the whole box of the own car, from (-1.5, -1.7, -1.0) to "
@@ -118,7 +179,7 @@ def forgets_itself(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=9,
+    weight=12,
     title="Boxes turn with the cars",
     why="A car that pulls out of a parking space stands at an angle; a box along the axes "
     "would close the lane beside it.",
@@ -144,7 +205,7 @@ def stands_upright(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=11,
+    weight=13,
     title="Single returns in the air, such as drops of rain, are no obstacles",
     why="In a shower the car would stop at every drop.",
     hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
@@ -188,7 +249,7 @@ def takes_an_empty_scan(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=4,
+    weight=5,
     title="Takes scans without intensity: three columns",
     why="Not every scanner measures it, and a cloud may come from elsewhere.",
     hint="Use cloud[:, :3] from the start.",
@@ -212,6 +273,16 @@ def leaves_the_cloud(detect_obstacles: Callable) -> None:
     observed = observe(detect_obstacles, cloud)
     assert_sees(observed.result, square(SQUARE_SEED))
     assert_left_alone(observed, cloud)
+
+
+@noted(
+    "detect_obstacles",
+    title="A road that climbs is no obstacle",
+    why="Where a road climbs by 4 %, one level for the ground leaves the road from 13 m ahead on, "
+    "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
+)
+def follows_the_climb(detect_obstacles: Callable) -> None:
+    assert_road_free(detected(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
 
 
 @noted(
