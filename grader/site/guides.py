@@ -15,6 +15,7 @@ PAGES = {
     "data": "data/README.md",
     "teaching": "docs/teaching.md",
     "grading": "docs/grading.md",
+    "prices": "docs/prices.md",
     "commands": "docs/commands.md",
     "nbgrader": "docs/platforms/nbgrader.md",
     "canvas_and_moodle": "docs/platforms/canvas_and_moodle.md",

@@ -1,0 +1,138 @@
+"""Judge the likely slips of every exercise, and write what each keeps into `docs/prices.md`.
+
+``python -m tests.prices`` writes the page. It takes about ten minutes on two cores. Each slip of
+`slips.py` is put into the lesson's solution, and the whole notebook is judged with seed 1, the
+search for an edit included. `tests/test_prices.py` compares the page with new verdicts.
+"""
+
+import ast
+import json
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.course.lessons import Lesson, lesson_of
+from grader.course.paths import PROJECT
+from grader.judging.judge import judge
+from grader.sandbox import choose_sandbox
+from tests.slips import Slip
+from tests.test_slips import TABLES, solution_of
+
+PAGE = PROJECT / "docs" / "prices.md"
+SEED, WORKERS = 1, 2
+PIPE = r"\|"  # in the cell of a table
+_ROW = re.compile(r"^\| (.+?) \| (\d+) % \| (\d+) % \|", re.M)
+_TOP = """\
+# Prices
+
+What the likeliest slips of each exercise cost. A slip is one change of the lesson's own solution.
+
+- *By the checks* is the share of the exercise's points that its checks earn.
+- *Kept* is the share that the student gets. A single slip that the judge proves keeps 60 %, or 40 %
+  if it is what the exercise is about; see [grading a class](grading.md).
+- A change that leaves out the method of the lesson, or that is the idea that fails in the lesson,
+  keeps what its checks earn.
+
+`python -m tests.prices` writes this page. It puts each slip into the solution and judges the
+notebook with seed 1, which takes ten minutes on two cores. With another seed a number may differ by
+a few percent.
+"""
+
+
+@dataclass(frozen=True)
+class Price:
+    """What a slip keeps, as fractions of the exercise's points."""
+
+    checks: float
+    kept: float
+
+
+def all_slips() -> Iterator[tuple[str, Slip]]:
+    """Yield each slip with the name of its exercise, in the order of the lessons."""
+    for table in TABLES.values():
+        for exercise, slips in table.items():
+            yield from ((exercise, slip) for slip in slips)
+
+
+def notebook_with(lesson: Lesson, exercise: str, source: str) -> str:
+    """Return the solved notebook of a lesson with another source of one function, as JSON."""
+    notebook, replaced = json.loads(lesson.solved.read_text("utf-8")), 0
+    for cell in notebook["cells"]:
+        text = "".join(cell["source"])
+        if cell["cell_type"] == "code" and f"def {exercise}(" in text and "%" not in text[:1]:
+            for node in ast.parse(text).body:
+                if isinstance(node, ast.FunctionDef) and node.name == exercise:
+                    lines = text.split("\n")
+                    lines[node.lineno - 1 : node.end_lineno] = source.split("\n")
+                    cell["source"], replaced = "\n".join(lines), replaced + 1
+    if replaced != 1:
+        raise LookupError(f"{exercise} is defined {replaced} times in {lesson.solved}")
+    return json.dumps(notebook)
+
+
+def price_of(case: tuple[str, Slip]) -> Price:
+    """Judge the lesson's solution with a slip."""
+    exercise, slip = case
+    lesson = lesson_of(exercise)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / lesson.released.name
+        text = notebook_with(lesson, exercise, slip.applied_to(solution_of(exercise)))
+        path.write_text(text, "utf-8")
+        verdict = judge(path, SEED, choose_sandbox(), lesson=lesson)
+    [result] = [each for each in verdict.exercises if each.name == exercise]
+    added = result.slip.score if result.slip else 0
+    return Price((result.score - added) / result.max_score, result.score / result.max_score)
+
+
+def read_page() -> dict[str, dict[str, Price]]:
+    """Return the prices on the page, by exercise and title."""
+    prices = {}
+    for part in PAGE.read_text("utf-8").split("\n### ")[1:]:
+        exercise = part.split("`")[1]
+        prices[exercise] = {
+            title.replace(PIPE, "|"): Price(int(checks) / 100, int(kept) / 100)
+            for title, checks, kept in _ROW.findall(part)
+        }
+    return prices
+
+
+def page(prices: dict[tuple[str, str], Price]) -> str:
+    """Return the text of the page.
+
+    Parameters
+    ----------
+    prices : dict
+        By exercise and title of the slip.
+    """
+    parts = [_TOP]
+    for name, table in TABLES.items():
+        parts.append(f"\n## {name[:2]}\n")
+        for exercise, slips in table.items():
+            rows = [
+                f"| {title} | {price.checks:.0%} | {price.kept:.0%} | {slip.harm.word} |"
+                for slip in slips
+                for title in [slip.title.replace("|", PIPE)]
+                for price in [prices[exercise, slip.title]]
+            ]
+            head = ["| slip | by the checks | kept | the result is |", "|---|---:|---:|---|"]
+            parts.append("\n".join([f"\n### `{exercise}`\n", *head, *rows, ""]))
+    return "".join(parts).replace("%", " %").replace("  %", " %")
+
+
+def main() -> None:
+    """Judge every slip and write the page."""
+    cases, prices = list(all_slips()), {}
+    with ProcessPoolExecutor(WORKERS) as pool:
+        for number, (case, price) in enumerate(zip(cases, pool.map(price_of, cases), strict=True)):
+            prices[case[0], case[1].title] = price
+            print(f"\r{number + 1} of {len(cases)} slips", end="", file=sys.stderr, flush=True)
+    PAGE.write_text(page(prices), "utf-8")
+    print(f"\nwrote {PAGE.relative_to(PROJECT)}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

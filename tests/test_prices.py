@@ -1,0 +1,38 @@
+"""The prices of likely slips are those of `docs/prices.md`, and a teacher would sign them."""
+
+import pytest
+
+from tests.prices import all_slips, price_of, read_page
+from tests.slips import MISSING, NAIVE, SMALL
+
+CASES = {f"{exercise}: {slip.title}": (exercise, slip) for exercise, slip in all_slips()}
+PRICES = read_page()
+# A failed search for an edit, or another drawn cloud, changes a price by less than this.
+TOLERANCE = 0.02
+
+
+def test_the_page_has_every_slip_of_every_exercise():
+    listed = {f"{exercise}: {title}" for exercise, row in PRICES.items() for title in row}
+    assert listed == CASES.keys()
+    assert min(map(len, PRICES.values())) >= 15
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_price_on_the_page_is_fair(case):
+    exercise, slip = CASES[case]
+    price = PRICES[exercise][slip.title]
+    assert price.checks <= price.kept < 1
+    if slip.harm is NAIVE:
+        assert price.kept <= 0.1
+    elif slip.harm is MISSING:
+        assert price.kept <= 0.5
+    elif slip.harm is SMALL:
+        assert price.kept >= 0.6
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("case", CASES)
+def test_the_page_tells_what_the_judge_gives(case):
+    exercise, slip = CASES[case]
+    price, told = price_of((exercise, slip)), PRICES[exercise][slip.title]
+    assert price.kept == pytest.approx(told.kept, abs=TOLERANCE)
