@@ -374,9 +374,9 @@ class Expensive(Edited):
 
 @pytest.mark.parametrize("seconds, tried", [(0.004, 8), (0.008, 7), (0.05, 3)])
 def test_expensive_questions_get_more_time(passing, seconds, tried):
-    """An edit costs two questions, and all edits the price of 200, but 2 s at least and 8 s at most.
+    """An edit costs two questions; all of them together may cost 200, but at least 2 s, at most 8.
 
-    So 0.016 s of 2 s, 0.032 s of 3.2 s, and 0.2 s of 8 s, rounded up to a multiple of 16 edits.
+    So 0.016 s of 2 s, 0.032 s of 3.2 s, and 0.2 s of 8 s, rounded up to multiples of 16 edits.
     """
     student = Expensive(["abxy"] * 200, seconds)  # plus the same time in the judge
     assert passing(student) == [] and student.tried == tried * repair.EDITS_PER_LOOK

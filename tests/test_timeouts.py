@@ -96,7 +96,7 @@ def test_a_loop_in_a_called_function_is_named(monkeypatch):
 
 
 def test_without_a_visible_loop_the_message_asks_for_one(monkeypatch):
-    assert "after 0.2 s: is there a loop that never ends?" in after(
+    assert "after 0.2 s: is there a loop that never ends, or one that is far too slow?" in after(
         loop_without_a_line, monkeypatch
     )
 

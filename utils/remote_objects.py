@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-ENDLESS = "is there a loop that never ends?"
+ENDLESS = "is there a loop that never ends, or one that is far too slow?"
 """Default hint for a call that exceeds its time limit; a check may have its own (`Check.slow`)."""
 
 

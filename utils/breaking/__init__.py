@@ -16,6 +16,7 @@ from utils.breaking.puzzles import PUZZLES, Puzzle
 from utils.checks.limits import TimeUp, limited
 from utils.display import show
 from utils.lent import is_written, own
+from utils.remote_objects import ENDLESS
 
 MOST_ROWS = 50
 SECONDS = 10
@@ -129,7 +130,7 @@ def _raised(error: Exception) -> str:
     if isinstance(error, TimeUp):
         return (
             f"Your own function did not answer within {SECONDS} seconds, so nothing can be "
-            "compared. Is there a loop that never ends?"
+            f"compared. {ENDLESS.capitalize()}"
         )
     return f"Your own function raised {type(error).__name__}, so nothing can be compared: {error}"
 

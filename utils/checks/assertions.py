@@ -505,6 +505,7 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     shared, number_yours, number_expected = overlaps(yours, expected)
     if shared == number_yours == number_expected:
         return
+    hint = ""
     split = shared > number_expected
     merged = shared > number_yours
     message = {
@@ -512,8 +513,13 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
         (True, False): "Points that belong together have different labels.",
         (False, True): "Points of different clusters have the same label.",
     }[split, merged]
+    if expected.all() and not yours.all():
+        without = np.count_nonzero(yours == 0)
+        message = f"{without} of {len(yours)} points have " + fixed("no label yet (0).")
+        hint = "Let the loop go over every point: one without a label begins a new cluster."
     raise CheckFailed(
         message,
+        hint=hint,
         yours=f"{number_yours} clusters",
         expected=f"{number_expected} clusters",
         draw=lambda: utils.plots.worst(cloud, yours, expected),

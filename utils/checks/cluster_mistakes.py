@@ -13,8 +13,13 @@ from utils.checks.assertions import CheckFailed, as_array, frozen, overlaps
 from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 
-# On this line, a distance in the plane or along one axis differs from the distance in space.
-_WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)
+# On such a line, a distance in the plane or along one axis differs from the distance in space, and
+# from line to line the axes change places.
+_WAYS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
+
+
+# Gaps in thresholds. Along a line of _WAYS, each measure by one axis or two closes other ones.
+_TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 
 def same_clusters(answer: object, predicted: np.ndarray) -> bool:
@@ -30,7 +35,7 @@ def same_clusters(answer: object, predicted: np.ndarray) -> bool:
 
 
 def on_a_line(
-    places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAY
+    places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAYS[0]
 ) -> np.ndarray:
     """Return points on a straight line through the sensor.
 
@@ -131,6 +136,23 @@ def measured_wrongly() -> tuple[Mistake, ...]:
             by_steps(lambda steps, limit: length(steps[:, :2]) / limit),
             "cloud[:, :3] are the coordinates, z among them.",
         ),
+        *(_measured_along(kept) for kept in ([1, 2], [0, 2], [0], [1], [2])),
+    )
+
+
+def _measured_along(kept: list[int]) -> Mistake:
+    """Return the mistake of measuring distances along some of the axes alone.
+
+    Parameters
+    ----------
+    kept : list of int
+        Numbers of the axes.
+    """
+    names = " and ".join("xyz"[axis] for axis in kept)
+    return Mistake(
+        f"Distances are measured along {names} alone.",
+        by_steps(lambda steps, limit: length(steps[:, kept]) / limit),
+        "cloud[:, :3] are the coordinates: x, y and z.",
     )
 
 
@@ -166,13 +188,14 @@ def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
     """Return cases (cloud, threshold) in which each wrong measure splits at different gaps."""
     rng = np.random.default_rng(9)
     found = []
-    for gaps, threshold, brightness in (
+    cases = (
         ([0.3, 0.42, 0.55, 0.7, 0.85, 1.2, 0.31, 0.41, 0.2, 3.0, 0.54], 0.6, 0.0),
         ([1.0, 1.3, 1.5, 1.8, 2.4, 2.8, 0.3, 3.5, 7.0, 0.9, 1.7], 2.0, 0.75),
         ([0.33, 0.44, 0.53, 0.58, 1.1, 0.1, 0.4, 0.7, 0.2, 0.84, 0.55], 0.6, 2.5),
-    ):
-        places = rng.permutation(1 + np.cumsum([0, *gaps]))
-        found.append((on_a_line(places, brightness), threshold))
+    )
+    for (gaps, threshold, brightness), way in zip(cases, _WAYS, strict=True):
+        places = rng.permutation(1 + np.cumsum([0, *gaps, *(threshold * _TOO_WIDE)]))
+        found.append((on_a_line(places, brightness, way), threshold))
     return frozen_cases(found)
 
 

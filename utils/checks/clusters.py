@@ -13,6 +13,7 @@ from utils.checks.assertions import (
     brief,
     frozen,
     needs,
+    overlaps,
     point_text,
 )
 from utils.checks.failures import fixed
@@ -97,6 +98,12 @@ def assert_clusters(
             yours = as_labels(answer, len(cloud))
             failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _in_words(yours), _in_words(expected)
+            if overlaps(yours, expected)[0] == len(np.unique(expected)):
+                # No cluster is torn apart, so hints about points that are left out would mislead.
+                failure.hint = failure.hint or (
+                    "Let a point join only if its distance to a point of the cluster is below the "
+                    "threshold."
+                )
         raise
 
 

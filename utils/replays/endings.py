@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from utils.checks.assertions import brief
 from utils.checks.tips import place_in
+from utils.remote_objects import ENDLESS
 from utils.replays.tracer import Ending
 
 
@@ -17,7 +18,7 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
         The student's function.
     """
     if ending.stopped:
-        return "Your function was stopped: it had no end in sight. Is there a loop that never ends?"
+        return f"Your function was stopped: it had no end in sight. {ENDLESS.capitalize()}"
     if ending.error is not None:
         kind, (_, place, line) = type(ending.error).__name__, place_in(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""
