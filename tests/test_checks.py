@@ -28,10 +28,14 @@ from utils.checks.assertions import (
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
+    metres_text,
+    points_text,
+    texts_apart,
 )
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
-from utils.checks.summary import resolve
+from utils.checks.outcomes import Outcome
+from utils.checks.summary import details, resolve
 from utils.checks.tips import place_in, tip_for
 
 CLOUD = np.array([[1.0, 2.0, -1.5, 0.1], [3.0, 4.0, 0.5, 0.2], [5.0, 6.0, 1.5, 0.3]])
@@ -257,6 +261,12 @@ def test_partitions():
         with pytest.raises(CheckFailed, match=words):
             assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
+    # Label 0 is no cluster, unless it is one of the expected labels, as for noise.
+    with pytest.raises(CheckFailed, match="2 of 4 points have no label yet") as caught:
+        assert_partition([1, 1, 0, 0], expected, cloud)
+    assert "every point" in caught.value.hint
+    with pytest.raises(CheckFailed, match="Points of different"):
+        assert_partition([1, 1, 0, 0], expected - 1, cloud)
 
 
 def test_pictures_of_failures_can_be_drawn():
@@ -725,3 +735,54 @@ def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
     answer.__name__ = exercise
     outcomes = [run_check(check, answer) for check in checks_of(exercise)]
     assert not [outcome.failure for outcome in outcomes if outcome.failure]
+
+
+def test_texts_get_the_digits_that_tell_them_apart():
+    assert texts_apart(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
+    assert texts_apart(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
+    assert texts_apart(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
+        "(1, 2, 3)",
+        "(1, 2.0004, 3)",
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("horizontal_distance", lambda cloud: np.hypot(cloud[:, 0], cloud[:, 1]).round(2)),
+        (
+            "filter_clusters",
+            lambda cluster_labels, min_num_points=100: np.sort(
+                load_reference("09_filter_clusters").filter_clusters(cluster_labels, min_num_points)
+            ),
+        ),
+    ],
+)
+def test_yours_and_expected_are_never_the_same_text(name, wrong):
+    failures = [run_check(one, wrong).failure for one in checks_of(name)]
+    compared = [one for one in failures if one and one.expected]
+    assert compared
+    assert [one.message for one in compared if one.yours == one.expected] == []
+
+
+def test_texts_that_do_not_differ_are_left_out():
+    failure = CheckFailed("Something else is wrong.", yours="1 row", expected="1 row")
+    [check_, *_] = checks_of("horizontal_distance")
+    labels = [label for label, _ in details(Outcome(check_, failure))]
+    assert "What happened" in labels and not {"Yours", "Expected"} & {*labels}
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ((row for row in CLOUD), "a generator, expected rows: wrap it in list"),
+        (map(list, CLOUD), "a map, expected rows: wrap it in list"),
+        ((CLOUD[0], 1.5), "a pair, expected rows"),
+        (np.where(KEEP), "the numbers of the rows, as np.where gives them"),
+        (np.flatnonzero(KEEP), "return the rows themselves"),
+        (KEEP, "This is a mask"),
+    ],
+)
+def test_an_answer_of_another_kind_is_named(answer, words):
+    with pytest.raises(CheckFailed, match=words):
+        as_array(answer, columns=4, what="rows")

@@ -99,27 +99,58 @@ def brief(value: object) -> str:
     return text if len(text) <= 90 else text[:87] + "..."
 
 
-def point_text(point: ArrayLike) -> str:
+def point_text(point: ArrayLike, digits: int = 2) -> str:
     """Return a point as text, (x, y) or (x, y, z), rounded to the centimetre.
 
     Parameters
     ----------
     point : array_like, shape (2,), (3,) or (4,)
         A fourth number is ignored.
+    digits : int
+        Digits after the point.
     """
-    return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
+    return "(" + ", ".join(f"{value:.{digits}f}" for value in point[:3]) + ")"
 
 
-def points_text(points: np.ndarray) -> str:
+def points_text(points: np.ndarray, digits: int = 2) -> str:
     """Return points as text, (x, y, z), (x, y, z), rounded to the centimetre.
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is ignored.
+    digits : int
+        Digits after the point.
     """
-    rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
+    rounded = (np.round(np.asarray(points, dtype=float)[:, :3], digits) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
+
+
+# Types whose values come one by one; a function that returns one has not made a list of them.
+_ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
+
+
+def metres_text(distance: float, digits: int = 2) -> str:
+    """Return a distance as text, such as "1.41 m"."""
+    return f"{distance:.{digits}f} m"
+
+
+def texts_apart(
+    show: Callable[[object, int], str], yours: object, expected: object
+) -> tuple[str, str]:
+    """Return two values as texts, with as many digits as it takes to tell them apart.
+
+    Parameters
+    ----------
+    show : callable
+        Takes a value and the number of digits after the point; returns a text.
+    yours, expected : object
+    """
+    for digits in range(2, 8):
+        texts = show(yours, digits), show(expected, digits)
+        if texts[0] != texts[1]:
+            break
+    return texts
 
 
 def as_array(
@@ -162,12 +193,26 @@ def as_array(
         # In the judge, objects of other types arrive as stand-ins with a `type_name`. The student
         # chose that name, so it must not be part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
+        if kind in _ONE_BY_ONE:
+            raise WrongForm(
+                f"The function returned a {kind}, expected {what}: wrap it in list(...).",
+                yours=f"a {kind}",
+                expected=what,
+            ) from None
+        pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
-            f"The function returned something else, expected {what}.",
+            f"The function returned {'a pair' if pair else 'something else'}, expected {what}.",
             yours=f"{kind}: {brief(answer)}",
             expected=what,
         ) from None
     if columns is not None:
+        if each == "point" and isinstance(answer, tuple) and _is_row_numbers(array):
+            raise WrongForm(
+                "These are the numbers of the rows, as np.where gives them: return the rows "
+                "themselves, cloud[mask].",
+                yours=brief(array[0]),
+                expected=what,
+            )
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, columns)
         if array.ndim != 2 or array.shape[1] != columns:
@@ -179,9 +224,16 @@ def as_array(
     return array
 
 
+def _is_row_numbers(array: np.ndarray) -> bool:
+    """Return whether an answer is one row of whole numbers, as `np.where` of a mask gives it."""
+    return array.ndim == 2 and len(array) == 1 and array.dtype.kind in "iu"
+
+
 def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
     """Explain why an array does not have one row per point, or per other thing."""
     is_cloud = each == "point"
+    if is_cloud and array.dtype.kind in "iu" and array.ndim == 1:
+        return "If these are numbers of rows, return the rows themselves: cloud[rows]."
     if is_cloud and array.dtype.kind == "b" and array.ndim == 1:
         return "This is a mask, True or False for each point: return the rows, cloud[mask]."
     if array.ndim == 2 and array.shape[0] == columns:
@@ -345,10 +397,11 @@ def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
     yours, expected = _places(answer, cloud), cloud[keep, :3]
     if not _close(yours, expected):
         row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
+        mine, right = texts_apart(point_text, yours[row], expected[row])
         raise CheckFailed(
             "These are the right rows in another order.",
-            yours=f"row {row} is {point_text(yours[row])}",
-            expected=f"row {row} is {point_text(expected[row])}",
+            yours=f"row {row} is {mine}",
+            expected=f"row {row} is {right}",
         )
 
 

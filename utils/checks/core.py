@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from utils.checks.code_slips import code_slip
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
@@ -211,17 +212,18 @@ def check(function: Callable, exercise: str | None = None) -> None:
     else:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
-    mistake = blamed = place = None
+    mistake = blamed = place = slip = None
     # A function that hung would hang again; unstarted and refused functions need no diagnosis.
     if failed and not any(
         isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
         mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
+        slip = None if mistake or blamed else code_slip(_part(function, exercise))
         if not blamed and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
             place = place_to_change(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
-    story = resolve(outcomes, checks, mistake, notes, blamed, place)
+    story = resolve(outcomes, checks, mistake, notes, blamed, place, slip=slip)
     table.finish(story)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
     remember(exercise, written, not (story.first or story.notes))

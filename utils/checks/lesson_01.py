@@ -16,9 +16,11 @@ from utils.checks.assertions import (
     assert_places,
     frozen,
     in_shape,
+    metres_text,
     needs,
     point_text,
     table,
+    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -52,11 +54,12 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
+        mine, right = texts_apart(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(cloud)} distances {verb} wrong.",
             given=f"a point at {point_text(cloud[wrong[0]])}",
-            yours=f"{yours[wrong[0]]:.2f} m",
-            expected=f"{expected[wrong[0]]:.2f} m",
+            yours=mine,
+            expected=right,
         )
 
 
@@ -109,6 +112,19 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     assert_distances(
         horizontal_distance(_AT_ALL_INTENSITIES.copy()), _AT_ALL_INTENSITIES, _DISTANCES
     )
+
+
+@visible(
+    "horizontal_distance",
+    weight=1,
+    title="Distances are as exact as the coordinates",
+    why="Each step of a pipeline adds its own errors. Rounding is for texts that people read.",
+    hint="Return the numbers as they are, without round.",
+)
+def is_exact(horizontal_distance: Callable) -> None:
+    require_level_distances(horizontal_distance)
+    cloud = np.array([[1.0, 1.0, 0.0, 0.5], [2.0, -1.0, 0.0, 0.5]])
+    assert_distances(horizontal_distance(cloud.copy()), cloud, np.array([1.41421356, 2.23606798]))
 
 
 _STREET_CASE = Case(

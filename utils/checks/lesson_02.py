@@ -16,8 +16,10 @@ from utils.checks.assertions import (
     call_each,
     frozen,
     in_shape,
+    metres_text,
     needs,
     point_text,
+    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -331,12 +333,13 @@ def assert_line_distances(
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
+        mine, right = texts_apart(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(points)} distances {verb} wrong.",
             given=f"the line {brief(np.asarray(line))} and the point "
             f"{point_text(points[wrong[0]])}",
-            yours=f"{yours[wrong[0]]:.2f} m",
-            expected=f"{expected[wrong[0]]:.2f} m",
+            yours=mine,
+            expected=right,
             draw=lambda: _draw_circles(points, line, yours),
         )
 

@@ -19,6 +19,7 @@ from utils.checks.assertions import (
     needs,
     points_text,
     table,
+    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -288,13 +289,14 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
     yours, right = assert_row_per_cell(answer, cloud, len(expected), size), expected[:, :3]
     if not _same_rows(yours, right):
         is_single = len(right) == 1
+        mine, expected_text = texts_apart(_points_or_count, yours, right)
         raise CheckFailed(
             "This is not the mean of the points of the cell."
             if is_single
             else "The number of rows is right, but not all are the mean of the points of a cell.",
             given=_call_text(cloud, size),
-            yours=_points_or_count(yours),
-            expected=_points_or_count(right),
+            yours=mine,
+            expected=expected_text,
         )
 
 
@@ -323,8 +325,8 @@ def _call_text(cloud: np.ndarray, size: float) -> str | None:
     return f"points {_points_or_count(cloud)}, cells of {size:g} m" if 0 < len(cloud) <= 8 else None
 
 
-def _points_or_count(points: np.ndarray) -> str:
-    return points_text(points) if len(points) <= 8 else _row_count(len(points))
+def _points_or_count(points: np.ndarray, digits: int = 2) -> str:
+    return points_text(points, digits) if len(points) <= 8 else _row_count(len(points))
 
 
 def _row_count(number: int) -> str:

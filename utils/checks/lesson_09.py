@@ -54,11 +54,12 @@ def assert_right_clusters_left(
         for cluster in [*not_removed[:1], *removed[:1]]
     ]
     text = "; ".join(parts)
+    show = _summary if _summary(yours) != _summary(expected) else brief
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}." if text else NOISE_MESSAGE,
         given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
-        yours=_summary(yours),
-        expected=_summary(expected),
+        yours=show(yours),
+        expected=show(expected),
         draw=lambda: _draw(labels, yours, expected),
     )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from utils.checks.code_slips import CodeSlip
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised
 from utils.checks.line_hint import LineHint
@@ -32,8 +33,9 @@ class Story:
         Checks that cannot be judged yet; without a failure if they were not run.
     notes : tuple of Outcome
         Failed checks that cost no points.
-    mistake : Mistake or None
-        The mistake that explains all answers; None if `first` is not about an answer.
+    mistake : Mistake or CodeSlip or None
+        The mistake that explains all answers, if `first` is about an answer; else the slip that
+        stands in the source.
     blamed : str or None
         A function that this one calls and that is itself wrong.
     place : utils.checks.line_hint.LineHint or None
@@ -46,7 +48,7 @@ class Story:
     others: tuple[Outcome, ...] = ()
     waiting: tuple[Outcome, ...] = ()
     notes: tuple[Outcome, ...] = ()
-    mistake: Mistake | None = None
+    mistake: Mistake | CodeSlip | None = None
     blamed: str | None = None
     place: LineHint | None = None
 
@@ -75,6 +77,7 @@ def resolve(
     blamed: str | None = None,
     place: LineHint | None = None,
     alone: bool = False,
+    slip: CodeSlip | None = None,
 ) -> Story:
     """Choose the failure to show, and group the rest under it.
 
@@ -90,6 +93,7 @@ def resolve(
     place : utils.checks.line_hint.LineHint, optional
     alone : bool
         Whether it is proven that only one thing is wrong. A `place` proves it as well.
+    slip : utils.checks.code_slips.CodeSlip, optional
     """
     passed = tuple(outcome for outcome in outcomes if outcome.failure is None)
     failed = [outcome for outcome in outcomes if outcome.failure is not None]
@@ -111,28 +115,30 @@ def resolve(
         if alone or place or (cause is not None and outcome.failure.cause == cause)
     )
     others = tuple(outcome for outcome in rest if outcome not in same)
-    mistake = mistake if first.failure.is_about_an_answer else None
+    mistake = (mistake if first.failure.is_about_an_answer else None) or slip
     return Story(passed, first, same, others, waiting, notes, mistake, blamed, place)
 
 
-def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str, str]]:
+def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list[tuple[str, str]]:
     """Return the texts that explain a failure, each as (label, text).
 
     Parameters
     ----------
     outcome : Outcome
-    mistake : Mistake, optional
+    mistake : Mistake or CodeSlip, optional
         The mistake that explains the failure.
     """
     failure = outcome.failure
+    comparison = [("Yours", failure.yours), ("Expected", failure.expected)]
+    if failure.yours == failure.expected:  # the difference is not in what these texts show
+        comparison = []
     lines = [
         ("What your code does", mistake.says if mistake else ""),
         ("What happened", failure.message),
         *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
         ("Given", failure.given),
-        ("Yours", failure.yours),
-        ("Expected", failure.expected),
+        *comparison,
         ("Hint", hint_for(outcome, mistake)),
     ]
     if failure.is_about_the_check:
@@ -145,7 +151,7 @@ def _where(failure: Raised) -> str:
     return f"{failure.place}{line}" if failure.place else ""
 
 
-def hint_for(outcome: Outcome, mistake: Mistake | None = None) -> str:
+def hint_for(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> str:
     """Return the hint of the mistake, else of the failure, else of the check."""
     if mistake:
         return mistake.hint

@@ -1,0 +1,95 @@
+"""Slips that stand in the source of a function, whatever it was meant to do."""
+
+import linecache
+
+import numpy as np
+import pytest
+
+from utils.checks import check
+from utils.checks.code_slips import code_slip
+from utils.checks.core import ChecksFailed
+
+PRINTS = """
+def near(cloud):
+    print(cloud[:2])
+"""
+IN_A_LOOP = """
+def near(cloud):
+    found = []
+    for row in cloud:
+        found.append(row)
+        return found
+"""
+KEEPS = """
+def near(cloud, found=[]):
+    found.append(cloud[0])
+    return found
+"""
+READS_ANOTHER = """
+def near(cloud):
+    return obstacles[:2]
+"""
+INNOCENT = {
+    "prints and returns": "def near(cloud):\n    print(1)\n    return cloud\n",
+    "generates": "def near(cloud):\n    print(1)\n    yield cloud\n",
+    "returns from an endless loop": "def near(cloud):\n    while True:\n        return cloud\n",
+    "goes on": "def near(cloud):\n    for row in cloud:\n        if row[0]:\n            continue\n"
+    "        return row\n",
+    "returns where it found something": "def near(cloud):\n    for row in cloud:\n"
+    "        if row[0]:\n            return row\n",
+    "reads a list as default": "def near(cloud, axes=[0, 1]):\n    return cloud[:, axes]\n",
+    "a constant besides the parameter": "def near(cloud):\n    return cloud + obstacles\n",
+    "a helper of the notebook": "def near(cloud):\n    return helper()\n",
+    "an inner function returns in its loop": "def near(cloud):\n    print(cloud)\n"
+    "    return [one for one in cloud]\n",
+}
+
+
+def defined(source, name="near", **names):
+    """Define a function as a cell of a notebook does, with source that can be read again."""
+    file = f"<cell {abs(hash(source))}>"
+    linecache.cache[file] = (len(source), None, source.splitlines(True), file)
+    names = {"np": np, "obstacles": np.ones((3, 4)), "helper": len, **names}
+    exec(compile(source, file, "exec"), names)
+    return names[name]
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (PRINTS, "prints, and returns nothing"),
+        (IN_A_LOOP, "`return` stands inside a loop"),
+        (KEEPS, "`found` in the first line is made once"),
+        (READS_ANOTHER, "does not read its parameter `cloud`, but the notebook's `obstacles`"),
+    ],
+)
+def test_a_slip_is_read_from_the_source(source, words):
+    slip = code_slip(defined(source))
+    assert words in slip.says and slip.hint
+
+
+@pytest.mark.parametrize("title", INNOCENT)
+def test_innocent_code_has_no_slip(title):
+    assert code_slip(defined(INNOCENT[title])) is None
+
+
+def test_what_has_no_source_has_no_slip():
+    assert code_slip(len) is None and code_slip(np.ndarray) is None
+    assert code_slip(eval("lambda cloud: print(cloud)")) is None
+
+
+def test_the_check_says_it_with_the_first_failure(capsys):
+    source = PRINTS.replace("near", "horizontal_distance")
+    with pytest.raises(ChecksFailed):
+        check(defined(source, "horizontal_distance"))
+    shown = capsys.readouterr().out
+    assert "What your code does: The function prints, and returns nothing." in shown
+    assert shown.count("prints, and returns nothing") == 1
+
+
+def test_an_exception_is_explained_by_the_slip(capsys):
+    source = "def horizontal_distance(cloud):\n    return obstacles[:, 9]\n"
+    with pytest.raises(ChecksFailed):
+        check(defined(source, "horizontal_distance"))
+    shown = capsys.readouterr().out
+    assert "IndexError" in shown and "but the notebook's `obstacles`" in shown

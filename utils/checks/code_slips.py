@@ -1,0 +1,137 @@
+"""Read from a function's source the slips that are the same in every exercise.
+
+A sentence states what stands in the source, so it is true whatever the function was meant to do. It
+is shown only with a failed check for which no known mistake was recognised.
+"""
+
+import ast
+import contextlib
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from numbers import Number
+from types import FunctionType
+
+import numpy as np
+
+_LOOPS = (ast.For, ast.While)
+_MUTABLE = (ast.List, ast.Dict, ast.Set)
+_CHANGES = ("append", "extend", "insert", "add", "update", "pop", "remove")
+
+
+@dataclass(frozen=True)
+class CodeSlip:
+    """A slip that stands in the source.
+
+    Attributes
+    ----------
+    says : str
+        One sentence about the code.
+    hint : str
+        How to fix it.
+    """
+
+    says: str
+    hint: str
+
+
+def code_slip(function: Callable) -> CodeSlip | None:
+    """Return the first slip in the source of a function, or None.
+
+    Parameters
+    ----------
+    function : callable
+    """
+    with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
+        [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+        if isinstance(node, ast.FunctionDef) and isinstance(function, FunctionType):
+            return (
+                _prints(node)
+                or _returns_in_a_loop(node)
+                or _keeps_a_default(node)
+                or _reads_the_notebook(node, function)
+            )
+    return None
+
+
+def _inside(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes inside a node, without those of functions and classes defined in it."""
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
+            yield child
+            yield from _inside(child)
+
+
+def _prints(node: ast.FunctionDef) -> CodeSlip | None:
+    parts = list(_inside(node))
+    gives = (ast.Yield, ast.YieldFrom)
+    if any(
+        isinstance(part, gives) or (isinstance(part, ast.Return) and part.value) for part in parts
+    ):
+        return None
+    if any(isinstance(part, ast.Call) and ast.unparse(part.func) == "print" for part in parts):
+        return CodeSlip(
+            "The function prints, and returns nothing.",
+            "print shows a value to you; return hands it to the code that called the function.",
+        )
+    return None
+
+
+def _returns_in_a_loop(node: ast.FunctionDef) -> CodeSlip | None:
+    for loop in _inside(node):
+        if not isinstance(loop, _LOOPS) or not isinstance(loop.body[-1], ast.Return):
+            continue
+        is_endless = isinstance(loop, ast.While) and isinstance(loop.test, ast.Constant)
+        jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _inside(loop))
+        if not (is_endless or jumps):
+            return CodeSlip(
+                "`return` stands inside a loop, which therefore ends in its first round.",
+                "Move `return` one level out, behind the loop.",
+            )
+    return None
+
+
+def _keeps_a_default(node: ast.FunctionDef) -> CodeSlip | None:
+    names = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
+    defaults = zip(reversed(names), reversed(node.args.defaults), strict=False)
+    kept = {name for name, default in defaults if isinstance(default, _MUTABLE)}
+    for part in _inside(node):
+        target = None
+        if isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute):
+            target = part.func.value if part.func.attr in _CHANGES else None
+        elif isinstance(part, ast.AugAssign):
+            target = part.target
+        if isinstance(target, ast.Name) and target.id in kept:
+            return CodeSlip(
+                f"`{target.id}` in the first line is made once, and keeps what earlier calls put "
+                "into it.",
+                "Make it inside the function, so that each call begins with a new one.",
+            )
+    return None
+
+
+def _reads_the_notebook(node: ast.FunctionDef, function: FunctionType) -> CodeSlip | None:
+    read = {part.id for part in ast.walk(node) if isinstance(part, ast.Name) and _is_read(part)}
+    parameters = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
+    unread = [name for name in parameters if name not in read]
+    data = (np.ndarray, Number, list, tuple)
+    used = [
+        part.id
+        for part in _inside(node)
+        if isinstance(part, ast.Name)
+        and _is_read(part)
+        and part.id in function.__code__.co_names
+        and isinstance(function.__globals__.get(part.id), data)
+    ]
+    if unread and used:
+        return CodeSlip(
+            f"The function does not read its parameter `{unread[0]}`, but the notebook's "
+            f"`{used[0]}`.",
+            "Other code calls the function with other values, and these are in the parameter.",
+        )
+    return None
+
+
+def _is_read(name: ast.Name) -> bool:
+    return isinstance(name.ctx, ast.Load)
