@@ -262,7 +262,7 @@ def test_partitions():
             assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
     # Label 0 is no cluster, unless it is one of the expected labels, as for noise.
-    with pytest.raises(CheckFailed, match="2 of 4 points have no label yet") as caught:
+    with pytest.raises(CheckFailed, match="2 of 4 points have the label 0: no label yet") as caught:
         assert_partition([1, 1, 0, 0], expected, cloud)
     assert "every point" in caught.value.hint
     with pytest.raises(CheckFailed, match="Points of different"):

@@ -568,8 +568,11 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     }[split, merged]
     if expected.all() and not yours.all():
         without = np.count_nonzero(yours == 0)
-        message = f"{without} of {len(yours)} points have " + fixed("no label yet (0).")
-        hint = "Let the loop go over every point: one without a label begins a new cluster."
+        message = f"{without} of {len(yours)} points have " + fixed("the label 0: no label yet.")
+        hint = (
+            "Labels start from 1. Let the loop go over every point: one without a label begins a "
+            "new cluster."
+        )
     raise CheckFailed(
         message,
         hint=hint,

@@ -98,13 +98,19 @@ def assert_clusters(
             yours = as_labels(answer, len(cloud))
             failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _in_words(yours), _in_words(expected)
-            if overlaps(yours, expected)[0] == len(np.unique(expected)):
-                # No cluster is torn apart, so hints about points that are left out would mislead.
-                failure.hint = failure.hint or (
-                    "Let a point join only if its distance to a point of the cluster is below the "
-                    "threshold."
-                )
         raise
+
+
+def is_whole(answer: object, expected: np.ndarray) -> bool:
+    """Return whether no cluster of `expected` is torn apart in an answer.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray of int, shape (n,)
+    """
+    shared, _, number_expected = overlaps(as_labels(answer, len(expected)), expected)
+    return shared == number_expected
 
 
 def _in_words(labels: np.ndarray) -> str:

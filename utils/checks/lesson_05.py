@@ -37,6 +37,7 @@ from utils.checks.clusters import (
     assert_parts_at_the_threshold,
     assert_whole,
     assert_works,
+    is_whole,
     row_of_points,
 )
 from utils.checks.core import noted, visible
@@ -73,6 +74,11 @@ def separates_groups(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
 
 
+_JOINED_HINT = (
+    "Let a point join only if its distance to a point of the cluster is below the threshold."
+)
+
+
 @visible(
     "euclidean_clustering",
     weight=13,
@@ -82,12 +88,13 @@ def separates_groups(euclidean_clustering: Callable) -> None:
     "queue.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
-    assert_clusters(
-        euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD),
-        _SEVEN_LABELS,
-        _SEVEN_POINTS,
-        _THRESHOLD,
-    )
+    answer = euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD)
+    try:
+        assert_clusters(answer, _SEVEN_LABELS, _SEVEN_POINTS, _THRESHOLD)
+    except CheckFailed as failure:
+        joined = failure.is_about_the_check and is_whole(answer, _SEVEN_LABELS)
+        failure.hint = failure.hint or (_JOINED_HINT if joined else "")
+        raise
     wall = row_of_points([0.0, 0.0, 0.0], _STEP, 30)
     order = np.random.default_rng(5).permutation(60)
     cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])[order]

@@ -544,6 +544,11 @@ _FIVE_POINTS = frozen(
     np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]], dtype=float)
 )
 
+# Points on the front half of the left side of a block, in parts of its length, width and height.
+_FRONT_OF_A_SIDE = frozen(
+    np.column_stack([np.linspace(0.1, 0.5, 20), np.full(20, 0.5), np.zeros(20)])
+)
+
 # Clusters along x and y, for the checks that do not depend on turning.
 _STRAIGHT = frozen(_street(0, 0))
 
@@ -573,7 +578,9 @@ def _two_blocks_text(*headings: float) -> str:
 )
 def contains_all_points(get_oriented_boxes: Callable) -> None:
     # A few points stick out on all four sides; a box that ignores the outermost points misses them.
-    tip_offsets = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
+    # On the front half of one side there are more, so the mean is not the middle.
+    tips_outside = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
+    tip_offsets = np.vstack([tips_outside, _FRONT_OF_A_SIDE])
     # 30° comes first, because the angle shows by how much a box is turned the wrong way.
     for heading in (30, *_HEADINGS, 0):
         tips = [
@@ -581,7 +588,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
             for size, place in zip(_SIZES, _PLACES, strict=True)
         ]
         street = np.vstack([_street(heading, heading), *tips])
-        labels = np.concatenate([_LABELS, np.repeat([1, 2], 4)])
+        labels = np.concatenate([_LABELS, np.repeat([1, 2], len(tip_offsets))])
         answer = get_oriented_boxes(street.copy(), labels.copy())
         assert_holds(answer, street, labels, _two_blocks_text(heading, heading))
 
@@ -830,10 +837,25 @@ def _change_each(change: Callable) -> Callable:
     return lambda right, cloud, labels: np.stack([change(box) for box in right])
 
 
+def _around_the_mean(right: np.ndarray, cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return boxes of the right size around the means of their points."""
+    means = [cloud[labels == label, :3].mean(axis=0) for label in (1, 2)]
+    return right + (np.array(means) - right.mean(axis=1))[:, None]
+
+
+def _lopsided_street(*headings: float) -> np.ndarray:
+    """Return the two blocks with more points on the front of a side, and one of label 0."""
+    sides = [
+        _turn(_FRONT_OF_A_SIDE * size, heading) + place
+        for size, place, heading in zip(_SIZES, _PLACES, headings, strict=True)
+    ]
+    return np.vstack([_street(*headings), *sides, [[30.0, 20.0, 4.0]]])
+
+
 _TWO_HEADINGS = ((20, 65), (35, 10), (75, 55))
+_LOPSIDED_LABELS = np.concatenate([_LABELS, np.repeat([1, 2], len(_FRONT_OF_A_SIDE)), [0]])
 _STREETS = tuple(
-    frozen((np.vstack([_street(*headings), [[30.0, 20.0, 4.0]]]), np.append(_LABELS, 0)))
-    for headings in _TWO_HEADINGS
+    frozen((_lopsided_street(*headings), _LOPSIDED_LABELS)) for headings in _TWO_HEADINGS
 )
 
 
@@ -902,6 +924,11 @@ mistakes(
         "in radians.",
         _change_each(_degrees_as_radians),
         "angles[areas.argmin()] is the angle that belongs to the row; np.radians(30) is 30°.",
+    ),
+    Mistake(
+        "Each box is centred on the mean of its points; the mean lies where most points are.",
+        _around_the_mean,
+        "The middle is half-way between minimum and maximum.",
     ),
     Mistake(
         "Label 0 gets a box, too. It is no obstacle.",
