@@ -37,7 +37,18 @@ def filter_by_distance(cloud, distance=10.0):
         return cloud[:0]
     return cloud[pairwise_distances(cloud[:, :2], np.zeros((1, 2)))[:, 0] <= distance]
 """
+PROGRESS_BAR = """
+import numpy as np
+from tqdm.{module} import tqdm
+def filter_clusters(cluster_labels, min_num_points=100):
+    kept = cluster_labels.copy()
+    for label in tqdm(np.unique(cluster_labels)):
+        if np.count_nonzero(cluster_labels == label) < min_num_points:
+            kept[cluster_labels == label] = 0
+    return kept
+"""
 ANSWERS = {"11_pca_boxes": ("get_oriented_boxes", SHAPELY)}
+ANSWERS["09_filter_clusters"] = ("filter_clusters", PROGRESS_BAR.format(module="auto"))
 ANSWERS["07_filter_by_distance"] = ("filter_by_distance", DISTANCES)
 
 
@@ -59,6 +70,12 @@ def test_a_right_answer_by_an_installed_package_is_right_for_check_and_judge(
     check(namespace[name])
     _, results = judged(lesson_name, {name: source}, tmp_path, sandbox)
     assert results[name].score == results[name].max_score
+
+
+def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sandbox):
+    answers = {"filter_clusters": PROGRESS_BAR.format(module="notebook")}
+    _, results = judged("09_filter_clusters", answers, tmp_path, sandbox)
+    assert results["filter_clusters"].score == results["filter_clusters"].max_score
 
 
 @pytest.fixture

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 __all__ = ["load_cloud", "read_cloud"]
 
-INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn")
+INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn", "tqdm")
 """Packages that every answer may use, by their names on PyPI; a lesson may forbid parts of them."""
 
 ABSENT = (
-    "where notebooks are judged, there are only Python itself, NumPy, SciPy, Matplotlib, Shapely "
-    "and scikit-learn"
+    "where notebooks are judged, there are only Python itself, NumPy, SciPy, Matplotlib, Shapely, "
+    "scikit-learn and tqdm"
 )
 """Why a module is missing, for a sentence of `check` or of the judge."""
 

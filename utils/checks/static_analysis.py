@@ -22,7 +22,8 @@ _AVAILABLE = frozenset(
     (
         *sys.stdlib_module_names,
         *("numpy", "scipy", "matplotlib", "mpl_toolkits", "pylab", "shapely", "sklearn", "joblib"),
-        *("threadpoolctl", "PIL", "dateutil", "IPython", "traitlets", "utils", "", "builtins"),
+        *("tqdm", "threadpoolctl", "PIL", "dateutil", "IPython", "traitlets", "utils", ""),
+        "builtins",
     )
 )
 

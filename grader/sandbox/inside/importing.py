@@ -77,8 +77,12 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     return statement
 
 
+# Where there are no widgets, a progress bar for notebooks is the one for terminals.
+WITHOUT_WIDGETS = {"tqdm.notebook": "from tqdm.std import tqdm, trange"}
+
+
 class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finder for modules that were submitted with the notebook."""
+    """Finder for modules that are given as source, such as those submitted with the notebook."""
 
     def __init__(self, sources: dict[str, str], forbidden: Iterable[str]) -> None:
         self.sources, self.forbidden = sources, tuple(forbidden)
@@ -86,7 +90,7 @@ class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Return a spec for a submitted module."""
+        """Return a spec for a module of which the source is given."""
         if fullname in self.sources:
             return importlib.machinery.ModuleSpec(fullname, self)
         return None
