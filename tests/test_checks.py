@@ -16,7 +16,8 @@ from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
 from grader.judging.messages import message_of, shareable
 from grader.judging.runner import run_checks
-from utils.checks import CheckFailed, check, checks_of
+from grader.sandbox import Limits
+from utils.checks import CheckFailed, check, checks_of, core
 from utils.checks.assertions import (
     as_array,
     as_labels,
@@ -786,3 +787,21 @@ def test_texts_that_do_not_differ_are_left_out():
 def test_an_answer_of_another_kind_is_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
         as_array(answer, columns=4, what="rows")
+
+
+def test_a_slow_right_answer_is_told_how_long_the_judge_waits(capsys, monkeypatch):
+    clock = iter([0.0, 7.0])
+    monkeypatch.setattr(core.time, "process_time", lambda: next(clock, 7.0))
+    check(filter_ground)
+    shown = capsys.readouterr().out
+    assert "Right, and slow" in shown and "took 7 s" in shown
+    assert f"waits {Limits().call_seconds:.0f} s for each answer" in shown
+
+
+def test_a_quick_or_wrong_answer_is_not_called_slow(capsys, monkeypatch):
+    check(filter_ground)
+    clock = iter([0.0, 7.0])
+    monkeypatch.setattr(core.time, "process_time", lambda: next(clock, 7.0))
+    with pytest.raises(ChecksFailed):
+        check(lambda cloud, ground_level=-1.2: cloud, "filter_ground")
+    assert "slow" not in capsys.readouterr().out

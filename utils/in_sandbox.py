@@ -24,6 +24,9 @@ ABSENT = (
 )
 """Why a module is missing, for a sentence of `check` or of the judge."""
 
+CALL_SECONDS = 10.0
+"""Seconds of work after which the judge stops an answer."""
+
 PACKAGES = ("clouds",)
 """Packages of `utils` that student code can import in the sandbox."""
 

@@ -10,6 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+from utils.in_sandbox import CALL_SECONDS
+
 MEBIBYTE = 2**20
 
 
@@ -63,7 +65,7 @@ class Limits:
 
     start_seconds: float = 10.0
     whole_seconds: float = 30.0
-    call_seconds: float = 10.0
+    call_seconds: float = CALL_SECONDS
     total_seconds: float = 180.0
     wall_seconds: float = 600.0
     restarts: int = 3

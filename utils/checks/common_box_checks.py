@@ -77,7 +77,11 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         weight=weight,
     )
     def ask(function: Callable) -> None:
-        replace(case, given=given).assert_right(function)
+        try:
+            replace(case, given=given).assert_right(function)
+        except Exception:
+            case.basic(function)  # what is wrong without stray points, too, is not about them
+            raise
 
 
 def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:

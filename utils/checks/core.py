@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import threading
+import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from utils.checks.code_slips import code_slip
@@ -27,7 +29,7 @@ from utils.checks.summary import resolve
 from utils.checks.timeouts import loops_around, told_of
 from utils.checks.tips import place_in, tip_for
 from utils.checks.waiting_cells import remember
-from utils.in_sandbox import ABSENT
+from utils.in_sandbox import ABSENT, CALL_SECONDS
 from utils.lent.events import hear
 from utils.lent.stubs import own
 
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
 # More than any right answer needs on a slow machine. A student with an endless loop waits this
 # long.
 SECONDS = 15
+# Processor time of all checks of an exercise; the solutions need less than one second.
+SLOW_SECONDS = 4.0
 
 # The checks by exercise. Each module or package `lesson_NN` adds its own when it is imported.
 _CHECKS: dict[str, list[Check]] = {}
@@ -204,13 +208,14 @@ def check(function: Callable, exercise: str | None = None) -> None:
     function = as_python(written)
     exercise = exercise or getattr(function, "__name__", str(function))
     checks = checks_of(exercise)
-    table = Table(checks)
+    table, begin = Table(checks), time.process_time()
     if refused := refused_modules(_part(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
     elif absent := absent_modules(_part(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _absence(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
+    seconds = time.process_time() - begin
     failed = [outcome for outcome in outcomes if outcome.failure]
     mistake = blamed = place = slip = None
     # A function that hung would hang again; unstarted and refused functions need no diagnosis.
@@ -223,13 +228,33 @@ def check(function: Callable, exercise: str | None = None) -> None:
             lost = [outcome.check for outcome in failed]
             place = place_to_change(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
+    has_notes = any(note.failure for note in notes)
     story = resolve(outcomes, checks, mistake, notes, blamed, place, slip=slip)
+    if not failed and seconds > SLOW_SECONDS:
+        story = replace(story, notes=(*story.notes, _slowness(exercise, seconds)))
     table.finish(story)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
-    remember(exercise, written, not (story.first or story.notes))
+    remember(exercise, written, not (story.first or has_notes))
     hear(exercise, not story.first, stopped)
     if story.first:
         raise ChecksFailed(story.in_one_line)
+
+
+def _slowness(exercise: str, seconds: float) -> Outcome:
+    """Return a note for an answer that is right and takes long."""
+    note = Check(
+        "is_slow",
+        exercise,
+        title="Right, and slow",
+        hint="",
+        weight=0,
+        why="A scanner delivers ten scans a second.",
+    )
+    message = (
+        f"All checks together took {seconds:.0f} s. The judge may ask with larger clouds, and "
+        f"waits {CALL_SECONDS:.0f} s for each answer."
+    )
+    return Outcome(note, CheckFailed(message))
 
 
 def _part(function: Callable, exercise: str) -> Callable:
