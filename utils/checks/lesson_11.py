@@ -544,9 +544,10 @@ _FIVE_POINTS = frozen(
     np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]], dtype=float)
 )
 
-# Points on the front half of the left side of a block, in parts of its length, width and height.
-_FRONT_OF_A_SIDE = frozen(
-    np.column_stack([np.linspace(0.1, 0.5, 20), np.full(20, 0.5), np.zeros(20)])
+# Points on the front halves of both sides of a block, in parts of its length, width and height: the
+# mean is not the middle, and the axes stay as they are.
+_FRONT = frozen(
+    np.column_stack([np.repeat(np.linspace(0.1, 0.5, 10), 2), [0.5, -0.5] * 10, np.zeros(20)])
 )
 
 # Clusters along x and y, for the checks that do not depend on turning.
@@ -578,9 +579,9 @@ def _two_blocks_text(*headings: float) -> str:
 )
 def contains_all_points(get_oriented_boxes: Callable) -> None:
     # A few points stick out on all four sides; a box that ignores the outermost points misses them.
-    # On the front half of one side there are more, so the mean is not the middle.
+    # Most are in front, so the mean is not the middle.
     tips_outside = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
-    tip_offsets = np.vstack([tips_outside, _FRONT_OF_A_SIDE])
+    tip_offsets = np.vstack([tips_outside, _FRONT])
     # 30° comes first, because the angle shows by how much a box is turned the wrong way.
     for heading in (30, *_HEADINGS, 0):
         tips = [
@@ -844,16 +845,16 @@ def _around_the_mean(right: np.ndarray, cloud: np.ndarray, labels: np.ndarray) -
 
 
 def _lopsided_street(*headings: float) -> np.ndarray:
-    """Return the two blocks with more points on the front of a side, and one of label 0."""
+    """Return the two blocks with more points in front, and a point of label 0."""
     sides = [
-        _turn(_FRONT_OF_A_SIDE * size, heading) + place
+        _turn(_FRONT * size, heading) + place
         for size, place, heading in zip(_SIZES, _PLACES, headings, strict=True)
     ]
     return np.vstack([_street(*headings), *sides, [[30.0, 20.0, 4.0]]])
 
 
 _TWO_HEADINGS = ((20, 65), (35, 10), (75, 55))
-_LOPSIDED_LABELS = np.concatenate([_LABELS, np.repeat([1, 2], len(_FRONT_OF_A_SIDE)), [0]])
+_LOPSIDED_LABELS = frozen(np.concatenate([_LABELS, np.repeat([1, 2], len(_FRONT)), [0]]))
 _STREETS = tuple(
     frozen((_lopsided_street(*headings), _LOPSIDED_LABELS)) for headings in _TWO_HEADINGS
 )

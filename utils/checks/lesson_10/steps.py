@@ -232,8 +232,9 @@ def measures_representatives(join_cheaply: Callable) -> None:
 # more points at home than guests. The first points of neighbouring cells are too far apart. Other
 # points of theirs are close, except in the last two cells.
 _IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
-_ALONG = np.append((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), 8.92)
-_ROW = frozen(np.outer(_ALONG, np.eye(3)[0]))
+_ROW = frozen(
+    np.outer(np.append((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), 8.92), np.eye(3)[0])
+)
 _ROW_CELLS = frozen(np.append(np.repeat(np.arange(5), 3), 4))
 _ROW_PAIRS = frozen(np.array([[0, 1], [1, 2], [2, 3], [3, 4]]))
 
