@@ -80,7 +80,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
-            case.basic(function)  # what is wrong without stray points, too, is not about them
+            case.basic(function)  # what is also wrong without stray points is not about them
             raise
 
 

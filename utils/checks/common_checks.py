@@ -293,7 +293,7 @@ def fourth_column(
         try:
             case.of(np.column_stack([case.first, intensities])).assert_right(function)
         except Exception:
-            case.basic(function)  # what is wrong without intensities, too, is not about them
+            case.basic(function)  # what is also wrong without intensities is not about them
             raise
 
 

@@ -122,7 +122,7 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     hint="Return the numbers as they are, without round.",
 )
 def is_exact(horizontal_distance: Callable) -> None:
-    require_level_distances(horizontal_distance)
+    require_street_distances(horizontal_distance)
     cloud = np.array([[1.0, 1.0, 0.0, 0.0], [2.0, -1.0, 0.0, 0.0]])
     assert_distances(horizontal_distance(cloud.copy()), cloud, np.array([1.41421356, 2.23606798]))
 
