@@ -134,7 +134,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_skeleton_is_complete_and_removed_parts_are_reported(copy, sandbox):
+def test_a_skeleton_is_complete(copy, sandbox):
     written = run(copy, "new", "14_free_distance")
     assert written.returncode == 0 and "python -m grader try 14" in written.stdout
     tried = run(copy, "try", "14", "--sandbox", sandbox.name)
@@ -142,31 +142,34 @@ def test_a_skeleton_is_complete_and_removed_parts_are_reported(copy, sandbox):
     assert "14_free_distance is complete." in tried.stdout and "!!" not in tried.stdout
     assert run(copy, "build", "--check").returncode == 0
 
-    folder = copy / "solutions" / "stage5_own" / "14_free_distance"
+
+@pytest.mark.proof
+def test_removed_parts_are_reported(copy, sandbox):
+    run(copy, "new", "16_far_distance")
+    folder = copy / "solutions" / "stage5_own" / "16_far_distance"
     with replaced(folder / "hidden_tests.py", "", ""):
-        tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+        tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
-    assert "free_distance has no hidden test. Write one in 14_free_distance/hidden" in tried.stdout
+    assert "far_distance has no hidden test. Write one in 16_far_distance/hidden" in tried.stdout
     assert "The lesson cannot be judged: " in tried.stdout and "2 to do." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
-    answers, hidden = folder / "answers" / "free_distance.txt", folder / "hidden_tests.py"
+    answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
     with replaced(answers, *changed[0]), replaced(hidden, *changed[1]):
-        tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+        tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
-    assert "free_distance has no right answer. Write one in" in tried.stdout
-    assert "14_free_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
+    assert "far_distance has no right answer. Write one in" in tried.stdout
+    assert "16_far_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
 
     hidden.rename(folder / "away")
-    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     (folder / "away").rename(hidden)
-    assert "There is no file solutions/stage5_own/14_free_distance/hidden_t" in tried.stdout
+    assert "There is no file solutions/stage5_own/16_far_distance/hidden_t" in tried.stdout
 
 
 @pytest.mark.slow
-def test_faults_of_the_solution_and_the_checks_are_reported_once(copy, sandbox):
+def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     run(copy, "new", "15_mean_square")
-    source = copy / "solutions" / "stage5_own" / "15_mean_square" / "lesson.py"
     checks = copy / "utils" / "checks" / "lesson_15.py"
     with replaced(checks, "7.505553499465135", "7.6"):
         tried = run(copy, "try", "15", "--sandbox", sandbox.name)
@@ -183,16 +186,21 @@ def test_faults_of_the_solution_and_the_checks_are_reported_once(copy, sandbox):
         assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
         assert reason in tried.stdout and "15_mean_square: 1 to do." in tried.stdout
 
-    cell = "# Look.\n\n# %%\nprint(1 + mean_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
+
+@pytest.mark.proof
+def test_a_cell_of_the_notebook_that_fails_is_reported(copy, sandbox):
+    run(copy, "new", "17_root_square")
+    source = copy / "solutions" / "stage5_own" / "17_root_square" / "lesson.py"
+    cell = "# Look.\n\n# %%\nprint(1 + root_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
     with replaced(source, "# ## Summary", cell.replace("print(1", "draw(1")):
-        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
-    assert "cell that begins with `draw(1 + mean_square([3, 4]))` raises NameE" in tried.stdout
+        tried = run(copy, "try", "17", "--sandbox", sandbox.name)
+    assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
     # The untouched notebook goes on with the solution's answers, which `try` stores.
     with replaced(source, "# ## Summary", cell):
-        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+        tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
-    assert "were written to utils/lent/lesson_15.json." in tried.stdout
+    assert "were written to utils/lent/lesson_17.json." in tried.stdout
 
 
 @contextlib.contextmanager
