@@ -481,7 +481,7 @@ for number, axes in zip((0, 1, 2), rows):
 #
 # ## Exercise 2 · `match_boxes` (points)
 #
-# A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if no closer box wants it.
+# A tenth of a second is short: nothing moves far. So the two boxes whose centres are closest are partners, then the closest two of those that are still free, and so on, as long as they are close enough. (A box whose nearest one is taken may also stay without a partner: both answers count as right.)
 #
 # Give for each current box the row of its partner in `previous`, or -1 for a box without one. Each previous box has at most one partner. The centre of a box is the mean of its corners.
 
