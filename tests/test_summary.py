@@ -14,14 +14,16 @@ import numpy as np
 import pytest
 
 from grader.course.paths import PROJECT
+from grader.judging.messages import shareable
 from tests.prerequisites import PATIENCE
 from utils.checks import check, core, diagnosis, display
 from utils.checks.assertions import CheckFailed, WrongForm, as_labels, needs
-from utils.checks.core import ChecksFailed, noted, visible
+from utils.checks.core import ChecksFailed, noted, run_check, visible
 from utils.checks.diagnosis import Mistake, diagnose, mistakes
+from utils.checks.failures import NotYet
 from utils.checks.limits import TimeUp, limited
 from utils.checks.line_hint import Line
-from utils.checks.outcomes import Outcome
+from utils.checks.outcomes import Check, Outcome
 from utils.checks.static_analysis import functions_used, refused_modules
 from utils.checks.summary import resolve
 
@@ -502,3 +504,19 @@ def test_failures_fixed_by_one_edit_have_one_cause():
     for about in ({"place": Line(3, "return x")}, {"alone": True}):
         story = resolve(outcomes, **about)
         assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())
+
+
+def test_where_nothing_else_failed_a_precondition_is_told_itself():
+    def sorts_and_collects(cloud):
+        good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)
+        return np.unique(cloud[good], axis=0)
+
+    failed = [run_check(one, sorts_and_collects) for one in core.checks_of("drop_invalid")]
+    assert [type(one.failure) for one in failed if one.failure] == [NotYet]
+    story = resolve(failed)
+    assert "Cannot be judged yet" not in story.first.failure.message
+    assert story.first.failure.is_about_the_check and not story.waiting
+    # The judge shows no more of a hidden test than the precondition.
+    hidden = Check("test_all", "drop_invalid", "All", "")
+    told = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
+    assert told.failure.reason is None

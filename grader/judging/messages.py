@@ -122,7 +122,7 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
         place = error.place if visible else error.shown_place
         return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
-        return error
+        return NotYet(error.basic)
     if isinstance(error, CheckFailed):
         kind = type(error) if isinstance(error, WrongForm) else CheckFailed
         words = with_few_numbers if visible else without_numbers

@@ -39,8 +39,8 @@ def needs(basic: str) -> Iterator[None]:
         yield
     except (WrongForm, NotYet):
         raise
-    except CheckFailed:
-        raise NotYet(basic) from None
+    except CheckFailed as failure:
+        raise NotYet(basic, failure) from None
 
 
 def frozen(value: object) -> object:
@@ -334,6 +334,8 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         parts.append(f"{_count(missing)} missing, for example {point_text(cloud[missing[0]])}")
     if len(extra):
         parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
+    if not parts and len(yours) < len(expected):
+        parts.append("rows that are there twice are left out once")
     message = "; ".join(parts) or "some rows are there more than once"
     raise CheckFailed(
         message[0].upper() + message[1:] + ".",

@@ -112,10 +112,18 @@ class FarTooMuch(WrongForm):
 
 
 class NotYet(CheckFailed):
-    """The property cannot be judged because a precondition does not hold."""
+    """The property cannot be judged because a precondition does not hold.
 
-    def __init__(self, basic: str) -> None:
-        self.basic = basic
+    Attributes
+    ----------
+    basic : str
+        The precondition, as a clause.
+    reason : CheckFailed or None
+        The failure of the precondition.
+    """
+
+    def __init__(self, basic: str, reason: CheckFailed | None = None) -> None:
+        self.basic, self.reason = basic, reason
         super().__init__(f"Cannot be judged yet. First: {basic}.")
 
     @property

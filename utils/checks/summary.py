@@ -7,7 +7,7 @@ and shows one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from utils.checks.code_slips import CodeSlip
 from utils.checks.diagnosis import Mistake
@@ -105,6 +105,10 @@ def resolve(
     # A stub explains all other failures. Otherwise, the checks are in the order to read them in.
     stubs = [outcome for outcome in failed if isinstance(outcome.failure, NotStarted)]
     ready = [outcome for outcome in failed if not isinstance(outcome.failure, NotYet)]
+    if not ready and failed[0].failure.reason:
+        # No other check tells what the precondition lacks.
+        ready = [replace(failed[0], failure=failed[0].failure.reason)]
+        failed[0] = ready[0]
     first = (stubs or ready or failed)[0]
     cause = first.failure.cause
     rest = [outcome for outcome in ready if outcome is not first]
