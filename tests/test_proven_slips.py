@@ -56,8 +56,9 @@ def tried(monkeypatch):
     """List of the calls of `find_repair`, which is replaced and never finds a repair."""
     found = []
 
-    def find_repair(setting, program, exercise, failed):
+    def find_repair(setting, program, exercise, failed, likeliest):
         assert all(outcome.failure for outcome in failed)
+        assert likeliest in (0, repair.LIKELIEST_EDITS)
         found.append((program, exercise, [outcome.check.name for outcome in failed]))
 
     monkeypatch.setattr(repair, "find_repair", find_repair)
@@ -232,6 +233,7 @@ def passing(monkeypatch):
         clock=lambda: 100.0,
         budget=None,
         meanwhile=lambda: None,
+        likeliest=repair.LIKELIEST_EDITS,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "visible_calls", lambda *about: student.questions(shown))
@@ -241,7 +243,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
         found = []
-        for edit in repair._passing_edits(setting, HANDED_IN, "line_through", failed):
+        for edit in repair._passing_edits(setting, HANDED_IN, "line_through", failed, likeliest):
             found.append(edit)
             meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -357,35 +359,36 @@ def test_raising_lines_include_the_line_of_the_call():
     assert repair._raising_lines(outcomes) == {(3, 12), (1, 2), (3, 5)}
 
 
-def test_edits_of_an_exercise_share_two_seconds(passing):
-    student = Edited(["abxy"] * 200, 0.02)  # plus the same time in the judge
-    assert passing(student) == [] and student.tried == 4 * repair.EDITS_PER_LOOK
-    student = Edited(["abxy"] * 100, 0.001)
-    assert passing(student) == [] and student.tried == 99
+@pytest.mark.parametrize(
+    "seconds, tried",
+    [
+        (0.0, 400),
+        (0.002, 400),  # 1.6 s
+        (0.01, 320),  # 6.4 s
+        (0.05, 176),  # 16 s are over after 160 edits, which is seen after 16 more
+    ],
+)
+def test_the_likeliest_edits_all_get_their_turn(passing, seconds, tried):
+    student = Edited(["abxy"] * 401, seconds)  # plus the same time in the judge
+    assert passing(student) == [] and student.tried == tried
 
 
-class Expensive(Edited):
-    """A student whose every answer takes time, the first one too."""
-
-    @property
-    def cpu_seconds(self):
-        return self.seconds * len(self.given)
-
-
-@pytest.mark.parametrize("seconds, tried", [(0.004, 8), (0.008, 7), (0.05, 3)])
-def test_expensive_questions_get_more_time(passing, seconds, tried):
-    """An edit costs two questions; all of them together may cost 200, but at least 2 s, at most 8.
-
-    So 0.016 s of 2 s, 0.032 s of 3.2 s, and 0.2 s of 8 s, rounded up to multiples of 16 edits.
-    """
-    student = Expensive(["abxy"] * 200, seconds)  # plus the same time in the judge
-    assert passing(student) == [] and student.tried == tried * repair.EDITS_PER_LOOK
+def test_where_a_mark_cannot_change_only_the_first_seconds_count(passing, monkeypatch):
+    student = Edited(["abxy"] * 401, 0.01)
+    passing(student, likeliest=0)
+    assert student.tried == 112  # 0.02 s for each of 100 edits, which is seen after some more
+    given = []
+    monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
+    for passed in (1, 2):
+        outcomes = outcomes_of("line_through", *[None] * passed, FAIL)
+        repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes), {})
+    assert given == [repair.LIKELIEST_EDITS, 0]
 
 
 def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
-    student = Edited(["abxy"] * 200, 0.3)  # plus the same time in the judge
-    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 4
+    student = Edited(["abxy"] * 200, 1.3)  # plus the same time in the judge
+    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 7
 
 
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
@@ -399,10 +402,10 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = Edited(["abxy"] * 100, slept=0.07)  # over a second between two time checks
+    student = Edited(["abxy"] * 100, slept=0.56)  # nine seconds between two time checks
     assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.07 * 2 * repair.EDITS_PER_LOOK)
+    assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
     # Time that is spent between edits, such as judging one completely, does not count.
     student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
 

@@ -33,10 +33,11 @@ from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Processor seconds for the edits of one exercise, in the judge and in the sandbox: enough for all
-# edits of most exercises. Where a question is expensive, the likeliest edits still get their turn.
-LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 8.0
-LIKELIEST_EDITS = 200
+# The likeliest edits all get their turn, so that a mark does not depend on the machine; the others
+# only within the first seconds, and so do all where a mark cannot depend on them. The limit after that is for questions that take very long.
+LIKELIEST_EDITS = 320
+# Processor seconds for the edits of one exercise, in the judge and in the sandbox.
+LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
 # Seconds of wall-clock time, for code that sleeps a little in each call.
 MOST_SECONDS = 60.0
 # A right answer needs less for the first checks, and an edit may create an endless loop.
@@ -92,7 +93,9 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            if repair := find_repair(setting, judged_program, exercise.name, failed):
+            # Where the checks earn more than a slip keeps, an edit only explains.
+            likeliest = LIKELIEST_EDITS if _share(outcomes) < ONE_SLIP_KEEPS else 0
+            if repair := find_repair(setting, judged_program, exercise.name, failed, likeliest):
                 found[exercise.name] = repair
             elif (
                 mistake
@@ -101,6 +104,12 @@ def find_slips(
             ):
                 found[exercise.name] = mistake
     return found
+
+
+def _share(outcomes: Sequence[Outcome]) -> float:
+    """Return the share of the exercise that its checks earn."""
+    earned = sum(outcome.check.weight for outcome in outcomes if not outcome.failure)
+    return earned / sum(outcome.check.weight for outcome in outcomes)
 
 
 def _is_unrepairable(outcome: Outcome) -> bool:
@@ -126,6 +135,7 @@ def find_repair(
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
+    likeliest: int = LIKELIEST_EDITS,
 ) -> Repair | None:
     """Return the edit with which an exercise loses nothing, or None if none was found.
 
@@ -137,8 +147,10 @@ def find_repair(
     exercise : str
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
+    likeliest : int
+        Edits to try however long they take, within `MOST_CPU_SECONDS`.
     """
-    for cell, first, last, text in _passing_edits(setting, program, exercise, failed):
+    for cell, first, last, text in _passing_edits(setting, program, exercise, failed, likeliest):
         program_with_edit = program.edited(cell, first, last, text)
         results = run_program(
             setting, program_with_edit, lambda check: check.exercise == exercise, keep_going=False
@@ -264,6 +276,7 @@ def _passing_edits(
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
+    likeliest: int,
 ) -> Iterator[tuple[int, int, int, str]]:
     """Yield the first few edits that pass the checks that the answer failed."""
     limits = setting.limits or Limits()
@@ -282,14 +295,13 @@ def _passing_edits(
         failed_checks = _FailedChecks(setting, student, budget, failed)
         if not failed_checks.first_fails():  # an answer that guesses must not get another try
             return
-        one_question = time.process_time() + student.cpu_seconds - begin
-        most_work = min(max(LEAST_CPU_SECONDS, LIKELIEST_EDITS * one_question), MOST_CPU_SECONDS)
         given = _unchanged_cells(setting.lesson, program)
         edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]
         for tried, (number, edit) in enumerate(edits):
             if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
                 next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
                 worked = time.process_time() + student.cpu_seconds - begin
+                most_work = LEAST_CPU_SECONDS if tried >= likeliest else MOST_CPU_SECONDS
                 if max(worked, slept) > most_work or time.monotonic() > until:
                     return
             seconds_left = budget.seconds

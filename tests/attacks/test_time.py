@@ -248,10 +248,9 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
         f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more if it is judged a second",
     ):
         assert sentence in threats
-    assert (repair.LEAST_CPU_SECONDS, repair.MOST_CPU_SECONDS) == (
-        2,
-        8,
-    ) and "search for an edit takes two seconds of processor time, and eight at most" in threats
+    assert (repair.LEAST_CPU_SECONDS, repair.MOST_CPU_SECONDS) == (2, 16)
+    assert f"The search for an edit tries the {repair.LIKELIEST_EDITS} likeliest" in threats
+    assert "others for two seconds of processor time; it ends after 16 seconds" in threats
 
 
 SLEEPY = {
