@@ -34,7 +34,8 @@ from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
 # The likeliest edits all get their turn, so that a mark does not depend on the machine; the others
-# only within the first seconds, and so do all where a mark cannot depend on them. The limit after that is for questions that take very long.
+# only within the first seconds, and so do all where a mark cannot depend on them. The limit after
+# that is for questions that take very long.
 LIKELIEST_EDITS = 320
 # Processor seconds for the edits of one exercise, in the judge and in the sandbox.
 LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
