@@ -96,7 +96,7 @@ def write(path: Path, wanted: list[str]) -> None:
 
 
 def same(before: object, after: object) -> bool:
-    """Return whether two outputs are the same, apart from rounding of points."""
+    """Return whether two outputs are the same, apart from rounding of scores."""
     if isinstance(before, dict) and isinstance(after, dict):
         return before.keys() == after.keys() and all(
             same(before[key], after[key]) for key in before

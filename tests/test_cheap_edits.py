@@ -27,7 +27,7 @@ MEMORY = 4 * 2**30  # additional bytes, as an edit may create huge arrays
 
 
 def sources():
-    """Return the functions of the table's module, by their first line and kind of node."""
+    """Return the nodes of functions in `test_cheap_answers`, by first line and type of node."""
     tree = ast.parse(inspect.getsource(test_cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}

@@ -1,4 +1,4 @@
-"""Read from a function's source the slips that are the same in every exercise.
+"""Find slips that any exercise may have in the source of a function.
 
 A sentence states what stands in the source, so it is true whatever the function was meant to do. It
 is shown only with a failed check for which no known mistake was recognised.

@@ -355,7 +355,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Takes no points, one point, and all points in one cluster",
-    why="After the other filters nothing may be left, or a single wall.",
+    why="The other filters can remove everything, or leave a single wall.",
     hint="The same lines serve every case: np.unique of no points is no labels.",
 )
 def takes_the_smallest(filter_clusters: Callable) -> None:

@@ -91,8 +91,9 @@ class StayingObstacle:
 class Planner:
     """Brakes for a thing that is in the way in three scans in a row, to ignore flickering boxes.
 
-    A road user cannot get onto the ego car from one scan to the next. Raindrops do and vanish, and
-    dirt does and stays. A thing over the car therefore counts only after a second in one place.
+    A road user cannot get onto the ego car from one scan to the next. A raindrop can appear there,
+    but vanishes; dirt on the sensor can, but stays in place. A thing over the car therefore counts
+    only after a second in one place.
     """
 
     def __init__(self) -> None:

@@ -172,9 +172,9 @@ mistakes(
         "An area is a product.",
     ),
     Mistake(
-        "Only what lies along each direction is measured.",
+        "Only the extent along each direction is measured.",
         _minimises(lambda points: _extents(points)[0]),
-        "The area is that times what lies across.",
+        "Multiply it by the extent across the direction.",
     ),
     Mistake(
         "Only what lies across each direction is measured.",

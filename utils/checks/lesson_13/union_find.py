@@ -19,7 +19,7 @@ _ENDLESS_HINT = "does each round of the loop go on to another cell, until one is
 
 
 def _path(parent: np.ndarray, cell: int) -> list[int] | None:
-    """Return the cells from `cell` to its root, inclusive; None if the parents form a circle."""
+    """Return the cells from `cell` to its root, inclusive; None if the parents form a cycle."""
     path = [cell]
     while parent[path[-1]] != path[-1]:
         path.append(int(parent[path[-1]]))
@@ -34,7 +34,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     Raises
     ------
     CheckFailed
-        If a parent is not a cell, or the parents form a circle.
+        If a parent is not a cell, or the parents form a cycle.
     """
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(

@@ -28,7 +28,7 @@ class VariableTrack:
     last : object
         Latest object in the variable.
     states : list of (int, tuple, bool)
-        Time of each change, the value then, and whether it is that of a new object.
+        Time of each change, the new value, and whether it is a new object.
     """
 
     last: object
