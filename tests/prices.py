@@ -38,8 +38,7 @@ What the likeliest slips of each exercise cost. A slip is one change of the less
   keeps what its checks earn.
 
 `python -m tests.prices` writes this page. It puts each slip into the solution and judges the
-notebook with seed 1, which takes ten minutes on two cores. With another seed a number may differ by
-a few percent.
+notebook with seed 1, which takes about ten minutes on two cores.
 """
 
 
@@ -110,7 +109,7 @@ def page(prices: dict[tuple[str, str], Price]) -> str:
     """
     parts = [_TOP]
     for name, table in TABLES.items():
-        parts.append(f"\n## {name[:2]}\n")
+        parts.append(f"\n## {name[:2]} · {name[3:].replace('_', ' ')}\n")
         for exercise, slips in table.items():
             rows = [
                 f"| {title} | {price.checks:.0%} | {price.kept:.0%} | {slip.harm.word} |"

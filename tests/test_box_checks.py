@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import load_reference
-from utils.checks import CheckFailed
+from utils.checks import CheckFailed, boxes
 from utils.checks.boxes import assert_box_corners, assert_holds, corners_between
 from utils.checks.core import notes_of, run_check
 
@@ -96,3 +96,22 @@ def test_the_picture_shows_the_axis_in_the_message():
     caught.value.draw()
     assert "y" in plt.gca().get_ylabel()
     plt.close("all")
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("end", range(2))
+def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, monkeypatch):
+    points = np.array([[4.0, 1.0, -1.5], [6.0, 3.0, 0.2], [5.0, 2.0, -0.4]])
+    ends = np.array([points.min(axis=0), points.max(axis=0)])
+    right = corners_between(*ends)
+    ends[end, axis] = 0.6 * ends[end, axis] + 0.4 * ends[1 - end, axis]
+    wrong, drawn = corners_between(*ends), []
+    with pytest.raises(CheckFailed) as caught:
+        assert_box_corners(wrong[None], right[None], points, np.ones(3, dtype=int))
+    monkeypatch.setattr(boxes, "_draw", lambda *about: drawn.append(about))
+    caught.value.draw()
+    [(_, _, _, [circled], view, _)] = drawn
+    columns = [0, 1] if view == "above" else [0, 2]
+    gaps = np.abs(wrong[:, columns] - circled[columns]).max(axis=1)
+    assert gaps.min() > 0.2
+    assert (right == circled).all(axis=1).any()

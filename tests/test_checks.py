@@ -761,10 +761,10 @@ def test_texts_get_the_digits_that_tell_them_apart():
     ],
 )
 def test_yours_and_expected_are_never_the_same_text(name, wrong):
-    failures = [run_check(one, wrong).failure for one in checks_of(name)]
-    compared = [one for one in failures if one and one.expected]
+    failures = [run_check(check_, wrong).failure for check_ in checks_of(name)]
+    compared = [failure for failure in failures if failure and failure.expected]
     assert compared
-    assert [one.message for one in compared if one.yours == one.expected] == []
+    assert [each.message for each in compared if each.yours == each.expected] == []
 
 
 def test_texts_that_do_not_differ_are_left_out():

@@ -511,9 +511,10 @@ def test_where_nothing_else_failed_a_precondition_is_told_itself():
         good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)
         return np.unique(cloud[good], axis=0)
 
-    failed = [run_check(one, sorts_and_collects) for one in core.checks_of("drop_invalid")]
-    assert [type(one.failure) for one in failed if one.failure] == [NotYet]
-    story = resolve(failed)
+    checks = core.checks_of("drop_invalid")
+    outcomes = [run_check(declared, sorts_and_collects) for declared in checks]
+    assert [type(each.failure) for each in outcomes if each.failure] == [NotYet]
+    story = resolve(outcomes)
     assert "Cannot be judged yet" not in story.first.failure.message
     assert story.first.failure.is_about_the_check and not story.waiting
     # The judge shows no more of a hidden test than the precondition.

@@ -126,7 +126,7 @@ def points_text(points: np.ndarray, digits: int = 2) -> str:
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
 
 
-# Types whose values come one by one; a function that returns one has not made a list of them.
+# Types without rows: their values come one by one, or in no order.
 _ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
 
 
@@ -206,7 +206,7 @@ def as_array(
             expected=what,
         ) from None
     if columns is not None:
-        if each == "point" and isinstance(answer, tuple) and _is_row_numbers(array):
+        if each == "point" and _is_from_where(answer):
             raise WrongForm(
                 "These are the numbers of the rows, as np.where gives them: return the rows "
                 "themselves, cloud[mask].",
@@ -224,9 +224,11 @@ def as_array(
     return array
 
 
-def _is_row_numbers(array: np.ndarray) -> bool:
-    """Return whether an answer is one row of whole numbers, as `np.where` of a mask gives it."""
-    return array.ndim == 2 and len(array) == 1 and array.dtype.kind in "iu"
+def _is_from_where(answer: object) -> bool:
+    """Return whether an answer is a tuple of one array of row numbers, as `np.where` gives it."""
+    if not (isinstance(answer, tuple) and len(answer) == 1 and isinstance(answer[0], np.ndarray)):
+        return False
+    return answer[0].ndim == 1 and answer[0].dtype.kind == "i"
 
 
 def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
@@ -335,7 +337,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
     if len(extra):
         parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
     if not parts and len(yours) < len(expected):
-        parts.append("rows that are there twice are left out once")
+        parts.append("rows that occur twice are kept only once")
     message = "; ".join(parts) or "some rows are there more than once"
     raise CheckFailed(
         message[0].upper() + message[1:] + ".",

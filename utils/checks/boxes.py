@@ -149,11 +149,14 @@ def _corner_failure(
         _draw(points, mine, right, [place], view, "The circle should hold a corner of yours")
 
     if is_straight:
+        # A corner at the wrong end, because at the other one the box may have a corner.
+        end = np.abs(ends[0] - ends[1])[:, axis].argmax()
+        place = right[np.isclose(right[:, axis], ends[1][end, axis])][0]
         letter, given = "xyz"[axis], None
         if len(points) <= 20:
             given = f"the {letter} of its points: {brief(points[:, axis])}"
         return CheckFailed(
-            f"{name} has other ends along {letter} than its points.",
+            f"{name} does not end where its points end along {letter}.",
             given=given,
             yours="from {:.2f} to {:.2f}".format(*ends[0][:, axis]),
             expected="from {:.2f} to {:.2f}".format(*ends[1][:, axis]),

@@ -1,7 +1,7 @@
 """Find slips that any exercise may have in the source of a function.
 
-A sentence states what stands in the source, so it is true whatever the function was meant to do. It
-is shown only with a failed check for which no known mistake was recognised.
+A sentence states what the source says, so it is true whatever the function is meant to do. It is
+shown with a failed check if no known mistake explains the failure.
 """
 
 import ast
@@ -22,7 +22,7 @@ _CHANGES = ("append", "extend", "insert", "add", "update", "pop", "remove")
 
 @dataclass(frozen=True)
 class CodeSlip:
-    """A slip that stands in the source.
+    """A slip in the source of a function.
 
     Attributes
     ----------
@@ -36,18 +36,21 @@ class CodeSlip:
     hint: str
 
 
-def code_slip(function: Callable) -> CodeSlip | None:
+def code_slip(function: Callable, gave_nothing: bool) -> CodeSlip | None:
     """Return the first slip in the source of a function, or None.
 
     Parameters
     ----------
     function : callable
+    gave_nothing : bool
+        Whether a check failed because the answer was None. Other functions may print and return
+        nothing, such as the `insert` of a tree.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body
         if isinstance(node, ast.FunctionDef) and isinstance(function, FunctionType):
             return (
-                _prints(node)
+                (_prints(node) if gave_nothing else None)
                 or _returns_in_a_loop(node)
                 or _keeps_a_default(node)
                 or _reads_the_notebook(node, function)
@@ -72,8 +75,8 @@ def _prints(node: ast.FunctionDef) -> CodeSlip | None:
         return None
     if any(isinstance(part, ast.Call) and ast.unparse(part.func) == "print" for part in parts):
         return CodeSlip(
-            "The function prints, and returns nothing.",
-            "print shows a value to you; return hands it to the code that called the function.",
+            "The function prints its result and returns nothing.",
+            "Return the result: print only shows it to you.",
         )
     return None
 
@@ -86,8 +89,8 @@ def _returns_in_a_loop(node: ast.FunctionDef) -> CodeSlip | None:
         jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _inside(loop))
         if not (is_endless or jumps):
             return CodeSlip(
-                "`return` stands inside a loop, which therefore ends in its first round.",
-                "Move `return` one level out, behind the loop.",
+                "`return` is inside a loop, so the loop ends in its first round.",
+                "Move `return` one level out, after the loop.",
             )
     return None
 
@@ -104,8 +107,8 @@ def _keeps_a_default(node: ast.FunctionDef) -> CodeSlip | None:
             target = part.target
         if isinstance(target, ast.Name) and target.id in kept:
             return CodeSlip(
-                f"`{target.id}` in the first line is made once, and keeps what earlier calls put "
-                "into it.",
+                f"`{target.id}` in the first line is made only once, so it keeps what earlier "
+                "calls put into it.",
                 "Make it inside the function, so that each call begins with a new one.",
             )
     return None
@@ -126,9 +129,9 @@ def _reads_the_notebook(node: ast.FunctionDef, function: FunctionType) -> CodeSl
     ]
     if unread and used:
         return CodeSlip(
-            f"The function does not read its parameter `{unread[0]}`, but the notebook's "
-            f"`{used[0]}`.",
-            "Other code calls the function with other values, and these are in the parameter.",
+            f"The function reads the notebook's `{used[0]}`, and never its parameter "
+            f"`{unread[0]}`.",
+            "Use the parameter: it holds the values with which the function is called.",
         )
     return None
 

@@ -223,7 +223,9 @@ def check(function: Callable, exercise: str | None = None) -> None:
         isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
         mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
-        slip = None if mistake or blamed else code_slip(_part(function, exercise))
+        if not (mistake or blamed):
+            gave_nothing = any(outcome.failure.yours == "None" for outcome in failed)
+            slip = code_slip(_part(function, exercise), gave_nothing)
         if not blamed and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
             place = place_to_change(function, checks, lost)

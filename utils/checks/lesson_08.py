@@ -52,8 +52,8 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=4,
     title="A box reaches from the smallest to the largest x, y and z of its points",
-    why="The planner asks the box alone: what sticks out of it is hit, what it covers for nothing "
-    "is closed to us, and an obstacle without a box is not there.",
+    why="The planner sees only boxes. The car may hit anything that sticks out of a box, and it "
+    "cannot use free space inside one. An obstacle without a box is invisible.",
     hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
     "numbers; a corner takes, for each axis, one or the other.",
 )

@@ -34,8 +34,8 @@ class Story:
     notes : tuple of Outcome
         Failed checks that cost no points.
     mistake : Mistake or CodeSlip or None
-        The mistake that explains all answers, if `first` is about an answer; else the slip that
-        stands in the source.
+        The mistake that explains all answers, if `first` is about an answer; else the slip in
+        the source of the function.
     blamed : str or None
         A function that this one calls and that is itself wrong.
     place : utils.checks.line_hint.LineHint or None

@@ -6,7 +6,7 @@ _NEAR = "np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)"
 
 SLIPS = {
     "euclidean_clustering": [
-        Slip("nobody joins the queue", "            waiting.extend(newcomers)\n", "", USELESS),
+        Slip("no point joins the queue", "            waiting.extend(newcomers)\n", "", USELESS),
         Slip("the queue begins empty", "deque([start])", "deque()", USELESS),
         Slip("one length for all", ", axis=1)", ")", USELESS),
         Slip("returns after one cluster", "    return labels", "        return labels", USELESS),

@@ -488,7 +488,7 @@ drive_with(12) if is_written(get_bounding_boxes) else print(
 #
 # - A box is a minimum and a maximum for each axis; its corners are the eight ways to combine them.
 # - It is a keep-out volume: every point of the cluster is inside, and so is some air.
-# - Label 0 is no obstacle, labels have gaps, and no obstacles still make an array.
+# - Label 0 is not an obstacle, labels have gaps, and no obstacles still make an array.
 # - Obstacles along the axes leave little air in it, diagonal ones more than half. What was not seen may stick out.
 #
 # **Sources.** Boxes as collision volumes: [Ericson, Real-Time Collision Detection, chapter 4](https://realtimecollisiondetection.net/). Boxes in a benchmark: [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). NumPy reductions: [numpy.min](https://numpy.org/doc/stable/reference/generated/numpy.min.html).

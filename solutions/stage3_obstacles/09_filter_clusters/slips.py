@@ -53,7 +53,7 @@ labels = cluster_labels.copy()
         Slip("sizes for labels", "0, cluster_labels)", "0, size_of_its_cluster)", USELESS),
         Slip("largest of nothing", _COUNT, _loop(), SMALL),
         Slip(
-            "the large ones go, too",
+            "large clusters are removed as well",
             "size_of_its_cluster < min_num_points,",
             "(size_of_its_cluster < min_num_points) | (size_of_its_cluster > 1000),",
             PARTLY,

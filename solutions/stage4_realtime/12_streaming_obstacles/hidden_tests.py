@@ -152,7 +152,7 @@ def test_reach(student, seed):
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="A person beside the bumper has a box, on either side",
+    title="A person next to the bumper has a box, on either side",
     hint="remove_ego_returns takes away the box of the own car and nothing beyond it.",
 )
 def test_person_at_the_bumper(student, seed):

@@ -109,7 +109,7 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=3,
-    title="A person beside the bumper has a box",
+    title="A person next to the bumper has a box",
     why="Whoever crosses in front of a standing car is nearer than anything else.",
     hint="remove_ego_returns takes away the box of the own car, from (-1.5, -1.7, -1.0) to "
     "(2.6, 1.7, -0.4), and nothing beyond it.",
@@ -125,7 +125,7 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Cars at the edge of the road, up to 7 m to the side, have boxes",
-    why="A parked car pulls out, and a door opens: both begin beside the lane.",
+    why="A parked car pulls out, and a door opens: both begin next to the lane.",
     hint="Where does your region of interest end to the side?",
 )
 def looks_to_the_side(detect_obstacles: Callable) -> None:
@@ -277,7 +277,7 @@ def leaves_the_cloud(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="A road that climbs is no obstacle",
+    title="A road that climbs is not an obstacle",
     why="Where a road climbs by 4 %, one level for the ground leaves the road from 13 m ahead on, "
     "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
 )
