@@ -243,14 +243,14 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
     for sentence in (
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} seconds of wall time",
-        f"waits for the first {limits.call_seconds:.0f} seconds",
+        f"waits {limits.call_seconds:.0f} seconds for the first",
         # The exercise runs once as it is and once with right helpers.
-        f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more if it is judged a second",
+        f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
     ):
         assert sentence in threats
     assert (repair.LEAST_CPU_SECONDS, repair.MOST_CPU_SECONDS) == (2, 16)
-    assert f"The search for an edit tries the {repair.LIKELIEST_EDITS} likeliest" in threats
-    assert "others for two seconds of processor time; it ends after 16 seconds" in threats
+    assert f"The search for an edit tries the {repair.LIKELIEST_EDITS} likeliest edits" in threats
+    assert "first two seconds of processor time. It ends after 16 seconds" in threats
 
 
 SLEEPY = {

@@ -89,10 +89,11 @@ def sees(student, frame):
     return detected(student.detect_obstacles, frame)
 
 
-def climbs(student, seed):
-    """Return two climbing roads, after a check that the detector finds the cars of a square."""
+def assert_seen_on_climbs(student, seed, kind):
+    """Require the cars of a square, then each thing of a kind on two roads that climb."""
     assert_cars_seen(student.detect_obstacles, square(seed))
-    return climb(seed), climb(seed + 1)
+    for frame in (climb(seed), climb(seed + 1)):
+        assert_kind_reached(detected(student.detect_obstacles, frame), kind, frame)
 
 
 def answer_for(student, cloud, frame):
@@ -156,8 +157,7 @@ def test_reach(student, seed):
     hint="remove_ego_returns takes away the box of the own car and nothing beyond it.",
 )
 def test_person_at_the_bumper(student, seed):
-    for frame in climbs(student, seed):
-        assert_kind_reached(detected(student.detect_obstacles, frame), "pedestrian", frame)
+    assert_seen_on_climbs(student, seed, "pedestrian")
 
 
 @hidden(
@@ -167,8 +167,7 @@ def test_person_at_the_bumper(student, seed):
     hint="Where does your region of interest end to the side?",
 )
 def test_edge_of_the_road(student, seed):
-    for frame in climbs(student, seed):
-        assert_kind_reached(detected(student.detect_obstacles, frame), "car", frame)
+    assert_seen_on_climbs(student, seed, "car")
 
 
 @hidden(
@@ -178,8 +177,7 @@ def test_edge_of_the_road(student, seed):
     hint="A cluster of a thousand points is a wall or a lorry.",
 )
 def test_lorries(student, seed):
-    for frame in climbs(student, seed):
-        assert_kind_reached(detected(student.detect_obstacles, frame), "truck", frame)
+    assert_seen_on_climbs(student, seed, "truck")
 
 
 @hidden(
@@ -189,11 +187,10 @@ def test_lorries(student, seed):
     hint="Two things are one cluster where the threshold is larger than the gap between them.",
 )
 def test_parked_cars(student, seed):
-    for frame in climbs(student, seed):
-        answer = detected(student.detect_obstacles, frame)
-        with needs("cars at the edge of the road have boxes"):
-            assert_kind_reached(answer, "car", frame)
-        assert_apart(answer, frame, GAP)
+    with needs("cars at the edge of the road have boxes"):
+        assert_seen_on_climbs(student, seed, "car")
+    for frame in (climb(seed), climb(seed + 1)):
+        assert_apart(detected(student.detect_obstacles, frame), frame, GAP)
 
 
 @hidden(

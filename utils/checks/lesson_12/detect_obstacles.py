@@ -106,6 +106,13 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
     assert_boxes_real([detected(detect_obstacles, street_before())], [street_before()])
 
 
+def _assert_seen_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
+    """Require the cars of a simple street, then each thing of a kind on the road that climbs."""
+    assert_cars_seen(detect_obstacles, street_before())
+    frame = climb(CLIMB_SEED)
+    assert_kind_reached(detected(detect_obstacles, frame), kind, frame)
+
+
 @visible(
     "detect_obstacles",
     weight=3,
@@ -115,10 +122,7 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
     "(2.6, 1.7, -0.4), and nothing beyond it.",
 )
 def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, street_before())
-    assert_kind_reached(
-        detected(detect_obstacles, climb(CLIMB_SEED)), "pedestrian", climb(CLIMB_SEED)
-    )
+    _assert_seen_on_the_climb(detect_obstacles, "pedestrian")
 
 
 @visible(
@@ -129,8 +133,7 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     hint="Where does your region of interest end to the side?",
 )
 def looks_to_the_side(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, street_before())
-    assert_kind_reached(detected(detect_obstacles, climb(CLIMB_SEED)), "car", climb(CLIMB_SEED))
+    _assert_seen_on_the_climb(detect_obstacles, "car")
 
 
 @visible(
@@ -142,8 +145,7 @@ def looks_to_the_side(detect_obstacles: Callable) -> None:
     "a lorry.",
 )
 def finds_the_lorry(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, street_before())
-    assert_kind_reached(detected(detect_obstacles, climb(CLIMB_SEED)), "truck", climb(CLIMB_SEED))
+    _assert_seen_on_the_climb(detect_obstacles, "truck")
 
 
 @visible(
@@ -154,11 +156,10 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
     hint="Two things are one cluster where the threshold is larger than the gap between them.",
 )
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, street_before())
-    answer = detected(detect_obstacles, climb(CLIMB_SEED))
     with needs("cars at the edge of the road have boxes"):
-        assert_kind_reached(answer, "car", climb(CLIMB_SEED))
-    assert_apart(answer, climb(CLIMB_SEED), GAP)
+        _assert_seen_on_the_climb(detect_obstacles, "car")
+    frame = climb(CLIMB_SEED)
+    assert_apart(detected(detect_obstacles, frame), frame, GAP)
 
 
 @visible(
