@@ -73,7 +73,8 @@ def _minutes(lesson: Lesson) -> int:
     return durations.stated_minutes(nbformat.read(lesson.solved, as_version=4))
 
 
-def _title(lesson: Lesson) -> str:
+def lesson_title(lesson: Lesson) -> str:
+    """Return the heading of a lesson's notebook without its number."""
     heading = nbformat.read(lesson.released, as_version=4).cells[0].source.partition("\n")[0]
     return re.sub(r"^# (\d\d · )?", "", heading)
 
@@ -86,7 +87,7 @@ def _stages() -> str:
     rows = []
     for week, stage in enumerate(stages(), start=1):
         lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
-        titles = ", ".join(f"{lesson.number} {_title(lesson)}" for lesson in lessons)
+        titles = ", ".join(f"{lesson.number} {lesson_title(lesson)}" for lesson in lessons)
         hours = sum(map(_minutes, lessons)) / 60
         points = sum(exercise.points for lesson in lessons for exercise in lesson.exercises)
         rows.append(f"| {week} | {stage_title(stage)} | {titles} | {hours:.1f} | {points:g} |\n")
@@ -95,7 +96,8 @@ def _stages() -> str:
 
 def _lessons() -> str:
     rows = [
-        f"| {lesson.number} | [{_title(lesson)}](../notebooks/{lesson.stage}/{lesson.name}.ipynb) "
+        f"| {lesson.number} "
+        f"| [{lesson_title(lesson)}](../notebooks/{lesson.stage}/{lesson.name}.ipynb) "
         f"| {_minutes(lesson)} | {sum(exercise.points for exercise in lesson.exercises):g} "
         f"| {_writes(lesson)} |\n"
         for lesson in all_lessons()

@@ -15,8 +15,9 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.lessons import Lesson, lesson_of
+from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.course.paths import PROJECT
+from grader.documentation import lesson_title
 from grader.judging.judge import judge
 from grader.sandbox import choose_sandbox
 from tests.slips import Slip
@@ -25,17 +26,18 @@ from tests.test_slips import TABLES, solution_of
 PAGE = PROJECT / "docs" / "prices.md"
 SEED, WORKERS = 1, 2
 PIPE = r"\|"  # in the cell of a table
-_ROW = re.compile(r"^\| (.+?) \| (\d+) % \| (\d+) % \|", re.M)
+_ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
-# Prices
+# Prices of slips
 
-What the likeliest slips of each exercise cost. A slip is one change of the lesson's own solution.
+This page lists what likely slips cost in each exercise. A slip is one change of the lesson's own
+solution.
 
 - *By the checks* is the share of the exercise's points that its checks earn.
 - *Kept* is the share that the student gets. A single slip that the judge proves keeps 60 %, or 40 %
   if it is what the exercise is about; see [grading a class](grading.md).
-- A change that leaves out the method of the lesson, or that is the idea that fails in the lesson,
-  keeps what its checks earn.
+- A change keeps what its checks earn if it leaves out the method of the lesson, or if no single
+  edit mends it.
 
 `python -m tests.prices` writes this page. It puts each slip into the solution and judges the
 notebook with seed 1, which takes about ten minutes on two cores.
@@ -109,17 +111,22 @@ def page(prices: dict[tuple[str, str], Price]) -> str:
     """
     parts = [_TOP]
     for name, table in TABLES.items():
-        parts.append(f"\n## {name[:2]} · {name[3:].replace('_', ' ')}\n")
+        parts.append(f"\n## {name[:2]} · {lesson_title(find_lesson(name))}\n")
         for exercise, slips in table.items():
             rows = [
-                f"| {title} | {price.checks:.0%} | {price.kept:.0%} | {slip.harm.word} |"
+                f"| {title} | {_percent(price.checks)} | {_percent(price.kept)} "
+                f"| {slip.harm.word} |"
                 for slip in slips
                 for title in [slip.title.replace("|", PIPE)]
                 for price in [prices[exercise, slip.title]]
             ]
             head = ["| slip | by the checks | kept | the result is |", "|---|---:|---:|---|"]
             parts.append("\n".join([f"\n### `{exercise}`\n", *head, *rows, ""]))
-    return "".join(parts).replace("%", " %").replace("  %", " %")
+    return "".join(parts)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f}\N{NO-BREAK SPACE}%"
 
 
 def main() -> None:
