@@ -37,7 +37,7 @@ solution.
 - *Kept* is the share that the student gets. A single slip that the judge proves keeps 60 %, or 40 %
   if it is what the exercise is about; see [grading a class](grading.md).
 - A change keeps what its checks earn if it leaves out the method of the lesson, or if no single
-  edit mends it.
+  edit corrects it.
 
 `python -m tests.prices` writes this page. It puts each slip into the solution and judges the
 notebook with seed 1, which takes about ten minutes on two cores.

@@ -19,13 +19,8 @@ import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from utils.notebooks.edits_of_nodes import (
-    Names,
-    SourceText,
-    edits_of_node,
-    edits_of_several_nodes,
-    names_in,
-)
+from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
+from utils.notebooks.edits_of_several_nodes import edits_of_several_nodes
 from utils.notebooks.statements import Statement
 
 # Limit for all edits of all functions together; the likeliest are kept.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -64,7 +63,7 @@ _REPLACEMENTS = {
     "and": ("or",),
     "or": ("and",),
 }
-_TWINS = (
+TWINS = (
     ("left", "right"),
     ("min", "max"),
     ("argmin", "argmax"),
@@ -91,11 +90,11 @@ _TWINS = (
     ("log", "exp"),
 )
 _TWIN = {}
-for _left, _right in _TWINS:
+for _left, _right in TWINS:
     _TWIN.setdefault(_left, []).append(_right)
     _TWIN.setdefault(_right, []).append(_left)
 _COMMUTE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
-_AXIS_FUNCTIONS = frozenset(
+AXIS_FUNCTIONS = frozenset(
     ["sum", "mean", "min", "max", "any", "all", "argmin", "argmax", "median", "prod"]
     + ["std", "var", "norm", "sort", "argsort", "cumsum"]
 )
@@ -350,69 +349,6 @@ def _with_less_inside(source: SourceText, call: ast.Call) -> Iterator[tuple[int,
         yield 2, begin, end, f"({source.text(begin, middle)}{source.text(last, end)}{moved})"
 
 
-def edits_of_several_nodes(
-    source: SourceText, function: ast.AST, names: Names
-) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Yield the rank of each slip that repeats itself, and all its replacements.
-
-    Such slips are a variable of the notebook or a number in place of a parameter, two names that
-    are exchanged throughout, and calls that all lack the same axis.
-
-    Parameters
-    ----------
-    source : SourceText
-    function : ast.AST
-    names : Names
-    """
-    nodes = [node for statement in function.body for node in ast.walk(statement)]
-    read = [node for node in nodes if isinstance(node, ast.Name)]
-    used = {node.id for node in read}
-    for parameter in [name for name in names.arguments if name not in used]:
-        for foreign in names.missing:
-            places = [source.span(node) for node in read if node.id == foreign]
-            yield -1, [(*place, parameter) for place in places]
-        for node in nodes:
-            if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-                yield 0, [(*source.span(node), parameter)]
-    for one, other in itertools.combinations(names.arguments[1:], 2):
-        exchanged = {one: other, other: one}
-        both = [node for node in read if node.id in exchanged]
-        yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
-    attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
-    for one, other in _TWINS:
-        exchanged = {one: other, other: one}
-        both = [node for node in attributes if node.attr in exchanged]
-        ends = [source.span(node)[1] for node in both]
-        if len({node.attr for node in both}) > 1:
-            yield (
-                1,
-                [
-                    (end - len(node.attr), end, exchanged[node.attr])
-                    for node, end in zip(both, ends, strict=True)
-                ],
-            )
-    yield from _axes_of_several_calls(source, nodes)
-
-
-def _axes_of_several_calls(
-    source: SourceText, nodes: list[ast.AST]
-) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Give all calls the same axis if none of them has one, or all of one name if they have."""
-    bare, given = [], {}
-    for node in nodes:
-        name = node.func.attr if isinstance(getattr(node, "func", None), ast.Attribute) else ""
-        if name in _AXIS_FUNCTIONS:
-            axes = [word.value for word in node.keywords if word.arg == "axis"]
-            bare += [] if axes else [(source.span(node)[1], ", " if node.args else "")]
-            given.setdefault(name, []).extend(axes)
-            given.setdefault("", []).extend(axes)
-    for axis in (0, 1) if len(bare) > 1 else ():
-        yield 1, [(end - 1, end, f"{comma}axis={axis})") for end, comma in bare]
-    for axes in given.values():
-        for axis in (0, 1) if len(axes) > 1 else ():
-            yield 1, [(*source.span(value), str(axis)) for value in axes]
-
-
 def _swapped(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
     """Swap two nodes; return the start of the first, the end of the second, and the new text."""
     (begin, middle), (further, end) = source.span(first), source.span(second)
@@ -457,7 +393,7 @@ def _of_call(
         for keyword in _KEYWORDS.get(name, ()):
             end = source.span(node)[1]
             yield 3, end - 1, end, f", {keyword})"
-    if name in _AXIS_FUNCTIONS and not any(word.arg == "axis" for word in node.keywords):
+    if name in AXIS_FUNCTIONS and not any(word.arg == "axis" for word in node.keywords):
         begin, end = source.span(node)
         comma = ", " if node.args or node.keywords else ""
         for axis in (0, 1, -1):

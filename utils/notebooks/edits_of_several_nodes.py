@@ -1,0 +1,66 @@
+"""Slips that repeat themselves in a function, and the edits that correct all their places."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Iterator
+
+from utils.notebooks.edits_of_nodes import AXIS_FUNCTIONS, TWINS, Names, SourceText
+
+
+def edits_of_several_nodes(
+    source: SourceText, function: ast.AST, names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Yield the rank of each slip that repeats itself, and all its replacements.
+
+    Such slips are a variable of the notebook or a number in place of a parameter, two names that
+    are exchanged throughout, and calls that all lack the same axis.
+
+    Parameters
+    ----------
+    source : SourceText
+    function : ast.AST
+    names : Names
+    """
+    nodes = [node for statement in function.body for node in ast.walk(statement)]
+    read = [node for node in nodes if isinstance(node, ast.Name)]
+    used = {node.id for node in read}
+    for parameter in [name for name in names.arguments if name not in used]:
+        for foreign in names.missing:
+            places = [source.span(node) for node in read if node.id == foreign]
+            yield -1, [(*place, parameter) for place in places]
+        for node in nodes:
+            if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+                yield 0, [(*source.span(node), parameter)]
+    for one, other in itertools.combinations(names.arguments[1:], 2):
+        exchanged = {one: other, other: one}
+        both = [node for node in read if node.id in exchanged]
+        yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
+    attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
+    for one, other in TWINS:
+        exchanged = {one: other, other: one}
+        both = [node for node in attributes if node.attr in exchanged]
+        if len({node.attr for node in both}) > 1:
+            ends = [(source.span(node)[1], node.attr) for node in both]
+            yield 1, [(end - len(name), end, exchanged[name]) for end, name in ends]
+    yield from _axes_of_several_calls(source, nodes)
+
+
+def _axes_of_several_calls(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Give all calls the same axis if none of them has one, or all of one name if they have."""
+    bare, given = [], {}
+    for node in nodes:
+        name = node.func.attr if isinstance(getattr(node, "func", None), ast.Attribute) else ""
+        if name in AXIS_FUNCTIONS:
+            axes = [word.value for word in node.keywords if word.arg == "axis"]
+            bare += [] if axes else [(source.span(node)[1], ", " if node.args else "")]
+            given.setdefault(name, []).extend(axes)
+            given.setdefault("", []).extend(axes)
+    for axis in (0, 1) if len(bare) > 1 else ():
+        yield 1, [(end - 1, end, f"{comma}axis={axis})") for end, comma in bare]
+    for axes in given.values():
+        for axis in (0, 1) if len(axes) > 1 else ():
+            yield 1, [(*source.span(value), str(axis)) for value in axes]
