@@ -25,7 +25,7 @@ import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 def failures(tops, without, after=lambda: None):
     """{module: (exception, missing module)} of all that cannot be imported, and how many can."""
     failed, count = {}, 0
-    for name in public_modules(tops):
+    for name in public_modules([top for top in tops if top not in without]):
         if any(f"{name}.".startswith(f"{module}.") for module in without):
             continue
         try:

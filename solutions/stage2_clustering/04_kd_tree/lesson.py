@@ -5,7 +5,7 @@
 #     language: python
 #     name: python3
 #   lidar_obstacle_lab:
-#     forbidden: [scipy.spatial, sklearn.neighbors]
+#     forbidden: [scipy.spatial, sklearn]
 #     given: [Node, KdTree]
 #     lent: [grow, trace, levels, cost_of, measure, search_the_scan]
 # ---
