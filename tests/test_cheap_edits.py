@@ -12,6 +12,7 @@ import pytest
 
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import lesson_of
+from grader.course.rules import MISSED_TASK_KEEPS
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
@@ -158,7 +159,7 @@ def test_a_mistake_that_a_cheap_answer_makes_says_so():
     assert {mistake_made for mistake_made, is_declared in named.items() if not is_declared} == set()
 
 
-def test_what_an_exercise_is_about_is_no_slip(sandbox):
+def test_a_slip_in_what_an_exercise_is_about_keeps_less(sandbox):
     """A horizontal distance ignores the height, so an answer that includes it misses the task."""
     lesson = lesson_of("horizontal_distance")
     answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"
@@ -166,5 +167,6 @@ def test_what_an_exercise_is_about_is_no_slip(sandbox):
         f"{lesson.name}.ipynb", fill_in(lesson, {"horizontal_distance": answer}).encode()
     )
     result = judge_files(submission, 5, sandbox, lesson).exercises[0]
-    assert result.slip is None
-    assert result.score <= result.max_score / 10
+    assert result.slip.before == "    return np.linalg.norm(cloud[:, :3], axis=1)"
+    assert result.score == MISSED_TASK_KEEPS * result.max_score
+    assert result.score - result.slip.score <= result.max_score / 10  # what its checks earn

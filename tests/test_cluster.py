@@ -314,7 +314,7 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
 
     assert grade_on(address, course, sandbox) == commands.FAULT
     errors = capfd.readouterr().err
-    assert len(re.findall(r"Worker tcp://\S+ on \S+ judges nothing", errors)) == count
+    assert len(re.findall(r"Worker tcp://\S+ on \S+ gets no notebooks", errors)) == count
     assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", errors)
     assert "It cannot run the course's code: ImportError: no traitlets here." in errors
     assert ("bubblewrap is not installed" in errors) == (count == 3)
@@ -375,9 +375,7 @@ def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, star
             running.send_signal(signal_number)
         _, errors = running.communicate(timeout=PATIENCE)
         assert running.returncode == status, errors
-        assert (b"Stopped. What has been judged is kept" in errors) == (
-            signal_number == signal.SIGINT
-        )
+        assert (b"Stopped. Verdicts are kept" in errors) == (signal_number == signal.SIGINT)
         assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
         paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
         kept = {path: path.stat().st_mtime_ns for path in paths}

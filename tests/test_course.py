@@ -192,7 +192,9 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
 
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr().out
-    assert "1 file was not judged:" in output and "06_filter_ground.py: it is no notebook" in output
+    assert (
+        "1 file was not judged:" in output and "06_filter_ground.py: it is not a notebook" in output
+    )
     assert files(course.root / "notebooks") == released
     scores = entered(course)
     for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:

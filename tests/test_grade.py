@@ -542,9 +542,10 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     for (student, _, _), score in scores.items():
         by_student[student] = by_student.get(student, 0) + score
     assert by_student["ada"] == most
-    assert by_student["untouched"] == by_student.get("cut_off", 0) == 0
-    if not sandbox.warning:
-        assert by_student.get("mallory", 0) == 0
+    assert by_student["not_started"] == 0
+    if students == 12:
+        assert by_student["cut_off_file"] == 0
+        assert sandbox.warning or by_student["attacker"] == 0
     assert len(by_student) == students
     assert 0 < by_student["chioma"] < most
     assert (course.report / "index.html").stat().st_size > 10_000
