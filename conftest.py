@@ -129,7 +129,6 @@ A_FEW_OF_MANY = {
     "test_a_mistake_that_a_cheap_answer_makes_says_so": (),
     "test_an_endless_loop_costs_no_process_for_each_edit": (),
     "test_a_slip_in_a_helper_of_ones_own_is_a_slip": (),
-    "test_what_an_exercise_is_about_is_no_slip": (),
     "test_a_slip_earns_what_a_teacher_would_give": ("line_through",),
     "test_keeps_the_class_waiting": ("stops",),
     "test_a_notebook_that_sleeps_everywhere_has_one_budget": (),

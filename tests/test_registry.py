@@ -358,7 +358,7 @@ def test_no_list_names_a_lesson():
 
 def test_the_header_contains_the_lessons_rules():
     assert find_lesson("04_kd_tree").header == LessonHeader(
-        forbidden=("scipy.spatial", "sklearn.neighbors"),
+        forbidden=("scipy.spatial", "sklearn"),
         given=("Node", "KdTree"),
         lent=("grow", "trace", "levels", "cost_of", "measure", "search_the_scan"),
     )
