@@ -121,3 +121,14 @@ def test_a_process_is_idle_only_once_it_is_no_longer_busy():
         futures = [judges.submit(twice, number) for number in range(20)]
         assert [future.result(PATIENCE) for future in futures] == [2 * n for n in range(20)]
         assert judges._idle and not judges._busy
+
+
+def allocate(size):
+    return len(bytearray(size))
+
+
+def test_a_job_that_needs_too_much_memory_fails_alone():
+    with Pool(1) as judges:
+        with pytest.raises(MemoryError):
+            judges.submit(allocate, 4 * 2**30).result(PATIENCE)
+        assert judges.submit(allocate, LARGE).result(PATIENCE) == LARGE

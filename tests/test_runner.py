@@ -1,10 +1,13 @@
 """Running the checks of a lesson, with a made-up lesson and student."""
 
 import dataclasses
+import gc
 import hashlib
 import os
 import signal
 import threading
+import time
+import weakref
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,9 +19,12 @@ from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
 from utils.checks import Check, CheckFailed
+from utils.checks.assertions import needs
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import FarTooMuch, WrongForm
 from utils.checks.outcomes import Outcome
+from utils.checks.run_cache import answer_to, once, one_run
+from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
@@ -58,12 +64,18 @@ class Nobody(SimpleNamespace):
     """A student whose functions record their calls."""
 
     def __init__(self):
-        super().__init__(exercise="", asked=[], closed=0)
+        super().__init__(exercise="", asked=[], closed=0, failed=[])
 
     def __getattr__(self, name):
         if name not in "fg":
             raise AttributeError(name)
         return lambda *arguments: self.asked.append((self.exercise, name, *arguments))
+
+    def begin_check(self, exercise):
+        self.exercise = exercise
+
+    def note_failed_check(self):
+        self.failed.append(self.exercise)
 
     def close(self):
         self.closed += 1
@@ -107,6 +119,7 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
     assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
     assert student.asked == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
+    assert student.failed == ["f", "f"]
 
 
 def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
@@ -303,6 +316,100 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
+def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
+    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
+
+    def compute(function):
+        function()
+        end = time.process_time() + 0.02
+        while time.process_time() < end:
+            pass
+
+    def compute_and_fail(function):
+        compute(function)
+        raise CheckFailed("no")
+
+    right = [shown(f"right {number}", "g", compute) for number in range(6)]
+    wrong = [shown(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
+    student = Nobody()
+    outcomes = run_checks(made(TWO, [*right, *wrong]), student, SEED, lambda check: check.is_shown)
+    assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
+    (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
+    assert str(last).startswith("Not tried: comparing earlier answers")
+
+
+# ---- memory --------------------------------------------------------------------------------------
+
+
+class Answer:
+    """An answer that can be referred to weakly."""
+
+
+@pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])
+def test_no_answer_outlives_its_check(made, how):
+    """Neither an outcome, nor a cached precondition, nor pytest keeps the frames of a failure."""
+    answers = weakref.WeakSet()
+
+    def answer():
+        one = Answer()
+        answers.add(one)
+        return one
+
+    @once
+    def require(function):
+        with needs("an answer"):
+            kept = answer()
+            function(kept is not None)
+            raise CheckFailed("no")
+
+    def check(function):
+        kept = answer()
+        try:
+            raise KeyError(id(kept))
+        except KeyError:
+            raise CheckFailed("no")  # noqa: B904, as its context is the first exception
+
+    checks = [shown("one", "f", require), shown("two", "f", require), shown("three", "f", check)]
+    hidden = f"""
+from utils.checks.failures import WrongForm
+@hidden("g", **about)
+def test_second(student):
+    kept = student.g()
+    raise {how}
+"""
+
+    class Answering(Nobody):
+        def __getattr__(self, name):
+            return lambda *_: answer()
+
+    student = Answering()
+    with one_run():
+        outcomes = run_checks(made(hidden, checks), student, SEED)
+        gc.collect()
+        assert len(failures(outcomes)) == 4 and len(answers) == 0
+
+
+def test_the_traceback_of_a_fault_is_kept_as_text(made):
+    (outcome,) = run_checks(
+        made('@hidden("f", **about)\ndef test_first(student):\n    1 / 0\n'), Nobody(), SEED
+    )
+    assert outcome.failure.__traceback__ is None
+    assert "in test_first\n    1 / 0" in outcome.failure.__notes__[0]
+
+
+def test_an_answer_larger_than_any_right_one_is_not_cached():
+    asked = []
+
+    def function(cloud):
+        asked.append(len(cloud))
+        return np.zeros(MOST_NUMBERS + len(cloud) - 1)
+
+    with one_run():
+        for rows in (1, 1, 2, 2):
+            answer_to(function, rows, np.zeros(rows))
+    assert asked == [1, 2, 2]
+
+
 # ---- independence from the environment -----------------------------------------------------------
 
 
@@ -343,7 +450,7 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
 @pytest.fixture
 def asked_once(monkeypatch):
     """Return a function that calls `run_program` with given outcomes, and a record of its calls."""
-    seen = SimpleNamespace(looked=[], closed=[])
+    seen = SimpleNamespace(looked=[], closed=[], failed=[])
 
     class Somebody(SimpleNamespace):
         def __enter__(self):
@@ -351,6 +458,12 @@ def asked_once(monkeypatch):
 
         def __exit__(self, *error):
             seen.closed.append(error[0])
+
+        def begin_check(self, exercise):
+            self.exercise = exercise
+
+        def note_failed_check(self):
+            seen.failed.append(self.exercise)
 
         def __getattr__(self, name):
             return f"the student's {name}"
@@ -389,6 +502,7 @@ def test_each_wrong_exercise_is_explained_once(asked_once):
     asked = ask(ENDED, mistake, explain=True)
     assert asked.outcomes == tuple(ENDED) and asked.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
+    assert seen.failed == ["f", "h"]
     assert (asked.problems, asked.uses, asked.starved) == (("a cell",), {"f": ("g",)}, True)
     assert asked.fault == "" and seen.closed == [None]
     assert [one.check.name for one in asked.outcomes_of("f")] == ["a", "b", "c"]

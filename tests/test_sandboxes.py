@@ -43,6 +43,9 @@ class Streams:
         except subprocess.TimeoutExpired:
             return False
 
+    def lacked_memory(self):
+        return False
+
     def stop(self):
         self.process.kill()
         self.process.wait()

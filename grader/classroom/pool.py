@@ -23,6 +23,8 @@ SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
 LONGEST_JOB = 60 * 60
 """Seconds that one job may take: far more than the limits of a notebook add up to."""
 SECONDS_TO_END = 10
+MEMORY = 3 * 2**30
+"""Bytes that one process may allocate; a right notebook needs a tenth."""
 
 
 class Pool(Executor):
@@ -147,9 +149,20 @@ def _serve(pipe: multiprocessing.connection.Connection) -> None:
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent reports Ctrl-C
     threading.Thread(target=_die_with_parent, daemon=True).start()
+    _limit_memory()
     with contextlib.suppress(EOFError, OSError):
         while True:
             pipe.send_bytes(run_job(pipe.recv_bytes()))
+
+
+def _limit_memory() -> None:
+    """Let huge answers fail in this process before they take the memory of others."""
+    if os.name == "posix":
+        import resource  # not on Windows
+
+        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        most = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
+        resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
 
 
 def _die_with_parent() -> None:

@@ -6,7 +6,6 @@ import functools
 import hashlib
 import json
 import time
-import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,18 +19,14 @@ from grader.judging.points import total
 from grader.judging.program_run import RunResults, Setting, run_program, untouched_results
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
-from grader.judging.runner import JudgeTimeout
+from grader.judging.runner import EXPECTED_FAILURES
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
 from grader.sandbox import Limits, Sandbox
-from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.time_budget import Budget
-from utils.checks import CheckFailed
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook
 
-# Exceptions that a wrong answer causes in a test. Any other may be a fault of the test.
-_EXPECTED_FAILURES = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 JUDGE_FAILED_NOTE = (
     "The judge failed on this notebook. This is not the student's fault, and no "
     "points were given or taken. The verdict's file has the reason for the grader."
@@ -231,7 +226,7 @@ def _suspicious(results: RunResults) -> list[Outcome]:
     return [
         outcome
         for outcome in results.outcomes
-        if not isinstance(outcome.failure, _EXPECTED_FAILURES)
+        if outcome.failure and not isinstance(outcome.failure, EXPECTED_FAILURES)
     ]
 
 
@@ -241,8 +236,13 @@ def _faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
         return (results.fault,)
     suspicious = _suspicious(results)
     if suspicious and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
-        return tuple("".join(traceback.format_exception(outcome.failure)) for outcome in suspicious)
+        return tuple(_report(outcome.failure) for outcome in suspicious)
     return ()
+
+
+def _report(error: Exception) -> str:
+    """Return the traceback of an exception, which the runner keeps as a note."""
+    return "".join(getattr(error, "__notes__", ())) + f"{type(error).__name__}: {error}\n"
 
 
 def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str]) -> Program:

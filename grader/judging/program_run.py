@@ -120,6 +120,7 @@ def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, M
     for outcome in outcomes:
         exercise = outcome.check.exercise
         if isinstance(outcome.failure, CheckFailed) and exercise not in found:
-            student.exercise = exercise
+            student.begin_check(exercise)
             found[exercise] = diagnose(exercise, getattr(student, asked_through(exercise)))
+            student.note_failed_check()
     return {exercise: mistake for exercise, mistake in found.items() if mistake}

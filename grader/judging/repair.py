@@ -94,8 +94,12 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            # Where the checks earn more than a slip keeps, an edit only explains.
-            likeliest = LIKELIEST_EDITS if _share(outcomes) < ONE_SLIP_KEEPS else 0
+            # Where the checks earn more than a slip keeps, an edit only explains. If the answer
+            # has used up its patience, its edits would take as long.
+            matters = _share(outcomes) < ONE_SLIP_KEEPS and not _is_out_of_patience(
+                setting, exercise.name
+            )
+            likeliest = LIKELIEST_EDITS if matters else 0
             if repair := find_repair(setting, judged_program, exercise.name, failed, likeliest):
                 found[exercise.name] = repair
             elif (
@@ -105,6 +109,14 @@ def find_slips(
             ):
                 found[exercise.name] = mistake
     return found
+
+
+def _is_out_of_patience(setting: Setting, exercise: str) -> bool:
+    """Return whether the failed calls of an exercise have taken as long as one call may."""
+    if setting.budget is None:
+        return False
+    limit = (setting.limits or Limits()).call_seconds
+    return setting.budget.lost.get(exercise, 0.0) >= limit
 
 
 def _share(outcomes: Sequence[Outcome]) -> float:

@@ -13,7 +13,10 @@ import importlib
 import inspect
 import os
 import signal
+import sys
 import threading
+import time
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import NoReturn
@@ -27,12 +30,13 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import asked_through
-from utils.checks.failures import FarTooMuch
+from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Processor seconds that one test may take in this process, without the student's code.
-SECONDS_OF_A_TEST = 30.0
+# Processor seconds that one test may take in this process, without the student's code. All failed
+# checks of an exercise together may also take so long.
+SECONDS_OF_A_TEST = 15.0
 # An exercise may return this many answers that are far too large: reading each takes seconds.
 MOST_TOO_LARGE = 5
 # Plugins of pytest that hidden tests do not need. Each costs a quarter of a millisecond.
@@ -62,6 +66,10 @@ class JudgeFault(Exception):
     """The tests themselves could not be run, which is a fault of the course."""
 
 
+# Exceptions that a wrong answer causes in a check. Any other may be a fault of the check.
+EXPECTED_FAILURES = (CheckFailed, StudentError, StudentStopped, JudgeTimeout)
+
+
 class _Runner:
     """Runs one check after another and records the outcomes; also a pytest plugin."""
 
@@ -77,6 +85,7 @@ class _Runner:
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
+        self.own_seconds: Counter[str] = Counter()  # of failed checks
         self.sandbox_error = self.interrupted = None
         self.complaints: list[str] = []
 
@@ -93,7 +102,8 @@ class _Runner:
     @contextlib.contextmanager
     def under_test(self, check: Check) -> Iterator[None]:
         """Set the exercise that is under test, and limit the time of the judge's own work."""
-        self.proxy.exercise = exercise = check.exercise
+        exercise = check.exercise
+        self.proxy.begin_check(exercise)
         if not self.continues:
             raise StudentStopped("Not tried: another check has failed.")
         if self.too_large[exercise] >= MOST_TOO_LARGE:
@@ -101,8 +111,19 @@ class _Runner:
                 f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
                 "than any right one."
             )
-        with _limited_cpu_time(SECONDS_OF_A_TEST):
-            yield
+        if self.own_seconds[exercise] >= SECONDS_OF_A_TEST:
+            raise StudentStopped(
+                "Not tried: comparing earlier answers of this exercise took longer than any right "
+                "answer needs."
+            )
+        begin = time.process_time()
+        try:
+            with _limited_cpu_time(SECONDS_OF_A_TEST):
+                yield
+        except Exception:
+            self.own_seconds[exercise] += time.process_time() - begin
+            self.proxy.note_failed_check()
+            raise
 
     def record(self, check: Check, error: Exception | None) -> None:
         """Record how a check ended."""
@@ -112,6 +133,7 @@ class _Runner:
             self.sandbox_error = error
         if isinstance(error, JudgeTimeout):
             self.proxy.close()  # the conversation may have been interrupted half-way
+        _release_answers(error)
         self.outcomes[check] = Outcome(check, error)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -157,6 +179,27 @@ class _Runner:
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
         """Record whether a person interrupted the run, or pytest itself did."""
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
+
+
+def _release_answers(error: Exception | None) -> None:
+    """Drop the frames of an exception and of those that led to it, because they hold answers.
+
+    An answer may have 64 MB, and the outcomes are kept until the whole notebook is judged. If the
+    exception is unexpected, a note keeps the text of its traceback.
+    """
+    if error is not None and not isinstance(error, EXPECTED_FAILURES):
+        error.add_note("".join(traceback.format_tb(error.__traceback__)))
+    for name in ("last_exc", "last_type", "last_value", "last_traceback"):
+        sys.__dict__.pop(name, None)  # pytest stores the last failure there, for debuggers
+    waiting, seen = [error], set()
+    while waiting:
+        link = waiting.pop()
+        if link is None or id(link) in seen:
+            continue
+        seen.add(id(link))
+        link.__traceback__ = None
+        waiting += [link.__context__, link.__cause__]
+        waiting += [link.reason] if isinstance(link, NotYet) else []
 
 
 class _UntouchedRunner(_Runner):

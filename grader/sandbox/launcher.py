@@ -18,11 +18,18 @@ from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
-from grader.sandbox.usage import cpu_of_tree, memory_left, memory_of_tree, threads_of_tree
+from grader.sandbox.usage import (
+    cpu_of_tree,
+    killed_for_memory,
+    memory_left,
+    memory_of_tree,
+    threads_of_tree,
+)
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
+KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
 # The first process in the sandbox reports that the sandbox is built, then waits until its input
@@ -44,6 +51,8 @@ class WorkerProcess:
         The worker, if a fork server made it and it joined the sandbox later.
     give_back : callable
         Called when everything has ended, so that another worker can use the same folder.
+    killed_before : int
+        The result of `killed_for_memory` at the start.
     """
 
     process: subprocess.Popen
@@ -51,8 +60,10 @@ class WorkerProcess:
     write_end: int
     forked: Forked | None = None
     give_back: Callable[[], object] = lambda: None
+    killed_before: int = 0
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
+    _above_limit = _lacked_memory = False
 
     @property
     def pids(self) -> list[int]:
@@ -62,12 +73,16 @@ class WorkerProcess:
     def stop(self) -> int | None:
         """Kill the worker and everything that it started; return its exit code if known."""
         self._stopped.set()
+        had_to_be_killed = not self.has_ended(0)
         # No other code waits for this process, so the kernel has not reused its ID yet.
         with self._signals:
             code = _kill(self.process)
         if self.forked:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
+        if code in KILLED and not self._above_limit and not had_to_be_killed:
+            # Another process may have been the victim, but then this one killed itself.
+            self._lacked_memory |= killed_for_memory() > self.killed_before
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -85,6 +100,10 @@ class WorkerProcess:
                 return False
             time.sleep(0.01)
         return True
+
+    def lacked_memory(self) -> bool:
+        """Return whether it was killed below its own limit because the machine lacked memory."""
+        return self._lacked_memory
 
     def cpu_seconds(self) -> float:
         """Return the processor time of the worker and of everything that it started."""
@@ -105,9 +124,12 @@ class WorkerProcess:
         def watch() -> None:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
                 most = limit if memory_left() > LEAST_MEMORY_LEFT else MODEST_MEMORY
-                if sum(map(memory_of_tree, self.pids)) > most:
+                used = sum(map(memory_of_tree, self.pids))
+                if used > most:
                     with self._signals:
                         if not self._stopped.is_set():
+                            self._above_limit = used > limit
+                            self._lacked_memory = not self._above_limit
                             _end_gently(self.process)
                     return
 
@@ -169,7 +191,8 @@ def launch(
     finally:
         os.close(their_read)
         os.close(their_write)
-    worker = WorkerProcess(process, our_read, our_write, forked, give_back or (lambda: None))
+    after = give_back or (lambda: None)
+    worker = WorkerProcess(process, our_read, our_write, forked, after, killed_for_memory())
     try:
         send_rules(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):

@@ -128,6 +128,12 @@ class Worker(Protocol):
     def has_ended(self, seconds: float) -> bool:
         """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
 
+    def lacked_memory(self) -> bool:
+        """Return whether it was killed below its own limit because the machine lacked memory.
+
+        The result is valid after `stop`.
+        """
+
     def stop(self) -> int | None:
         """End the worker and everything that it started; close the descriptors.
 

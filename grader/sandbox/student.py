@@ -134,8 +134,8 @@ class StudentProxy:
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
         None, only the limits end a call, and they also end its process.
     starved : bool
-        Whether the judge gave up on a call before it had used its time, because the machine was
-        busy.
+        Whether the machine was too busy or had too little memory: the judge gave up on a call
+        before it had used its time, or a process was killed below its memory limit.
     """
 
     def __init__(
@@ -160,6 +160,7 @@ class StudentProxy:
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
         self._meter: Meter | None = None  # while a call is timed
+        self._at_begin = (self._budget.seconds, 0.0)
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -175,6 +176,20 @@ class StudentProxy:
         if name.startswith("_") or name not in self._program.names:
             raise AttributeError(name)
         return RemoteFunction(self, name)
+
+    def begin_check(self, exercise: str) -> None:
+        """Attribute the next calls to a check of an exercise."""
+        self.exercise = exercise
+        self._at_begin = self._budget.seconds, self._budget.lost.get(exercise, 0.0)
+
+    def note_failed_check(self) -> None:
+        """Count all time since `begin_check` as lost, because the check failed.
+
+        A wrong function that is slow therefore gets no more time than one that hangs.
+        """
+        seconds, lost = self._at_begin
+        lost += seconds - self._budget.seconds
+        self._budget.lost[self.exercise] = max(lost, self._budget.lost.get(self.exercise, 0.0))
 
     def start(self) -> None:
         """Start a worker, and run the cells that the functions need."""
@@ -479,6 +494,7 @@ class StudentProxy:
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
         code = worker.stop()
+        self.starved |= worker.lacked_memory()
         if sentence is None:
             sentence = why_it_ended(code if by_itself else None)
         stop = StudentStopped(sentence, reason, out_of_time)

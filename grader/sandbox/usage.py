@@ -100,6 +100,15 @@ def memory_left() -> float:
     return int(known["MemAvailable"]) / int(known["MemTotal"])
 
 
+def killed_for_memory() -> int:
+    """Return how many processes the kernel has killed since it started, for lack of memory."""
+    try:
+        lines = Path("/proc/vmstat").read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in lines if line.startswith("oom_kill ")), 0)
+
+
 def _mapped(pid: int) -> int:
     """Return the bytes that a process has mapped, from its live threads.
 

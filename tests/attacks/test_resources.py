@@ -216,10 +216,33 @@ except OSError:
 """
     source = HOLD + function(refuse + "held = hold(1500)\ntime.sleep(60)")
     monkeypatch.setattr(launcher, "memory_left", lambda: 0.01)
-    assert TOO_MUCH in stopped_by(source, call_seconds=20.0)
+    with attack(source, call_seconds=20.0) as student:
+        with pytest.raises(StudentStopped, match=TOO_MUCH):
+            student.f()
+        assert student.starved, "below its own limit, so it deserves another try"
     with attack("def f(): return 1") as student:
         time.sleep(0.5)
         assert student.f() == 1, "who takes little is left alone"
+
+
+@pytest.mark.parametrize("others", [0, 1])
+def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatch):
+    """The kernel counts the processes that it kills; a process that kills itself adds none."""
+    kills = iter([5, 5 + others])
+    monkeypatch.setattr(launcher, "killed_for_memory", lambda: next(kills))
+    with attack(function("import os\nos.kill(os.getpid(), 9)")) as student:
+        with pytest.raises(StudentStopped, match=TOO_MUCH):
+            student.f()
+        assert student.starved == bool(others)
+
+
+def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
+    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # ever more
+    source = HOLD + function("children(12, 256)\ntime.sleep(60)")
+    with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
+        with pytest.raises(StudentStopped, match=TOO_MUCH):
+            student.f()
+        assert not student.starved
 
 
 # ---- Processes ----------------------------------------------------------------------------

@@ -262,6 +262,25 @@ SLEEPY = {
 
 
 @pytest.mark.slow
+def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(hand_in, monkeypatch):
+    """Each call returns within its limit, so only the failed checks can tell."""
+    budgets = []
+
+    class Noted(Budget):
+        def __init__(self, limits):
+            super().__init__(limits)
+            budgets.append(self)
+
+    monkeypatch.setattr(judge, "Budget", Noted)
+    monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
+    answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
+    verdict = hand_in({"line_through": answer}, lesson=LINE, **QUARTER)
+    assert verdict.score == 0 and not verdict.starved
+    [budget] = budgets
+    assert QUARTER["total_seconds"] - budget.seconds < 2 * MOST
+
+
+@pytest.mark.slow
 def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
     """The notebook is also judged twice, because its last exercise calls the others."""
     budgets = []

@@ -10,6 +10,7 @@ from contextvars import ContextVar
 import numpy as np
 
 from utils.checks.failures import CheckFailed, FarTooMuch
+from utils.checks.size_limits import MOST_NUMBERS
 
 _CACHE: ContextVar[dict | None] = ContextVar("known", default=None)
 
@@ -46,7 +47,7 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
             except FarTooMuch:  # the judge counts each answer that is too large
                 raise
             except CheckFailed as failure:
-                cache[key] = failure
+                cache[key] = failure.with_traceback(None)  # its frames hold the answer
             else:
                 cache[key] = None
         if cache[key] is not None:
@@ -58,7 +59,8 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
 def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) -> object:
     """Return the answer of a student's function; within a run, each question is asked once.
 
-    Only arrays are cached, as they can be copied; other answers may change later.
+    Only arrays are cached, as they can be copied; other answers may change later. An array that is
+    larger than any right answer is not kept.
 
     Parameters
     ----------
@@ -72,6 +74,6 @@ def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) ->
     if cache is not None and key in cache:
         return cache[key]
     answer = function(*(argument.copy() for argument in arguments))
-    if cache is not None and isinstance(answer, np.ndarray):
+    if cache is not None and isinstance(answer, np.ndarray) and answer.size <= MOST_NUMBERS:
         cache[key] = answer = answer.copy()  # the function may write to its own array later
     return answer
