@@ -47,7 +47,7 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     first work, so that an error before it does not look like an interruption.
     """
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),  # it may name a folder
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),

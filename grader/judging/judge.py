@@ -24,6 +24,7 @@ from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.time_budget import Budget
+from grader.untrusted import one_line
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -99,7 +100,7 @@ def judge_files(
         score=total([exercise.score for exercise in decision.exercises]),
         max_score=total([exercise.max_score for exercise in decision.exercises]),
         exercises=decision.exercises,
-        problems=decision.problems,
+        problems=tuple(map(one_line, decision.problems)),
         seconds=round(time.perf_counter() - begin, 3),
         key=verdict_key(submitted_files, lesson, seed, student),
         faults=decision.faults,
@@ -127,16 +128,17 @@ def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
         name = lesson_name_in(submitted_files)
         lesson = find_lesson(name)
     except (UnreadableNotebook, ReadingFailed) as error:
-        raise UnknownLesson(str(error)) from None
+        raise UnknownLesson(one_line(str(error))) from None
     if lesson is None:
         texts = {name, Path(submitted_files.name).stem}
+        file_name = one_line(submitted_files.name)
         if any(optional.name in texts for optional in optional_lessons()):
             raise UnknownLesson(
-                f"{submitted_files.name} is an optional lesson. It has no points, so there is "
+                f"{file_name} is an optional lesson. It has no points, so there is "
                 "nothing to judge."
             )
         raise UnknownLesson(
-            f"{submitted_files.name}: cannot tell which lesson this is. Give the file the name it "
+            f"{file_name}: cannot tell which lesson this is. Give the file the name it "
             "was released under, such as 06_filter_ground.ipynb."
         )
     return lesson

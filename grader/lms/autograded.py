@@ -32,6 +32,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import summarise_checks
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, harmless_pictures, sanitize_markdown
+from grader.untrusted import one_line
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
@@ -160,8 +161,9 @@ def write_verdict(notebook: NotebookNode, verdict: Verdict) -> None:
                 score_output(results[cell.metadata.nbgrader["grade_id"].removeprefix("test_")])
             ]
     if verdict.problems:
-        # An HTML block, so that Markdown in student-controlled text is not rendered.
-        listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
+        # Markdown is not rendered in a block of HTML, which a blank line would end.
+        sentences = (escape(sanitize_markdown(one_line(text))) for text in verdict.problems)
+        listed = "".join(f"<li>{sentence}</li>" for sentence in sentences)
         note = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
         notebook.cells.insert(0, note)
     notebook.metadata["verdict_key"] = verdict.key

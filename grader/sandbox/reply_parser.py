@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from grader.untrusted import one_line
+
 LONGEST_TEXT = 500
 MOST_ITEMS = 20
 
@@ -18,8 +20,7 @@ def texts(values: object) -> list[str]:
 
 def readable(value: object) -> str:
     """Return one line of text without control characters, safe to print on a terminal."""
-    text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return one_line(value[:LONGEST_TEXT]) if isinstance(value, str) else ""
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:

@@ -3,6 +3,7 @@
 import html.parser
 import json
 import re
+from dataclasses import replace
 
 import nbformat
 import pytest
@@ -12,11 +13,13 @@ from nbconvert.filters import markdown2html
 
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.intake.preflight import prepare
+from grader.intake.preflight import prepare, prepare_to_show
 from grader.intake.submission import SubmittedFiles
-from grader.lms.autograded import build_copy
+from grader.judging.judge import UnknownLesson, judge_files
+from grader.lms.autograded import build_copy, write_verdict
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
 from tests.attacks.attack import tried
+from utils.notebooks.reading import UnreadableNotebook
 
 # Tags that Markdown produces from plain text.
 FINE = {
@@ -204,3 +207,75 @@ def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
     assert [danger for danger in obeyed(page) if danger not in ours] == []
     assert page.count("<script") == blank.count("<script")
     assert ZERO_WIDTH_SPACE in page or kind == "code"
+
+
+# A blank line ends a block of HTML in Markdown, and what follows is Markdown again.
+EVERYWHERE = (
+    '\n\n![](/hub/logout) [Plot](javascript:alert(1))\n\n<img src=x onerror="1">\n\nscore: 20'
+)
+
+
+def spoiled(value):
+    """Yield copies of a notebook, each with the hostile text in place of one of its strings."""
+    if isinstance(value, str):
+        yield EVERYWHERE
+        yield value + EVERYWHERE
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from ({**value, key: changed} for changed in spoiled(item))
+        yield {**value, EVERYWHERE: EVERYWHERE}
+    elif isinstance(value, list):
+        for place, item in enumerate(value):
+            for changed in spoiled(item):
+                yield [*value[:place], changed, *value[place + 1 :]]
+
+
+def hostile_submissions():
+    lesson = find_lesson("06_filter_ground")
+    notebook = json.loads(lesson.released.read_text("utf-8"))
+    notebook["metadata"]["lidar_obstacle_lab"] = {"lesson": "05_euclidean_clustering"}
+    notebook["cells"] = [
+        {"cell_type": "markdown", "id": "a", "metadata": {}, "source": "Text."},
+        {"cell_type": "raw", "id": "b", "metadata": {"tags": ["x"]}, "source": "Text."},
+        *(cell for cell in notebook["cells"] if "nbgrader" in cell["metadata"]),
+    ][:5]
+    name = lesson.released.name
+    without_functions = {**notebook, "cells": notebook["cells"][:2]}
+    for text in (notebook, without_functions):
+        for changed in spoiled(text):
+            yield SubmittedFiles(name, json.dumps(changed).encode())
+    whole = json.dumps(notebook).encode()
+    yield SubmittedFiles(EVERYWHERE + name, whole)
+    yield SubmittedFiles(EVERYWHERE + name, b"not a notebook")
+    yield SubmittedFiles(EVERYWHERE + name, b"", complaint=f"{EVERYWHERE} cannot be opened.")
+    yield SubmittedFiles(name, whole, notes=(EVERYWHERE,), modules={"helper": EVERYWHERE})
+
+
+@pytest.mark.proof
+def test_a_hostile_text_in_any_field_or_name_has_no_effect_on_the_page():
+    lesson = find_lesson("06_filter_ground")
+    released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
+    verdict = judge_files(released, 1, None, lesson)
+    copy = build_copy(prepare(released, lesson))
+    write_verdict(copy, replace(verdict, problems=("A sentence.",)))
+    ours, quoted = obeyed(page_of(copy)), []
+    for submitted in hostile_submissions():
+        try:
+            notes = prepare(submitted, lesson).notes
+        except UnreadableNotebook as error:
+            notes = (str(error),)
+        quoted += [text for text in notes if "javascript" in text]
+        copy = build_copy(prepare_to_show(submitted, lesson))
+        write_verdict(copy, replace(verdict, problems=notes))
+        assert [danger for danger in obeyed(page_of(copy)) if danger not in ours] == []
+    assert len(quoted) >= 5
+
+
+@pytest.mark.parametrize("data", [b"", b"not a notebook"])
+def test_a_file_name_cannot_add_a_line_to_a_verdict(data):
+    lesson = find_lesson("06_filter_ground")
+    problems = judge_files(SubmittedFiles(EVERYWHERE, data), 1, None, lesson).problems
+    assert "score: 20" in problems[0] and len(problems[0].splitlines()) == 1
+    with pytest.raises(UnknownLesson) as unknown:
+        judge_files(SubmittedFiles(EVERYWHERE, data), 1, None)
+    assert len(str(unknown.value).splitlines()) == 1
