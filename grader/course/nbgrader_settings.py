@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
-# nbgrader copies every file next to a notebook. Modules of students are collected in another way.
+# nbgrader copies every other file next to a notebook into the release.
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
 # nbgrader's steps from the instructor's to the student's notebook, in its own order.
 RELEASE_STEPS = (
@@ -66,6 +66,7 @@ def configure(c: Config, root: Path) -> Config:
 
     # Students fetch notebooks without `utils` next to them.
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
+    c.ExchangeFactory.collect = "grader.lms.exchange.CollectOrdinaryFiles"
 
     # With a roster, nbgrader must not enrol a student for each folder name.
     c.Autograde.create_student = not (root / "roster.csv").is_file()

@@ -1,0 +1,147 @@
+"""Attacks through nbgrader's exchange, in which students own the folders that they submit."""
+
+import getpass
+import logging
+import os
+
+import pytest
+from nbgrader.auth import Authenticator
+from nbgrader.coursedir import CourseDirectory
+from nbgrader.exchange import ExchangeFactory
+from traitlets.config import Config
+
+from grader.course.nbgrader_settings import configure
+from grader.lms import exchange
+
+STAGE, NOTEBOOK = "stage3_obstacles", "06_filter_ground.ipynb"
+ME = getpass.getuser()
+TIME = "2026-01-10 10:00:00.000000 UTC"
+LATER = "2026-01-11 10:00:00.000000 UTC"
+
+
+@pytest.fixture
+def inbound(tmp_path):
+    """Return the folder of the exchange in which every account may create folders."""
+    folder = tmp_path / "exchange" / "lidar_obstacle_lab" / "inbound"
+    folder.mkdir(parents=True)
+    return folder
+
+
+@pytest.fixture
+def collect(tmp_path, inbound, caplog):
+    """Return a function that collects a stage, and returns its files and warnings."""
+    course = tmp_path / "course"
+    course.mkdir()
+
+    def collect(check_owner=True, update=False):
+        config = configure(Config(), course)
+        config.Exchange.root = str(inbound.parents[1])
+        config.CourseDirectory.assignment_id = STAGE
+        config.ExchangeCollect.update = update
+        config.ExchangeCollect.check_owner = check_owner
+        factory = ExchangeFactory(config=config)
+        caplog.clear()
+        with caplog.at_level(logging.WARNING):
+            collector = factory.Collect(
+                coursedir=CourseDirectory(config=config), authenticator=Authenticator()
+            )
+            collector.log = logging.getLogger("exchange")
+            collector.start()
+        root = course / "submitted"
+        files = {
+            str(path.relative_to(root)): path.read_text()
+            for path in root.rglob("*")
+            if path.is_file()
+        }
+        assert not [path for path in root.rglob("*") if path.is_symlink()]
+        return files, [record.getMessage() for record in caplog.records]
+
+    return collect
+
+
+def submit(inbound, files, student=ME, time=TIME, links=()):
+    """Make the folder of a submission."""
+    folder = inbound / f"{student}+{STAGE}+{time}+secret"
+    folder.mkdir()
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    for name, target in dict(links).items():
+        (folder / name).symlink_to(target)
+    return folder
+
+
+def test_notebooks_and_modules_are_collected_with_their_time(inbound, collect):
+    files = {NOTEBOOK: "{}", "helper.py": "x = 1", "timestamp.txt": TIME, "parts/more.py": "y = 2"}
+    submit(inbound, {**files, ".ipynb_checkpoints/old.ipynb": "{}"})
+    collected, _ = collect()
+    assert collected == {f"{ME}/{STAGE}/{name}": text for name, text in files.items()}
+
+
+def test_links_are_not_followed(inbound, collect, tmp_path):
+    """Not to the solution, a neighbour's answer, an endless device, or a whole folder."""
+    secret = tmp_path / "course" / "solution.ipynb"
+    secret.write_text("the solution")
+    links = {NOTEBOOK: secret, "a.ipynb": "/nowhere", "b.ipynb": "/dev/zero", "c": secret.parent}
+    folder = submit(inbound, {"07_filter_by_distance.ipynb": "{}"}, links=links)
+    os.mkfifo(folder / "pipe.ipynb")
+    collected, warnings = collect()
+    assert sorted(collected) == [
+        f"{ME}/{STAGE}/07_filter_by_distance.ipynb",
+        f"{ME}/{STAGE}/timestamp.txt",
+    ]
+    left_out = [text for text in warnings if text.startswith("Left out: ")]
+    assert len(left_out) == 4 and any(f"/{NOTEBOOK} is a link" in text for text in left_out)
+
+
+def test_a_folder_that_is_a_link_is_not_collected(inbound, collect, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / NOTEBOOK).write_text("a neighbour's answer")
+    (inbound / f"{ME}+{STAGE}+{TIME}+secret").symlink_to(other)
+    collected, warnings = collect()
+    assert collected == {} and "Not collected: " in warnings[0]
+
+
+@pytest.mark.parametrize(
+    "name", [f"x+{STAGE}+yesterday", f"+{STAGE}+{TIME}+s", f"a\nb+{STAGE}+{TIME}+s"]
+)
+def test_one_bad_folder_does_not_stop_the_class(name, inbound, collect, tmp_path):
+    submit(inbound, {NOTEBOOK: "{}"})
+    (inbound / name).mkdir()
+    (inbound / name / NOTEBOOK).write_text("{}")
+    collected, warnings = collect(check_owner=False)
+    assert {path.split("/")[0] for path in collected} == {ME}
+    assert [text for text in warnings if text.startswith("Not collected: ")]
+    assert all("\n" not in text for text in warnings)
+    assert not (tmp_path / "course" / STAGE).exists()
+
+
+def test_another_students_name_is_refused(inbound, collect):
+    submit(inbound, {NOTEBOOK: "{}"}, student="alice")
+    collected, warnings = collect()
+    assert collected == {} and f"but the folder belongs to {ME}" in warnings[0]
+    collected, _ = collect(check_owner=False)
+    assert f"alice/{STAGE}/{NOTEBOOK}" in collected
+
+
+def test_a_time_that_the_student_set_is_named(inbound, collect):
+    """The time in the file counts for nothing, and the one in the name is compared."""
+    submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
+    collected, warnings = collect()
+    assert collected[f"{ME}/{STAGE}/timestamp.txt"] == TIME
+    assert "says 2026-01-10 10:00, but was changed at" in warnings[0]
+
+
+def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, monkeypatch):
+    submit(inbound, {NOTEBOOK: "first"})
+    assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
+    submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)
+    monkeypatch.setattr(exchange, "MOST_BYTES_OF_A_STUDENT", 100)
+    collected, warnings = collect(update=True)
+    assert collected[f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
+    assert any("too large files" in text for text in warnings)
+    monkeypatch.undo()
+    assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
+    assert collect(update=True)[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "second" * 100
