@@ -342,6 +342,30 @@ def test_a_note_names_the_submitted_module_that_was_used():
     assert "helpers.py, submitted with the notebook, was used." in prepare(submission, LESSON).notes
 
 
+def test_a_module_that_a_cell_writes_can_be_imported(sandbox):
+    notebook = right_notebook()
+    written = (
+        "%%writefile helpers.py\ndef keep(cloud, level):\n    return cloud[cloud[:, 2] >= level]\n"
+    )
+    answer = (
+        "from helpers import keep\n"
+        "def filter_ground(cloud, ground_level=-1.2):\n    return keep(cloud, ground_level)"
+    )
+    notebook["cells"] += [code(written), code(answer)]
+    submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(submission, 1, sandbox, LESSON)
+    assert verdict.score == 30
+    assert verdict.problems[0] == "helpers.py, which a cell writes, was used."
+
+
+def test_too_much_code_is_refused_with_a_sentence():
+    notebook = right_notebook()
+    notebook["cells"].append(code(f"TABLE = '{'7' * 17 * 2**20}'"))
+    submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    (problem,) = judge_files(submission, 1, None, LESSON).problems
+    assert "have 17 MB; the judge reads at most 15 MB. Read large tables from a file" in problem
+
+
 def test_a_cut_off_file_keeps_the_complete_answer():
     data = json.dumps(right_notebook())
     end = data.index("def voxel_grid") + 20
@@ -610,6 +634,31 @@ def test_notes_name_the_modules_that_are_used(source, used):
     made = from_cells(code(source), text("import tools"), modules={"helpers": "", "tools": ""})
     assert len(made.notes) == (used is not None)
     assert all(note.startswith(used) for note in made.notes)
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("%%writefile helpers.py", "helpers"),
+        ('  %%file "helpers.py"', "helpers"),
+        ("%%writefile -a helpers.py", None),
+        ("%%writefile ../helpers.py", None),
+        ("%%writefile helpers.txt", None),
+        ("%%timeit", None),
+    ],
+)
+def test_only_cells_that_write_a_module_make_one(command, name):
+    made = from_cells(code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1"))
+    assert made.modules == ({name: "x = 1"} if name else {})
+    assert made.notes == ((f"{name}.py, which a cell writes, was used.",) if name else ())
+
+
+def test_an_answer_in_another_language_is_reported():
+    made = from_cells(code(f"%%cython\n{GROUND.format(1)}"), code("%%bash\nls"))
+    assert made.notes == (
+        "The cell of filter_ground begins with %%cython. The judge runs only Python. Write the "
+        "function in Python, and delete that line.",
+    )
 
 
 def test_the_first_four_versions_and_the_last_are_listed():

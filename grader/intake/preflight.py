@@ -25,6 +25,10 @@ from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
+LARGEST_CODE = 15 * 2**20
+"""Bytes of all code cells as JSON; a message to the sandbox may have one more MB."""
+_WRITES_MODULE = re.compile(r"%%(?:writefile|file)[ \t]+\"?([A-Za-z_]\w{0,99})\.py\"?")
+
 
 @dataclass(frozen=True)
 class WrittenAnswer:
@@ -63,6 +67,8 @@ class PreparedNotebook:
         One sentence for each thing that was repaired or noticed.
     versions : dict of str to str
         A sentence on each exercise that is written more than once, shown if it loses points.
+    modules : dict of str to str
+        Source of each module that a cell writes with ``%%writefile``, by the name of the module.
     """
 
     lesson: Lesson
@@ -71,6 +77,7 @@ class PreparedNotebook:
     answers: dict[str, WrittenAnswer]
     notes: tuple[str, ...]
     versions: dict[str, str] = field(default_factory=dict, hash=False)
+    modules: dict[str, str] = field(default_factory=dict, hash=False)
 
     @property
     def code(self) -> tuple[str, ...]:
@@ -88,12 +95,15 @@ class JudgeInput:
     versions : dict of str to str
     is_as_released : bool
         Whether all code except the first cell is unchanged, so that judging can be skipped.
+    modules : dict of str to str
+        The submitted modules, and those that the notebook writes.
     """
 
     code: tuple[str, ...]
     notes: tuple[str, ...]
     versions: dict[str, str] = field(hash=False)
     is_as_released: bool
+    modules: dict[str, str] = field(default_factory=dict, hash=False)
 
 
 @dataclass
@@ -106,6 +116,7 @@ class _Draft:
     cells: list[Cell]
     graded: dict[str, int] = field(default_factory=dict)
     answers: dict[str, WrittenAnswer] = field(default_factory=dict)
+    modules: dict[str, str] = field(default_factory=dict)
 
 
 def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
@@ -125,6 +136,7 @@ def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook
         draft.answers,
         tuple(notes),
         _duplicate_sentences(draft),
+        draft.modules,
     )
 
 
@@ -139,11 +151,20 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
 
     def work() -> tuple:
         prepared = prepare(submitted_files, lesson)
-        return prepared.code, prepared.notes, prepared.versions
+        size = len(json.dumps(prepared.code))
+        if size > LARGEST_CODE:
+            raise UnreadableNotebook(
+                f"The code cells of {submitted_files.name} have {size / 2**20:.0f} MB; the judge "
+                f"reads at most {LARGEST_CODE // 2**20} MB. Read large tables from a file, delete "
+                "the cell that contains them, and submit the notebook again."
+            )
+        return prepared.code, prepared.notes, prepared.versions, prepared.modules
 
     cells_as_released(lesson)  # cached here, so that each child inherits it
-    code, notes, versions = run_in_child(submitted_files.name, work)
-    return JudgeInput(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
+    code, notes, versions, written = run_in_child(submitted_files.name, work)
+    modules = {**submitted_files.modules, **written}
+    untouched = not modules and _is_as_released(lesson, code)
+    return JudgeInput(tuple(code), tuple(notes), versions, untouched, modules)
 
 
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
@@ -298,13 +319,30 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
         )
 
 
+def _find_written_modules(draft: _Draft) -> Iterator[str]:
+    """Find the modules that cells write, and report cells in another language."""
+    for cell in draft.cells:
+        command, _, body = cell.source.lstrip().partition("\n")
+        if cell.kind != "code" or not command.startswith("%%"):
+            continue
+        if module := _WRITES_MODULE.fullmatch(command.strip()):
+            draft.modules[module[1]] = body
+            yield f"{module[1]}.py, which a cell writes, was used."
+        elif names := [name for name in _exercise_names(draft.lesson) if _defines(cell, name)]:
+            yield (
+                f"The cell of {' and '.join(names)} begins with {command.split()[0][:20]}. The "
+                "judge runs only Python. Write the function in Python, and delete that line."
+            )
+
+
 def _report_modules(draft: _Draft) -> Iterator[str]:
     """Report submitted modules that the notebook imports."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
     used = [
         name
         for name in draft.submitted_files.modules
-        if re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
+        if name not in draft.modules
+        and re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
     ]
     if used:
         files = ", ".join(f"{name}.py" for name in used)
@@ -378,6 +416,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _restore_code_cells,
     _remove_later_stubs,
     _report_other_lesson,
+    _find_written_modules,
     _report_modules,
     _find_graded_cells,
     _collect_written_answers,

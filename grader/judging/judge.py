@@ -92,7 +92,7 @@ def judge_files(
         decision = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
-        decision = _decide_cached(setting, judge_input, submitted_files.modules)
+        decision = _decide_cached(setting, judge_input)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -158,18 +158,19 @@ class _Decision:
 _FULL_MARKS: dict[tuple, _Decision] = {}
 
 
-def _decide_cached(setting: Setting, judge_input: JudgeInput, modules: dict[str, str]) -> _Decision:
+def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
     """Call `_decide`, or return the cached result of identical code with full marks.
 
     Only full marks are cached: a failure may be the machine's fault, and must not spread to an
     identical notebook.
     """
-    text = json.dumps([judge_input.code, judge_input.notes, modules], sort_keys=True).encode()
+    parts = [judge_input.code, judge_input.notes, judge_input.modules]
+    text = json.dumps(parts, sort_keys=True).encode()
     rules = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
     key = (*rules, hashlib.sha256(text).digest())
     if key in _FULL_MARKS:
         return _FULL_MARKS[key]
-    decision = _decide(setting, judge_input, modules)
+    decision = _decide(setting, judge_input)
     if not decision.faults and all(
         exercise.score == exercise.max_score for exercise in decision.exercises
     ):
@@ -180,11 +181,11 @@ def _decide_cached(setting: Setting, judge_input: JudgeInput, modules: dict[str,
     return decision
 
 
-def _decide(setting: Setting, judge_input: JudgeInput, modules: dict[str, str]) -> _Decision:
+def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
-    program = program_for(lesson, judge_input.code, modules)
-    if judge_input.is_as_released and not modules:
+    program = program_for(lesson, judge_input.code, judge_input.modules)
+    if judge_input.is_as_released:
         results = untouched_results(lesson)
     else:
         results = _with_retries(setting, program, run_program(setting, program, explain=True))
