@@ -65,7 +65,7 @@ def test_independent_answers_are_not_flagged(exercise, monkeypatch):
 
 # Pairs in which one answer is an edit of the other. At least one answer of a pair is wrong.
 CHANGED = {
-    "ransac_line": [("does not ask for None", "the two points in one array")],
+    "ransac_line": [("does not test for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
     "filter_clusters": [
         (
