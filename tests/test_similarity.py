@@ -294,7 +294,7 @@ AS_TAUGHT = {
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
     "insert": ["single precision, printing and returning the node"],
     "principal_axes": ["eigenvectors of the covariance"],
-    "ransac_plane": ["a point at the threshold is no inlier", "the loop of the lesson"],
+    "ransac_plane": ["excludes a point at the threshold", "the loop of the lesson"],
     "search": ["a stack of places", "strictly closer than the tolerance"],
 }
 

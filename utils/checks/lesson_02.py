@@ -925,7 +925,7 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
 @noted(
     "ransac_line",
     title="Counts a point at exactly distance_tolerance as an inlier",
-    why="The docstring counts each point within distance_tolerance of the line: write <=. "
+    why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
     "Measured points are hardly ever at exactly that distance, so this costs no points.",
 )
 def includes_the_threshold(ransac_line: Callable) -> None:
