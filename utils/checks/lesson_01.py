@@ -138,13 +138,13 @@ _STREET_CASE = Case(
 )
 common_checks.three_columns(
     _STREET_CASE,
-    "takes_three_columns",
+    "works_on_three_columns",
     hint="Select x and y as cloud[:, 0] and cloud[:, 1]. Then it does not matter how many "
     "columns follow.",
 )
 common_checks.few_points(
     _STREET_CASE,
-    "takes_few_points",
+    "works_on_few_points",
     title="Works on a single point and on an empty cloud",
     why="A filter may leave no points.",
 )
@@ -469,7 +469,7 @@ def works_on_three_columns(drop_invalid: Callable) -> None:
         raise CheckFailed(
             "Without the intensity column, the function keeps other rows.",
             yours=f"{len(three)} of {len(cloud)} rows",
-            expected=f"the same {len(four)} as with intensity",
+            expected=f"the same {len(four)} rows as with the intensity",
         )
 
 

@@ -633,7 +633,8 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         mask = mask.reshape(-1)
     if mask.shape != (n,) or not np.isin(mask, (0, 1)).all():
         raise WrongForm(
-            f"The inliers must be a mask: True or False for each of the {n} points.{_kind(mask)}",
+            f"The inliers must be a mask: True or False for each of the {n} points."
+            f"{_kind_of_array(mask)}",
             yours=brief(mask),
             expected=f"shape ({n},), dtype bool",
         )
@@ -641,7 +642,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
     return (None if line is None else as_line(line)), mask
 
 
-def _kind(mask: np.ndarray) -> str:
+def _kind_of_array(mask: np.ndarray) -> str:
     """Return a sentence about the content of an array that is not a mask; "" if it is unclear."""
     if mask.ndim == 2 and mask.shape[1] == 2:
         return " These are points."
@@ -794,10 +795,10 @@ def assert_finds(
         n_without_line = sum(line is None for _, line, _ in missed)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
-            + (f" In {n_without_line} of them the answer was None." if n_without_line else "")
+            + (f" In {n_without_line} of these runs the answer was None." if n_without_line else "")
             + _hint_from_runs(answers, ransac_line, runs, max_iterations, tolerance),
             yours=f"found in {found} of {len(runs)} runs",
-            expected=f"nearly all of them, with {max_iterations} rounds",
+            expected=f"nearly all runs, with {max_iterations} rounds",
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
@@ -850,7 +851,7 @@ def _hint_from_runs(
 
     after_one = after(1)
     if all(_lines_equal(first[0], last[0]) for first, last in zip(after_one, answers, strict=True)):
-        return f" With {fixed('1 round')} instead of {max_iterations} the answers are the same."
+        return f" With {fixed('1 round')} instead of {max_iterations}, the answers are the same."
     after_half = after(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)

@@ -102,7 +102,7 @@ def test_one_of_six_pedestrians_is_hidden(solved):
     assert between
 
 
-def test_row_length_errs_most_near_the_car(solved):
+def test_row_length_is_most_wrong_near_the_car(solved):
     x, error = solved.names["strip"][:, 0], solved.names["error"]
     near, far = error[x < 8], error[(x > 10) & (x < 20)]
     assert near.min() > far.max()
@@ -135,7 +135,7 @@ def test_the_nearest_valid_returns_are_the_ego_car(solved):
     near = (distance < 3) & (distance > 0)
     assert {truth["class_names"][value] for value in truth["classes"][near]} == {"ego"}
     assert distance[near].min() >= 1 and distance[near].max() < 2
-    # Three tufts: a mirror in front, the tailgate and the aerial behind.
+    # Three groups of points: a mirror in front, the tailgate and the aerial behind.
     ahead, left = cloud[near, 0] > 0, cloud[near, 1] > 0
     assert [np.any(value) for value in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
 
@@ -156,12 +156,12 @@ def test_the_loop_is_much_slower(solved):
     times = solved.names["times"]
     assert times["loop"][-1] > 20 * times["yours"][-1]
 
-    def least(n):
+    def shortest_time(n):
         """Return the shortest of many times, as other load on the machine only adds to them."""
         cloud, function = solved.names["cloud"][:n], solved.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
-    assert least(100) < 20 * least(1)  # the overhead dominates for few points
+    assert shortest_time(100) < 20 * shortest_time(1)  # the overhead dominates for few points
 
 
 def test_the_answer_about_the_pedestrian_is_right():

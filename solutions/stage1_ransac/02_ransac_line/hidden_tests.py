@@ -269,16 +269,16 @@ def successes(student, clouds, max_iterations, tolerance, must_mark=False):
         yield line is not None and bool(is_found and (is_marked or not must_mark))
 
 
-def are_at_least(needed, flags):
+def at_least(needed, flags):
     """Return whether at least `needed` flags are true, and stop as soon as that is known."""
     return sum(itertools.islice(filter(None, flags), needed)) == needed
 
 
 def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
     arguments = student, clouds, max_iterations, tolerance
-    if are_at_least(needed, successes(*arguments, must_mark=True)):
+    if at_least(needed, successes(*arguments, must_mark=True)):
         return
-    if are_at_least(needed, successes(*arguments)):
+    if at_least(needed, successes(*arguments)):
         raise CheckFailed(
             "The line is found, but the mask does not mark the points near it.",
             hint="The mask of a line is point_line_distance(points, line) <= "
@@ -416,7 +416,7 @@ def test_one_iteration_is_one_sample(student, seed):
     # Each run has other points, so that a fixed seed in the answer is neither lucky nor unlucky.
     clouds = [wall_and_clutter((seed, 3, run), 14, 46)[0] for run in range(48)]
     misses = (not found for found in successes(student, clouds, 1, 0.3))
-    if not are_at_least(25, misses):  # 1 sample in 25 is good
+    if not at_least(25, misses):  # 1 sample in 25 is good
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 the line is found in most runs. A single sample of two "

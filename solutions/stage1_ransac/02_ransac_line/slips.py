@@ -20,8 +20,8 @@ SLIPS = {
             USELESS,
         ),
         Slip("not divided by the length", "-dy / length, dx / length", "-dy, dx", PARTLY),
-        Slip("c without b", "(a * p[0] + b * p[1])", "(a * p[0])", USELESS),
-        Slip("c from one coordinate", "b * p[1])", "b * p[0])", USELESS),
+        Slip("b missing in c", "(a * p[0] + b * p[1])", "(a * p[0])", USELESS),
+        Slip("c from the x of p twice", "b * p[1])", "b * p[0])", USELESS),
         Slip(
             "wrong sign in one term of c", "-(a * p[0] + b * p[1])", "-a * p[0] + b * p[1]", USELESS
         ),

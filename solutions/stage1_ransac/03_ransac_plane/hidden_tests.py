@@ -256,15 +256,15 @@ def tilted(cloud, rng):
 
 
 @functools.lru_cache(maxsize=256)
-def street_and_its_best(name, street, run, tolerance):
+def street_with_best_plane(name, seed, run, tolerance):
     """Return points of a street, the inlier count of the best plane and sufficient iterations.
 
     The best plane is that of 1500 samples. The success probability of a single sample is the share
     of these samples with at least 85 % of the most inliers, reduced by a tenth as a margin.
     """
-    cloud = samples.course_cloud() if name == "course" else samples.fresh_street(street)
+    cloud = samples.course_cloud() if name == "course" else samples.fresh_street(seed)
     near, low = (np.abs(cloud[:, :2]) < (12, 8)).all(axis=1), cloud[:, 2] < -0.9
-    rng = np.random.default_rng((street, run))
+    rng = np.random.default_rng((seed, run))
     # A quarter of the points are obstacles, so three fixed rows are rarely all on the road.
     rows = [rng.choice(np.flatnonzero(near & low), 370, replace=False)]
     rows += [rng.choice(np.flatnonzero(near & ~low), 130, replace=False)]
@@ -303,7 +303,7 @@ def assert_marks(answer, points, tolerance):
 )
 def test_finds_the_road(student, seed, name):
     for run in range(3):
-        points, most, iterations = street_and_its_best(name, seed, run, 0.2)
+        points, most, iterations = street_with_best_plane(name, seed, run, 0.2)
         answer = student.ransac_plane(points.copy(), iterations, 0.2, np.random.default_rng(run))
         found = np.count_nonzero(gaps_from(points, as_model(answer)) <= 0.2)
         if found < 0.82 * most:

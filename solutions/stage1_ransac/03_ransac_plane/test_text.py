@@ -167,13 +167,13 @@ def test_refitted_slopes_scatter_less_but_stay_biased(street):
     assert max(slopes["all inliers"]) < 2.2
     # Planes through three points are also off, "in the mean by more than twice as much".
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
-    # The answer to the prediction and its reason.
+    # The answer to the prediction is right, and so is its reason.
     assert 2.2 - mean["all inliers"] > 3 * scatter["all inliers"] / 30**0.5
     alone = mean["inliers on the ground"]
     assert 2.2 - alone < 0.3 * (2.2 - mean["all inliers"])
     assert abs(mean["again, within 0.1 m"] - alone) < 0.005
     assert 2.2 - alone > 0.01
-    # At 30 m: 9 cm, 2 cm, 5 mm.
+    # At 30 m, the text says, these errors are 9 cm, 2 cm and 5 mm.
     errors = scatter["three points"], 2.2 - mean["all inliers"], 2.2 - mean["again, within 0.1 m"]
     assert np.round([0.3 * error for error in errors], 3) == pytest.approx(
         [0.09, 0.022, 0.005], abs=0.003
@@ -225,7 +225,8 @@ def test_pure_samples_fail_more_often_in_larger_clouds(street):
         )
         kept_if_flat.append(street.good_samples(street.flattened(points, ground), ground)[1])
     assert kept[1] < kept[0] < 0.9
-    # "Two samples in three fail, and pressing the ground flat saves most of them"; here, few.
+    # "Two samples in three fail, and pressing the ground flat saves most of them. On the street
+    # alone, it saves few."
     assert kept[1] == pytest.approx(1 / 3, abs=0.03)
     assert kept_if_flat[1] - kept[1] > 0.6 * (1 - kept[1])
     assert 0 < kept_if_flat[0] - kept[0] < 0.25 * (1 - kept[0])
@@ -255,7 +256,7 @@ def test_failing_samples_of_the_ground_are_small_triangles(street):
     assert np.median(widths[False]) < 0.5 * np.median(widths[True])
 
 
-def test_a_fixed_level_removes_more_of_objects_than_a_plane(street):
+def test_a_fixed_level_removes_more_object_points_than_a_plane(street):
     is_object = ~np.isin(
         street.kinds, [street.names.index(n) for n in ("ground", "invalid", "ego")]
     )
