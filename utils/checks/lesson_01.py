@@ -258,7 +258,7 @@ mistakes(
 # ---- drop_invalid ------------------------------------------------------------------------------
 
 _NAN, _INF = np.nan, np.inf
-# No coordinate of these points is 0, and the coordinates of no point add up to 0.
+# No coordinate of these points is 0, and no point has coordinates that add up to 0.
 _GOOD = table("6 0.5 -1.7 0.2; 0.4 5 -0.5 0.9; 7 1 3 0; 2 -3.5 1 0.4; -9 4 0.3 0.6")
 _ORIGIN = table("0 0 0 0; -0 0 -0 0; 0 0 0 0")
 _BRIGHT_ORIGIN = frozen(_ORIGIN + np.outer([0.3, 1.0, 0.01], [0, 0, 0, 1]))
@@ -648,7 +648,7 @@ mistakes(
     ),
     Mistake(
         "A row with NaN is dropped only if all three coordinates are NaN; rows at (0, 0, 0) are "
-        "dropped.",
+        "dropped correctly.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not all(map(math.isnan, xyz))
         ),

@@ -620,7 +620,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         raise WrongForm(
             "The second returned value, the mask, is None.",
             yours="None",
-            expected=f"{n} times True or False",
+            expected=f"{n} values, each True or False",
         )
     mask = as_array(inliers, what="a mask of True and False")
     if mask.shape == (3,) and n != 3 and isinstance(line, np.ndarray) and line.shape == (n,):

@@ -83,7 +83,7 @@ def as_mask(answer: object, n: int) -> np.ndarray:
         raise WrongForm(
             "The inliers must be a mask with one True or False per point, not numbers or indices.",
             yours=brief(mask),
-            expected=f"{n} times True or False",
+            expected=f"{n} values, each True or False",
         )
     return in_shape(mask, (n,), "one True or False for each point")
 
