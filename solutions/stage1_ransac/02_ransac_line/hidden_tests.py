@@ -94,7 +94,7 @@ def test_finds_lines_in_single_precision(student, seed):
 @hidden(
     "line_through",
     weight=2,
-    title="Returns None for equal points anywhere",
+    title="Returns None for equal points, wherever they are",
     hint="Return None if the length is 0.",
 )
 def test_equal_points_have_no_line(student, seed):
@@ -198,7 +198,7 @@ def test_measures_on_both_sides(student, seed):
 @hidden(
     "point_line_distance",
     weight=7,
-    title="Measures a slice of the course's scan",
+    title="Measures distances in a slice of the course's scan",
     hint="The same two lines of code work for twenty points and for twenty thousand.",
 )
 def test_measures_the_course_cloud(student, seed):

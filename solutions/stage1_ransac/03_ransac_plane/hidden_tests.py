@@ -154,7 +154,7 @@ def in_front(points, plane):
 @hidden(
     "point_plane_distance",
     weight=3,
-    title="Measures the course's scan, from planes through the sensor",
+    title="Measures distances in the course's scan from planes through the sensor",
     hint="Compute a x + b y + c z: multiply each coordinate by its own component of the normal.",
 )
 def test_measures_the_course_cloud(student, seed):
@@ -199,7 +199,7 @@ def test_measures_on_both_sides(student, seed):
 @hidden(
     "point_plane_distance",
     weight=15,
-    title="Measures the course's scan on both sides of any plane",
+    title="Measures distances in the course's scan on both sides of any plane",
     hint="Compute the whole sum including d, then take np.abs of it.",
 )
 def test_measures_on_both_sides_of_any_plane(student, seed):
@@ -476,7 +476,7 @@ def test_fits_planes_in_any_direction(student, seed):
 @hidden(
     "fit_plane",
     weight=13,
-    title="Returns a plane through the mean of the points anywhere",
+    title="Returns a plane through the mean, wherever the points are",
     hint="d is minus the dot product of the normal and the mean.",
 )
 def test_plane_contains_the_mean(student, seed):
