@@ -498,7 +498,7 @@ def lost(variant_of, name, lesson_name):
     [
         (
             "ransac_line",
-            "without the line that makes a generator of a seed",
+            "makes no generator from a seed",
             "02_ransac_line",
             "takes_a_seed",
         ),

@@ -39,7 +39,7 @@ def judge_with(answers, sandbox, tmp_path):
         ("line_through", "the normal has any length"),
         ("line_through", "always None"),
         ("point_line_distance", "no absolute value"),
-        ("point_line_distance", "a list back"),
+        ("point_line_distance", "returns a list"),
         ("point_line_distance", "stub left in place"),
     ],
 )

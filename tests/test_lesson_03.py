@@ -41,10 +41,10 @@ def right_answer_to(exercise):
 @pytest.mark.parametrize(
     "helper, name",
     [
-        ("plane_through", "the sign of d"),
+        ("plane_through", "wrong sign of d"),
         ("plane_through", "forgets to normalise"),
         ("point_plane_distance", "no absolute value"),
-        ("point_plane_distance", "a list back"),
+        ("point_plane_distance", "returns a list"),
     ],
 )
 def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, tmp_path):
@@ -66,7 +66,7 @@ def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, 
 def test_a_wrong_loop_stays_wrong_with_right_helpers(sandbox, tmp_path):
     lesson = find_lesson("03_ransac_plane")
     answers = {
-        "plane_through": answer_to("plane_through", "the sign of d"),
+        "plane_through": answer_to("plane_through", "wrong sign of d"),
         "point_plane_distance": right_answer_to("point_plane_distance"),
         "ransac_plane": RANSAC_PLANE.replace("continue", "break"),
     }
@@ -76,7 +76,7 @@ def test_a_wrong_loop_stays_wrong_with_right_helpers(sandbox, tmp_path):
     ransac = results["ransac_plane"]
     assert 0.8 * ransac.max_score < ransac.score < ransac.max_score
     assert "plane_through, which ransac_plane calls, is wrong" in ransac.cause
-    assert "go on with the next sample" in ransac.cause
+    assert "continue with the next sample" in ransac.cause
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ def test_independent_answers_are_not_flagged(exercise, monkeypatch):
 
 # Pairs in which one answer is an edit of the other. At least one answer of a pair is wrong.
 CHANGED = {
-    "ransac_line": [("does not ask for None", "the two points in one array")],
+    "ransac_line": [("does not test for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
     "filter_clusters": [
         (
@@ -294,7 +294,7 @@ AS_TAUGHT = {
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
     "insert": ["single precision, printing and returning the node"],
     "principal_axes": ["eigenvectors of the covariance"],
-    "ransac_plane": ["a point at the threshold is no inlier", "the loop of the lesson"],
+    "ransac_plane": ["excludes a point at the threshold", "the loop of the lesson"],
     "search": ["a stack of places", "strictly closer than the tolerance"],
 }
 

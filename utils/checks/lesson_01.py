@@ -29,11 +29,11 @@ from utils.checks.run_cache import once
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
-# Points level with the sensor, with intensity 0. Their distances are whole numbers (3-4-5 triangles
-# and the like).
+# Points at the height of the sensor with intensity 0. Their distances are whole numbers, as in
+# 3-4-5 triangles.
 _FLAT = table("3 4 0 0; -6 8 0 0; 5 -12 0 0; 0 7 0 0; -2 0 0 0")
 _DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
-# The same points with other intensities, and at heights from the road up to the treetops.
+# The same points, first with other intensities, then at heights from the road to the treetops.
 _AT_ALL_INTENSITIES = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
 _AT_ALL_HEIGHTS = frozen(_FLAT + np.outer([-1.7, 4.0, -0.4, 2.5, -1.6], [0, 0, 1, 0]))
 
@@ -64,25 +64,25 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
 
 
 @once
-def require_level_distances(horizontal_distance: Callable) -> None:
-    """Assert that distances of points level with the sensor are right; raise `NotYet` if not."""
-    with needs("points level with the sensor are measured right"):
+def require_distances_at_sensor_height(horizontal_distance: Callable) -> None:
+    """Raise `NotYet` if distances of points at the height of the sensor are wrong."""
+    with needs("the distances of points at the height of the sensor are right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
 @once
-def require_street_distances(horizontal_distance: Callable) -> None:
-    """Assert that distances of points at various heights are right; raise `NotYet` if not."""
-    with needs("the distances of points high and low are right"):
+def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
+    """Raise `NotYet` if distances of points at various heights are wrong."""
+    with needs("the distances of points at other heights are right"):
         assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
 @visible(
     "horizontal_distance",
     weight=1,
-    title="The distance of points level with the sensor",
-    why="Every later lesson asks which points are near.",
-    hint="The root of x² + y², for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
+    title="Measures the distance of points at the height of the sensor",
+    why="Every later lesson needs to know which points are near.",
+    hint="Compute the square root of x² + y² for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
 )
 def measures_distance(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
@@ -91,24 +91,25 @@ def measures_distance(horizontal_distance: Callable) -> None:
 @visible(
     "horizontal_distance",
     weight=5,
-    title="Height does not count",
-    why="The foot and the lamp of a lamp post are equally far to drive.",
-    hint="Of the coordinates use x and y only, the columns 0 and 1.",
+    title="Ignores the height of a point",
+    why="The top of a lamp post is as far away as its foot: the car drives the same distance to "
+    "it.",
+    hint="Use only x and y, which are columns 0 and 1.",
 )
 def ignores_height(horizontal_distance: Callable) -> None:
-    require_level_distances(horizontal_distance)
+    require_distances_at_sensor_height(horizontal_distance)
     assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
 @visible(
     "horizontal_distance",
     weight=1,
-    title="Intensity does not count",
-    why="A bright number plate is no farther than a dark tyre.",
-    hint="The last column is no length: use the columns 0 and 1 only.",
+    title="Ignores the intensity of a point",
+    why="A bright number plate is no farther away than the dark tyre below it.",
+    hint="The last column is not a length: use only columns 0 and 1.",
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
-    require_level_distances(horizontal_distance)
+    require_distances_at_sensor_height(horizontal_distance)
     assert_distances(
         horizontal_distance(_AT_ALL_INTENSITIES.copy()), _AT_ALL_INTENSITIES, _DISTANCES
     )
@@ -117,12 +118,12 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
 @visible(
     "horizontal_distance",
     weight=1,
-    title="Distances are as exact as the coordinates",
-    why="Each step of a pipeline adds its own errors. Rounding is for texts that people read.",
-    hint="Return the numbers as they are, without round.",
+    title="Does not round the distances",
+    why="Each step of a pipeline adds errors. Round numbers only when you print them.",
+    hint="Return the distances without rounding them.",
 )
 def is_exact(horizontal_distance: Callable) -> None:
-    require_street_distances(horizontal_distance)
+    require_distances_at_all_heights(horizontal_distance)
     cloud = np.array([[1.0, 1.0, 0.0, 0.0], [2.0, -1.0, 0.0, 0.0]])
     assert_distances(horizontal_distance(cloud.copy()), cloud, np.array([1.41421356, 2.23606798]))
 
@@ -133,32 +134,33 @@ _STREET_CASE = Case(
     {"cloud": _AT_ALL_HEIGHTS},
     expected=_DISTANCES,
     look=assert_distances,
-    basic=require_street_distances,
+    basic=require_distances_at_all_heights,
 )
 common_checks.three_columns(
     _STREET_CASE,
-    "takes_three_columns",
-    hint="Take x and y by their numbers, cloud[:, 0] and cloud[:, 1]: it does not matter then how "
-    "many columns follow.",
+    "works_on_three_columns",
+    hint="Select x and y as cloud[:, 0] and cloud[:, 1]. Then it does not matter how many "
+    "columns follow.",
 )
 common_checks.few_points(
     _STREET_CASE,
-    "takes_few_points",
-    title="Takes one point and none",
-    why="After a filter nothing may be left.",
+    "works_on_few_points",
+    title="Works on a single point and on an empty cloud",
+    why="A filter may leave no points.",
 )
 common_checks.untouched(
     _STREET_CASE,
     "leaves_its_input",
     why="The next step of the pipeline still needs the cloud.",
-    hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
+    hint="x**2 makes a new array; x **= 2 and x *= x change the cloud.",
 )
 
 
 @noted(
     "horizontal_distance",
-    title="The distances are an array",
-    why="A later cell compares all of it with a number at once, which a list cannot do.",
+    title="Returns a NumPy array of distances",
+    why="A later cell compares all distances with a number at once, which does not work with a "
+    "list.",
 )
 def gives_an_array(horizontal_distance: Callable) -> None:
     _assert_array(horizontal_distance(_FLAT.copy()))
@@ -166,11 +168,11 @@ def gives_an_array(horizontal_distance: Callable) -> None:
 
 def _assert_array(answer: object) -> None:
     if not isinstance(answer, np.ndarray):
-        raise CheckFailed(f"The answer is of type {type(answer).__name__}.")
+        raise CheckFailed(f"The function returned a value of type {type(answer).__name__}.")
 
 
-# Clouds and their distances, keyed by the number of points. Every usual mistake changes the answer
-# for both clouds.
+# Clouds and their distances, keyed by the number of points. Each common mistake gives a wrong
+# answer for both clouds.
 _CLOUDS = {
     3: table("5 12 0.6 0.7; 3 -4 1.2 0.9; -8 6 -1.7 0.3"),
     5: table("-4 -3 2.2 0.5; 8 -15 -1.5 0.8; -12 5 0.9 0.2; 6 8 -0.7 0.6; -7 24 3.1 0.4"),
@@ -188,15 +190,15 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
 mistakes(
     "horizontal_distance",
     Mistake(
-        "These are lengths of x, y, z: the height is mixed in.",
+        "These are lengths of (x, y, z): they include the height.",
         lambda right, cloud: np.sqrt(right**2 + cloud[:, 2] ** 2),
-        "Use the first two columns only, the ones of x and y.",
+        "Use only the first two columns, x and y.",
         is_the_task=True,
     ),
     Mistake(
-        "These are lengths of whole rows: height and intensity are mixed in.",
+        "These are lengths of whole rows: they include height and intensity.",
         lambda right, cloud: np.sqrt(right**2 + (cloud[:, 2:] ** 2).sum(axis=1)),
-        "Use the first two columns only, the ones of x and y.",
+        "Use only the first two columns, x and y.",
         is_the_task=True,
     ),
     Mistake(
@@ -204,50 +206,49 @@ mistakes(
         lambda right, cloud: right**2,
     ),
     Mistake(
-        "These are |x| + |y|, the way around the corner.",
+        "This is |x| + |y|, the distance along two sides of the triangle.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
-        "Square both, add, and take the root of the sum.",
+        "Square both, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
         "This is the larger of |x| and |y|.",
         lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
-        "Square both, add, and take the root of the sum.",
+        "Square both, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
-        "This is |x| alone; a point to the side is far away, too.",
+        "This is only |x|, but a point to the side can also be far away.",
         lambda right, cloud: np.abs(cloud[:, 0]),
-        "Square x and y, add, and take the root.",
+        "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
-        "These are lengths of y and z. Columns are counted from 0: x is cloud[:, 0].",
+        "These are lengths of (y, z). Columns are numbered from 0: x is cloud[:, 0].",
         lambda right, cloud: np.sqrt(right**2 - cloud[:, 0] ** 2 + cloud[:, 2] ** 2),
     ),
     Mistake(
         "The distances of points behind the sensor are negative.",
         lambda right, cloud: np.where(cloud[:, 0] < 0, -right, right),
-        "A distance has no direction.",
+        "A distance is never negative.",
     ),
     Mistake(
-        "cloud[0] and cloud[1] are the first two rows, that is two points.",
+        "cloud[0] and cloud[1] are the first two rows: two points, not the columns x and y.",
         lambda right, cloud: _lengths(cloud[:2].T),
-        "A column is cloud[:, 0]: all rows, column 0.",
+        "Write cloud[:, 0] for a column: all rows, column 0.",
     ),
     Mistake(
-        "The lengths are taken down the columns, over all points.",
+        "The lengths are computed down the columns x and y, over all points.",
         lambda right, cloud: _lengths(cloud.T[:2]),
-        "axis=1 goes along a row, and gives one number for each point.",
+        "axis=1 works along each row and gives one number per point.",
     ),
     Mistake(
-        "The lengths are taken down all columns, over all points.",
+        "The lengths are computed down all columns, over all points.",
         lambda right, cloud: _lengths(cloud.T),
-        "axis=1 goes along a row, and gives one number for each point. Take the columns of x and y "
-        "only.",
+        "axis=1 works along each row and gives one number per point. Use only the columns x and y.",
     ),
     Mistake(
-        "The distances are sorted; the one of each point has to keep the point's place.",
+        "The distances are sorted, but each one must stay in the place of its point.",
         lambda right, cloud: np.sort(right),
     ),
     cases=[(cloud,) for cloud in _CLOUDS.values()],
@@ -257,7 +258,7 @@ mistakes(
 # ---- drop_invalid ------------------------------------------------------------------------------
 
 _NAN, _INF = np.nan, np.inf
-# No coordinate of these points is 0, and no sum of the coordinates of a point is.
+# No coordinate of these points is 0, and no point has coordinates that add up to 0.
 _GOOD = table("6 0.5 -1.7 0.2; 0.4 5 -0.5 0.9; 7 1 3 0; 2 -3.5 1 0.4; -9 4 0.3 0.6")
 _ORIGIN = table("0 0 0 0; -0 0 -0 0; 0 0 0 0")
 _BRIGHT_ORIGIN = frozen(_ORIGIN + np.outer([0.3, 1.0, 0.01], [0, 0, 0, 1]))
@@ -284,7 +285,7 @@ _INFINITE = frozen(
 
 
 def _mixed(*lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a shuffled cloud of good and lost rows, and the mask of its good rows."""
+    """Return a shuffled cloud of good and lost rows and the mask of the good ones."""
     cloud = np.vstack([_GOOD, *lost])
     order = np.random.default_rng(4).permutation(len(cloud))
     return cloud[order], order < len(_GOOD)
@@ -305,11 +306,11 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
 
 @once
 def require_lost_returns_dropped(drop_invalid: Callable) -> None:
-    """Assert that one of the two common kinds of lost returns is dropped; raise `NotYet` if not.
+    """Raise `NotYet` if neither of the two common kinds of lost returns is dropped.
 
-    One kind is enough, so that a function which misses the other kind can still pass other checks.
+    One kind is enough, so that a function that keeps the other kind can still pass other checks.
     """
-    with needs("lost returns go and the others stay"):
+    with needs("lost returns are dropped and the others are kept"):
         try:
             assert_drops(drop_invalid, _ORIGIN)
         except CheckFailed:
@@ -320,7 +321,7 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=4,
     title="Drops returns at (0, 0, 0)",
-    why="They look like an obstacle inside the sensor: the car would brake without end.",
+    why="They look like an obstacle inside the sensor, so the car would never stop braking.",
     hint="Compare the coordinates with 0. A row is lost when all three are 0.",
 )
 def drops_the_origin(drop_invalid: Callable) -> None:
@@ -331,10 +332,10 @@ def drops_the_origin(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=3,
     title="Drops returns at (0, 0, 0) whatever their intensity",
-    why="A lost echo may come with the brightness of the one before.",
+    why="A scanner may report a lost return with the intensity of the return before it.",
     hint="Compare cloud[:, :3] with 0, not the whole row.",
 )
-def drops_bright_ones(drop_invalid: Callable) -> None:
+def drops_bright_returns(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     assert_drops(drop_invalid, _BRIGHT_ORIGIN)
 
@@ -342,10 +343,10 @@ def drops_bright_ones(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=4,
-    title="Drops rows with a coordinate that is NaN",
+    title="Drops rows in which any coordinate is NaN",
     why="One NaN turns a mean, a box or a whole map into NaN.",
-    hint="A good row is finite in all three coordinates: np.isfinite tells. NaN is not equal to "
-    "anything, so comparing does not find it.",
+    hint="All three coordinates of a good row are finite: use np.isfinite. NaN is not equal to "
+    "anything, so a comparison with NaN does not find it.",
 )
 def drops_nan(drop_invalid: Callable) -> None:
     assert_drops(drop_invalid, _NANS)
@@ -354,11 +355,11 @@ def drops_nan(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=2,
-    title="Drops rows with a coordinate that is infinite",
-    why="Some scanners write an infinite range where no echo came back.",
-    hint="np.isfinite is False for NaN and for both infinities; np.isnan knows NaN alone.",
+    title="Drops rows in which any coordinate is infinite",
+    why="Some scanners report an infinite range if no echo came back.",
+    hint="np.isfinite is False for NaN and for both infinities; np.isnan finds only NaN.",
 )
-def drops_what_is_infinite(drop_invalid: Callable) -> None:
+def drops_infinite_rows(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     assert_drops(drop_invalid, _INFINITE)
 
@@ -366,10 +367,10 @@ def drops_what_is_infinite(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=5,
-    title="Keeps good points with a 0 among their coordinates",
-    why="A car exactly to the left has x = 0. It must not vanish for that.",
-    hint="One coordinate of 0 is fine; all three are not. Their sum says little: "
-    "2 - 3 + 1 is 0, too.",
+    title="Keeps good points that have a coordinate of 0",
+    why="A car exactly to the left has x = 0. It must not disappear.",
+    hint="One or two coordinates may be 0, but not all three. Do not test their sum: 2 - 3 + 1 "
+    "is also 0.",
 )
 def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -384,7 +385,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
             [3.0, 3.0, 0.0, 0.1],
             [-3.0, -3.0, 0.0, 0.1],
             [2.0, -3.0, 1.0, 0.1],
-            # These rows become all zeros when they are rounded down or up to whole numbers.
+            # Truncated to whole numbers, all coordinates of these points are 0.
             [0.9, 0.0, 0.0, 0.1],
             [-0.9, 0.0, 0.0, 0.1],
             [0.0, 0.8, 0.0, 0.1],
@@ -400,8 +401,8 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=1,
-    title="Keeps points that are merely close to the sensor",
-    why="The nearest real point is the one that a car must brake for.",
+    title="Keeps points that are very close to the sensor",
+    why="The nearest real point is the one that the car must brake for.",
     hint="Only exactly (0, 0, 0) is a lost return: compare with 0, not with a small number.",
 )
 def keeps_near_points(drop_invalid: Callable) -> None:
@@ -414,9 +415,9 @@ def keeps_near_points(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=1,
-    title="A missing intensity does no harm",
-    why="Some scanners report the place of an echo but not its strength.",
-    hint="Look at cloud[:, :3] only, and then index the whole cloud with the mask.",
+    title="Keeps points whose intensity is NaN, infinite or 0",
+    why="Some scanners report the position of an echo but not its strength.",
+    hint="Test only cloud[:, :3], then index the whole cloud with the mask.",
 )
 def allows_missing_intensity(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -428,9 +429,9 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=5,
-    title="Keeps all columns: the intensity stays with its point",
-    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-    hint="Make the masks from cloud[:, :3], and index the whole cloud with them, cloud[mask].",
+    title="Keeps the intensity of each point",
+    why="Intensity distinguishes a number plate from a bush, and later steps cannot get it back.",
+    hint="Make the masks from cloud[:, :3] and index the whole cloud with them: cloud[mask].",
 )
 def keeps_the_intensity(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -440,9 +441,10 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=1,
-    title="Keeps every good row in its place, one that is there twice, too",
-    why="Whoever knows the true object of each return finds it by its place among the rows.",
-    hint="A mask keeps order and number by itself: sort nothing, and collect nothing.",
+    title="Keeps the order of the good rows, including duplicates",
+    why="True labels are stored in a separate array. The order of the rows says which label "
+    "belongs to which point.",
+    hint="A mask keeps the order and the duplicates: cloud[mask]. Do not sort the rows.",
 )
 def keeps_the_order(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -453,32 +455,32 @@ def keeps_the_order(drop_invalid: Callable) -> None:
 @visible(
     "drop_invalid",
     weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
-    hint="cloud[:, :3] are the coordinates, whether or not a column follows; cloud[:, :-1] are "
-    "them only where one does.",
+    title="Works on three columns as well as on four",
+    why="Some files contain no intensity.",
+    hint="cloud[:, :3] are the coordinates with or without an intensity; cloud[:, :-1] are the "
+    "coordinates only if there is one.",
 )
-def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
+def works_on_three_columns(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     cloud, _ = _mixed(_ORIGIN, _NANS)
     four = as_array(drop_invalid(cloud.copy()))[:, :3]
     three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
     if not np.array_equal(three, four, equal_nan=True):
         raise CheckFailed(
-            "Of the same rows without their intensity, others are left.",
+            "Without the intensity column, the function keeps other rows.",
             yours=f"{len(three)} of {len(cloud)} rows",
-            expected=f"the same {len(four)} as with intensity",
+            expected=f"the same {len(four)} rows as with the intensity",
         )
 
 
 @visible(
     "drop_invalid",
     weight=1,
-    title="Takes an empty cloud, and one without a good row",
-    why="A sensor under snow returns nothing but lost echoes.",
-    hint="The same masks serve every case: no special case is needed.",
+    title="Works on an empty cloud and on a cloud without good rows",
+    why="A sensor covered with snow reports only lost returns.",
+    hint="The same masks work for every cloud: you need no special case.",
 )
-def takes_an_empty_scan(drop_invalid: Callable) -> None:
+def works_on_empty_clouds(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     columns = as_array(drop_invalid(_GOOD.copy())).shape[1]
     for rows in (_ORIGIN[:0], _ORIGIN):
@@ -496,14 +498,14 @@ common_row_checks.untouched(
         require_lost_returns_dropped,
     ),
     "leaves_the_scan",
-    why="Whoever looks for a broken beam needs the lost returns.",
+    why="You need the lost returns to find a broken beam.",
 )
 
 
 @noted(
     "drop_invalid",
-    title="The rows are an array",
-    why="The next functions take its columns, cloud[:, 0], which a list does not have.",
+    title="Returns a NumPy array of rows",
+    why="The next functions use its columns, such as cloud[:, 0], which a list does not have.",
 )
 def gives_an_array_of_rows(drop_invalid: Callable) -> None:
     _assert_array(drop_invalid(_GOOD.copy()))
@@ -553,9 +555,9 @@ _GOOD_ROWS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 
 
 def _rows_where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
-    """Return the rows for which `keep`, called with x, y, z as a list and the intensity, is true.
+    """Return the rows for which `keep([x, y, z], intensity)` is true.
 
-    The intensity of a row without one is 1.
+    In a cloud without an intensity column, `keep` gets the intensity 1.
     """
     kept = [bool(keep(row[:3], row[3] if row[3:] else 1.0)) for row in cloud.tolist()]
     return cloud[np.array(kept, dtype=bool)]
@@ -568,110 +570,113 @@ def _is_finite(value: float) -> bool:
 mistakes(
     "drop_invalid",
     Mistake(
-        "Nothing is dropped: the rows come back as they went in.",
+        "Nothing is dropped: the function returns the whole cloud.",
         lambda right, cloud: cloud,
-        "Index the cloud with both masks. A good row fulfils both, `&`; with `|` one is enough.",
+        "Index the cloud with both masks. A good row must satisfy both, so join them with `&`; "
+        "with `|`, one is enough.",
         is_cheap=True,
     ),
     Mistake(
-        "Returns at (0, 0, 0) stay.",
+        "Returns at (0, 0, 0) are kept.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: all(map(_is_finite, xyz))),
-        "In a lost row all three coordinates are 0: (... == 0).all(axis=1) tells, row by row.",
+        "In a lost row all three coordinates are 0: (... == 0).all(axis=1) tests each row.",
     ),
     Mistake(
-        "Rows with coordinates that are not finite stay; only those at (0, 0, 0) go.",
+        "Rows with non-finite coordinates are kept; only rows at (0, 0, 0) are dropped.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: any(xyz)),
-        "In a good row all three coordinates are finite: np.isfinite tells, number by number.",
+        "In a good row all three coordinates are finite: np.isfinite tests each number.",
     ),
     Mistake(
-        "Rows with an infinite coordinate stay; those with NaN go.",
+        "Rows with an infinite coordinate are kept; rows with NaN are dropped.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not any(map(math.isnan, xyz))
         ),
         "np.isfinite is False for NaN and for both infinities.",
     ),
     Mistake(
-        "Rows with NaN go; rows with an infinite coordinate stay, and those at (0, 0, 0), too.",
+        "Rows with NaN are dropped, but rows with an infinite coordinate and rows at (0, 0, 0) "
+        "are kept.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
         "np.isfinite is False for NaN and for both infinities. In a row at (0, 0, 0) all three "
         "coordinates are 0.",
     ),
     Mistake(
-        "A row goes as soon as one of its coordinates is 0.",
+        "A row is dropped as soon as one of its coordinates is 0.",
         lambda right, cloud: _rows_where(right, lambda xyz, _: all(xyz)),
-        "Only a row in which all three are 0 is lost.",
+        "Only a row in which all three coordinates are 0 is lost.",
     ),
     Mistake(
-        "A row at (0, 0, 0) goes only if its intensity is 0, too.",
+        "A row at (0, 0, 0) is dropped only if its intensity is also 0.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, intensity: all(map(_is_finite, xyz)) and (any(xyz) or intensity != 0)
         ),
         "Compare cloud[:, :3] with 0, not the whole row.",
     ),
     Mistake(
-        "Good points go because their intensity is not finite.",
+        "Good points are dropped because their intensity is not finite.",
         lambda right, cloud: _rows_where(right, lambda xyz, intensity: _is_finite(intensity)),
-        "Look at cloud[:, :3] only.",
+        "Test only cloud[:, :3].",
     ),
     Mistake(
-        "Intensity is looked at as if it were a coordinate, in both masks.",
+        "Both masks test the intensity as if it were a coordinate.",
         lambda right, cloud: _rows_where(
             cloud,
             lambda xyz, intensity: (
                 all(map(_is_finite, (*xyz, intensity))) and any((*xyz, intensity))
             ),
         ),
-        "Look at cloud[:, :3] only.",
+        "Test only cloud[:, :3].",
     ),
     Mistake(
-        "Good points go because their coordinates add up to 0.",
+        "Good points are dropped because their coordinates add up to 0.",
         lambda right, cloud: _rows_where(right, lambda xyz, _: sum(xyz) != 0),
-        "Ask whether all three are 0, each by itself.",
+        "Compare each of the three coordinates with 0.",
     ),
     Mistake(
-        "A row that is not finite goes only if all three coordinates are not.",
+        "A row is dropped only if none of its three coordinates is finite.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(map(_is_finite, xyz)) and any(xyz)
         ),
-        "A good row is finite in all three coordinates: .all(axis=1), not .any(axis=1).",
+        "All three coordinates of a good row are finite: use .all(axis=1), not .any(axis=1).",
     ),
     Mistake(
-        "It is the lost returns that come back, and the good ones that go.",
+        "The function returns the lost rows and drops the good ones.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: not (all(map(_is_finite, xyz)) and any(xyz))
         ),
-        "~ turns a mask around.",
+        "~ inverts a mask.",
     ),
     Mistake(
-        "A row with NaN goes only if all three coordinates are NaN; those at (0, 0, 0) go.",
+        "A row with NaN is dropped only if all three coordinates are NaN; rows at (0, 0, 0) are "
+        "dropped correctly.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not all(map(math.isnan, xyz))
         ),
-        "~ turns around what stands behind it, `.all(axis=1)` included: "
-        "np.isfinite(xyz).all(axis=1) says it without.",
+        "~ inverts everything after it, including `.all(axis=1)`. np.isfinite(xyz).all(axis=1) "
+        "works without ~.",
     ),
     Mistake(
-        "It is the returns at (0, 0, 0) that stay, and the points that go.",
+        "The function keeps the returns at (0, 0, 0) and drops the points.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(xyz)),
-        "~ turns a mask around.",
+        "~ inverts a mask.",
     ),
     Mistake(
-        "The coordinates alone are returned, without the intensity.",
+        "Only the coordinates are returned, without the intensity.",
         lambda right, cloud: right[:, :3],
-        "Make the mask from cloud[:, :3], and index the whole cloud with it.",
+        "Make the mask from cloud[:, :3] and index the whole cloud with it.",
     ),
     Mistake(
-        "`cloud != nan` is True for every number, NaN included, and as a mask of the cloud's own "
-        "shape it lays all numbers in one long row.",
+        "`cloud != nan` is True for every number, even for NaN. A mask with the shape of the "
+        "cloud puts all numbers into one long row.",
         lambda right, cloud: cloud.reshape(-1),
-        "np.isfinite and .all(axis=1) make a mask with one entry for each row.",
+        "np.isfinite and .all(axis=1) make a mask with one entry per row.",
     ),
     *(
         Mistake(
-            f"The mask asks each number whether it {test}: it has the cloud's own shape, and lays "
-            "the numbers that pass in one long row.",
+            f"The mask tests whether each number {test}. It has the shape of the cloud, so it "
+            "puts the selected numbers into one long row.",
             lambda right, cloud, passes=passes: np.array(list(filter(passes, cloud.flat))),
-            ".all(axis=1) makes of it a mask with one entry for each row.",
+            ".all(axis=1) turns it into a mask with one entry per row.",
         )
         for test, passes in {
             "is finite": _is_finite,
@@ -682,15 +687,15 @@ mistakes(
         }.items()
     ),
     Mistake(
-        "The masks hold one True or False for the whole cloud: axis=1 is missing in both.",
+        "Each mask is a single True or False for the whole cloud: axis=1 is missing in both.",
         lambda right, cloud: cloud[None][: int(np.isfinite(cloud[:, :3]).all())],
-        ".all(axis=1) goes along the rows and gives one entry for each.",
+        ".all(axis=1) works along each row and gives one entry per row.",
     ),
     Mistake(
-        "One lost row and all rows go: the mask of what is finite holds one True or False for the "
-        "whole cloud.",
+        "One non-finite row makes the function drop all rows: the mask of finite rows is a "
+        "single True or False for the whole cloud.",
         lambda right, cloud: right[: len(right) * int(np.isfinite(cloud[:, :3]).all())],
-        ".all(axis=1) goes along the rows and gives one entry for each.",
+        ".all(axis=1) works along each row and gives one entry per row.",
     ),
     cases=[(cloud,) for cloud in _SCANS.values()],
     right=lambda cloud: cloud[list(_GOOD_ROWS[len(cloud)])],

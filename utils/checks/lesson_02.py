@@ -29,8 +29,8 @@ from utils.checks.run_cache import once
 
 # ---- lines -------------------------------------------------------------------------------------
 
-# Slanted pairs. None is exactly 1 m apart, so a line without a unit normal differs from the right
-# one.
+# Pairs of points on slanted lines. No pair is exactly 1 m apart, so that a normal that is not
+# divided by its length is wrong.
 _PAIRS = (
     ((1.0, 2.0), (4.0, 6.0)),
     ((-3.0, 5.0), (2.0, -7.0)),
@@ -49,12 +49,12 @@ def as_line(answer: object) -> np.ndarray:
     Raises
     ------
     CheckFailed
-        If the answer is None, is not three numbers, or holds numbers that are not finite.
+        If the answer is None or is not three finite numbers.
     """
     if answer is None:
         raise WrongForm(
-            "The function returned None, though the points differ. Does every way through it end "
-            "with `return`?",
+            "The function returned None although the points differ. Does every path through it "
+            "end with `return`?",
             yours="None",
             expected="three numbers (a, b, c)",
         )
@@ -64,7 +64,7 @@ def as_line(answer: object) -> np.ndarray:
             "A line is three numbers (a, b, c).", yours=f"shape {line.shape}", expected="shape (3,)"
         )
     if not np.isfinite(line).all():
-        raise CheckFailed("The line holds numbers that are not finite.", yours=brief(line))
+        raise CheckFailed("Some of the three numbers are not finite.", yours=brief(line))
     return line
 
 
@@ -72,14 +72,14 @@ def _normal_length(line: np.ndarray) -> float:
     length = float(np.hypot(line[0], line[1]))
     if length < 1e-9:
         raise CheckFailed(
-            fixed("The normal (a, b) has length 0: such a line has no direction."),
+            fixed("The normal (a, b) has length 0, so the line has no direction."),
             yours=brief(line),
         )
     return length
 
 
 def assert_on_line(answer: object, p: ArrayLike, q: ArrayLike) -> None:
-    """Assert that two different points lie on the line, for a normal of any length.
+    """Assert that two different points lie on the line, whose normal may have any length.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def assert_on_line(answer: object, p: ArrayLike, q: ArrayLike) -> None:
                 f"The line through {point_text(p)} and {point_text(q)} misses "
                 f"{point_text(point)} by {abs(value) / length:.2f} m.",
                 draw=lambda: utils.plots.line_model(
-                    np.array([p, q]), line, title="your line, and its two points"
+                    np.array([p, q]), line, title="your line and the two points"
                 ),
                 yours=f"a x + b y + c is {values[0]:.2f} and {values[1]:.2f} at the two points",
                 expected="0 and 0",
@@ -111,15 +111,15 @@ def assert_unit_normal(answer: object) -> None:
     if abs(length - 1) > TOLERANCE:
         raise CheckFailed(
             fixed("The normal (a, b) must have length 1."),
-            yours=f"length {length:.3f}, of {brief(line)}",
+            yours=f"length {length:.3f} in {brief(line)}",
             expected="length 1",
         )
 
 
 @once
 def require_slanted_lines(line_through: Callable) -> None:
-    """Assert that slanted lines are right; raise `NotYet` if they are not."""
-    with needs("a slanted line runs through its two points"):
+    """Raise `NotYet` if slanted lines are wrong."""
+    with needs("a slanted line passes through its two points"):
         for p, q in _PAIRS:
             assert_on_line(line_through(np.array(p), np.array(q)), p, q)
 
@@ -129,8 +129,8 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
     answer = line_through(np.array(point, dtype=float), np.array(point, dtype=float))
     if answer is not None:
         raise CheckFailed(
-            "Through two equal points run many lines, so there is no answer but None.",
-            given=f"twice {point_text(point)}",
+            "Infinitely many lines pass through two equal points, so the answer must be None.",
+            given=f"the point {point_text(point)} twice",
             yours=brief(answer),
             expected="None",
         )
@@ -139,10 +139,10 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
 @visible(
     "line_through",
     weight=4,
-    title="Both points lie on the line",
-    why="A wall that misses the points it was made from is no wall.",
-    hint="The normal is the direction (dx, dy) turned by a quarter: (-dy, dx). Then c is "
-    "minus a times x of p minus b times y of p.",
+    title="Returns a line through both points",
+    why="A line that misses the two points it was made from does not describe their wall.",
+    hint="Turn the direction (dx, dy) by 90° to get the normal (-dy, dx). Then c is -(a x + b "
+    "y) for the x and y of p.",
 )
 def passes_through_both(line_through: Callable) -> None:
     for p, q in _PAIRS:
@@ -153,8 +153,8 @@ def passes_through_both(line_through: Callable) -> None:
     "line_through",
     weight=3,
     title="The normal has length 1",
-    why="Only then does the equation measure metres.",
-    hint="np.hypot(dx, dy) is the length of the direction, and of the normal, too. Divide by it "
+    why="Only then is a x + b y + c a distance in metres.",
+    hint="np.hypot(dx, dy) is the length of both the direction and the normal. Divide by it "
     "before you compute c.",
 )
 def has_a_unit_normal(line_through: Callable) -> None:
@@ -166,12 +166,12 @@ def has_a_unit_normal(line_through: Callable) -> None:
 @visible(
     "line_through",
     weight=2,
-    title="Upright and level lines are lines like any others",
-    why="The wall straight ahead is an upright line, and the one that matters most.",
-    hint="A slope, dy / dx, has no value where dx is 0. Equal x, or equal y, is no reason to "
-    "return None.",
+    title="Works for lines parallel to an axis",
+    why="A wall straight ahead, where all x are equal, is the most important one.",
+    hint="The slope dy / dx is undefined if dx is 0, so do not use it. Do not return None only "
+    "because x or y is equal.",
 )
-def takes_upright_lines(line_through: Callable) -> None:
+def finds_axis_parallel_lines(line_through: Callable) -> None:
     require_slanted_lines(line_through)
     for p, q in (
         ((2.0, -3.0), (2.0, 4.0)),
@@ -182,7 +182,7 @@ def takes_upright_lines(line_through: Callable) -> None:
         answer = line_through(np.array(p), np.array(q))
         if answer is None:
             raise CheckFailed(
-                "The answer is None, though the points differ.",
+                "The answer is None although the points differ.",
                 given=f"{point_text(p)} and {point_text(q)}",
                 yours="None",
                 expected="three numbers (a, b, c)",
@@ -193,11 +193,11 @@ def takes_upright_lines(line_through: Callable) -> None:
 @visible(
     "line_through",
     weight=2,
-    title="Equal points give None",
-    why="RANSAC draws such pairs now and then, and must be able to tell.",
-    hint="Test the length before you divide by it, and return None where it is 0.",
+    title="Returns None for equal points",
+    why="RANSAC draws such pairs now and then and must recognise them.",
+    hint="Test the length before you divide by it, and return None if it is 0.",
 )
-def refuses_equal_points(line_through: Callable) -> None:
+def returns_none_for_equal_points(line_through: Callable) -> None:
     require_slanted_lines(line_through)
     for point in ((0.0, 0.0), (3.0, -2.0)):
         assert_no_line(line_through, point)
@@ -206,17 +206,17 @@ def refuses_equal_points(line_through: Callable) -> None:
 @visible(
     "line_through",
     weight=1,
-    title="Points that are merely close together have a line",
-    why="A scanner sees the same wall twice within a hand's breadth.",
-    hint="Return None where the length is 0, and only there.",
+    title="Finds a line through points that are close together",
+    why="A scanner may hit the same wall twice within a few centimetres.",
+    hint="Return None only if the length is exactly 0.",
 )
-def takes_close_points(line_through: Callable) -> None:
+def finds_lines_through_close_points(line_through: Callable) -> None:
     require_slanted_lines(line_through)
     for p, q in (((1.0, 2.0), (1.03, 2.04)), ((-4.0, 7.0), (-4.004, 7.003))):
         if line_through(np.array(p), np.array(q)) is None:
             raise CheckFailed(
-                "The answer is None, though the points differ.",
-                given=f"points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
+                "The answer is None although the points differ.",
+                given=f"two points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
                 yours="None",
                 expected="three numbers (a, b, c)",
             )
@@ -226,12 +226,12 @@ _P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
 common_checks.untouched(
     Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, require_slanted_lines),
     "leaves_the_points",
-    why="p and q are rows of the points that the next round needs.",
-    hint="q -= p writes into q; dx = q[0] - p[0] does not.",
+    why="p and q are rows of the points, which the next round still needs.",
+    hint="q -= p changes q; dx = q[0] - p[0] does not.",
 )
 
 
-# Right lines and second points, both keyed by the first point of the pair.
+# The right line and the second point of each pair, both keyed by the first point.
 _LINES = {
     (1.0, 2.0): frozen(np.array([-0.8, 0.6, -0.4])),
     (-3.0, 5.0): frozen(np.array([12.0, 5.0, 11.0]) / 13),
@@ -245,50 +245,50 @@ def _distance_between(p: np.ndarray, q: np.ndarray) -> float:
 
 
 def _same_line(answer: object, predicted: np.ndarray) -> bool:
-    """Return whether two lines have the same numbers, up to a common sign."""
+    """Return whether two lines have the same numbers or opposite ones."""
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
 mistakes(
     "line_through",
     Mistake(
-        "The line is right, and its normal is as long as the points are apart.",
+        "The line is right, but its normal is as long as the distance between the points.",
         lambda right, p, q: right * _distance_between(p, q),
-        "Divide a and b by the length of the direction, and compute c after that.",
+        "Divide a and b by the length of the direction, then compute c.",
     ),
     Mistake(
-        "(a, b) runs along the line: the quarter turn is missing.",
+        "(a, b) is parallel to the line: it has to be turned by 90°.",
         lambda right, p, q: np.array([right[1], -right[0], right[0] * p[1] - right[1] * p[0]]),
-        "Of the direction (dx, dy) the normal is (-dy, dx).",
+        "The direction (dx, dy) has the normal (-dy, dx).",
     ),
     Mistake(
-        "(a, b) comes out as (dy, dx), swapped and with no sign changed: that mirrors the "
+        "(a, b) is (dy, dx): dx and dy are swapped, but no sign is changed. This mirrors the "
         "direction instead of turning it.",
         lambda right, p, q: np.array([-right[0], right[1], right[0] * p[0] - right[1] * p[1]]),
-        "Of the direction (dx, dy), both of them from p to q, the normal is (-dy, dx).",
+        "If dx and dy both point from p to q, the normal is (-dy, dx).",
     ),
     Mistake(
-        "a and b are right, and c has the wrong sign.",
+        "a and b are right, but c has the wrong sign.",
         lambda right, p, q: right * [1, 1, -1],
-        "p lies on the line: a times x of p, plus b times y of p, plus c must be 0.",
+        "p lies on the line, so a x + b y + c must be 0 for the x and y of p.",
     ),
     Mistake(
-        "a and b are divided by the length, and c is not.",
+        "a and b are divided by the length, but c is not.",
         lambda right, p, q: right * [1, 1, _distance_between(p, q)],
-        "Compute c from the a and b that are divided already.",
+        "Compute c after you have divided a and b.",
     ),
     Mistake(
-        "It is (a, b, c) that has length 1, all three numbers together.",
+        "The three numbers (a, b, c) together have length 1, but the normal (a, b) does not.",
         lambda right, p, q: right / np.linalg.norm(right),
-        "Divide by the length of (a, b) alone.",
+        "Divide only by the length of (a, b).",
     ),
     Mistake(
-        "c is missing, it is always 0.",
+        "c is missing: it is always 0.",
         lambda right, p, q: right * [1, 1, 0],
-        "c is whatever makes p fulfil the equation.",
+        "Choose c so that p satisfies a x + b y + c = 0.",
     ),
     Mistake(
-        "These are the slope and the height of y = m x + q.",
+        "These are the slope and the intercept of y = m x + q.",
         lambda right, p, q: np.array([-right[0], -right[2]]) / right[1],
         "The line is a x + b y + c = 0: return (a, b, c).",
     ),
@@ -299,8 +299,8 @@ mistakes(
 
 # ---- distances ---------------------------------------------------------------------------------
 
-# A slanted line through (0, 0) and points on its positive side or on the line itself: neither the
-# sign of a distance nor c matters in this plain case.
+# A slanted line through (0, 0), with points on its positive side or on the line itself. In this
+# plain case c is 0 and no distance needs an absolute value.
 _SLANTED = frozen(np.array([0.6, -0.8, 0.0]))
 _POSITIVE_SIDE = frozen(
     np.array([[3.0, 1.0], [5.0, 0.0], [2.0, -1.0], [-1.0, -2.0], [4.0, 3.0], [1.0, -3.0]])
@@ -325,7 +325,7 @@ def assert_line_distances(
     each_point = "the only point" if len(points) == 1 else f"each of the {len(points)} points"
     if yours.shape == ():
         raise WrongForm(
-            f"There must be one distance for {each_point}. This is one number.",
+            f"There must be one distance for {each_point}, but the answer is a single number.",
             yours=brief(yours.item()),
             expected=f"shape {expected.shape}",
         )
@@ -345,7 +345,7 @@ def assert_line_distances(
 
 
 def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -> None:
-    """Draw a circle around each point whose radius is the distance in the answer."""
+    """Draw a circle around each point, with the distance from the answer as its radius."""
     from matplotlib.patches import Circle
 
     limits = [[low - 4, high + 4] for low, high in zip(points.min(0), points.max(0), strict=True)]
@@ -359,8 +359,8 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
 
 @once
 def require_plain_distances(point_line_distance: Callable) -> None:
-    """Assert that the plain case is right; raise `NotYet` if it is not."""
-    with needs("distances from a line through (0, 0) are right, on its positive side"):
+    """Raise `NotYet` if the plain case is wrong."""
+    with needs("distances from a line through (0, 0) are right on its positive side"):
         answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
         assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
@@ -368,11 +368,11 @@ def require_plain_distances(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=4,
-    title="Distances in metres, square to the line",
-    why="RANSAC compares them with its threshold.",
-    hint="a x + b y + c for all points at once, with points[:, 0] for x and points[:, 1] for y.",
+    title="Measures the perpendicular distance from the line",
+    why="RANSAC compares these distances with its threshold in metres.",
+    hint="Compute a x + b y + c for all points at once: x is points[:, 0] and y is points[:, 1].",
 )
-def measures_square_to_the_line(point_line_distance: Callable) -> None:
+def measures_perpendicular_distances(point_line_distance: Callable) -> None:
     answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
     assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
@@ -380,11 +380,11 @@ def measures_square_to_the_line(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=5,
-    title="Never negative, on whichever side a point lies",
-    why="Without that, a whole half of the street is within any threshold.",
+    title="Returns no negative distances on either side of the line",
+    why="A negative distance is below any threshold, so half of the street would be inliers.",
     hint="np.abs takes the absolute value of a whole array.",
 )
-def takes_both_sides(point_line_distance: Callable) -> None:
+def measures_on_both_sides(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
     points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
     answer = point_line_distance(points.copy(), _SLANTED.copy())
@@ -394,11 +394,11 @@ def takes_both_sides(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=5,
-    title="c counts: lines need not run through (0, 0)",
-    why="A wall through the scanner is rare.",
+    title="Works for lines that do not pass through (0, 0)",
+    why="Hardly any wall passes through the scanner.",
     hint="Add c, with its sign, before you take the absolute value: |a x + b y + c|.",
 )
-def counts_c(point_line_distance: Callable) -> None:
+def adds_c(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
     for c, points, expected in (
         (2.0, [[1, 2], [3, 1], [0, 0], [2, -1], [-1, 1]], [1.0, 3.0, 2.0, 4.0, 0.6]),
@@ -412,14 +412,14 @@ def counts_c(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=7,
-    title="Both at once: points on either side of a line that misses (0, 0)",
-    why="Such are nearly all walls: |a x + b y + c| and nothing else is right for them.",
-    hint="First the whole sum, c included; then its absolute value.",
+    title="Works on both sides of lines that do not pass through (0, 0)",
+    why="Nearly every wall is such a line, with points on both sides of it.",
+    hint="Compute the whole sum including c, then take its absolute value.",
 )
-def takes_both_sides_anywhere(point_line_distance: Callable) -> None:
-    with needs("c counts, and no distance is negative"):
-        counts_c(point_line_distance)
-        takes_both_sides(point_line_distance)
+def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
+    with needs("c is added and no distance is negative"):
+        adds_c(point_line_distance)
+        measures_on_both_sides(point_line_distance)
     points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
     for c in (2.5, -2.5):
         line = np.array([*_SLANTED[:2], c])
@@ -432,11 +432,11 @@ def takes_both_sides_anywhere(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=2,
-    title="Upright and level lines are lines like any others",
-    why="The wall straight ahead is an upright line.",
+    title="Works for lines parallel to an axis",
+    why="A wall straight ahead is parallel to the y axis.",
     hint="The formula needs no slope and no division.",
 )
-def measures_from_upright_lines(point_line_distance: Callable) -> None:
+def measures_from_axis_parallel_lines(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
     points = np.array([[2.0, 1.0], [5.0, 4.0], [0.0, 3.0], [7.0, 0.0], [1.0, 6.0]])
     for line, column in (((1.0, 0.0, 0.0), 0), ((0.0, 1.0, 0.0), 1)):
@@ -448,11 +448,11 @@ def measures_from_upright_lines(point_line_distance: Callable) -> None:
 @visible(
     "point_line_distance",
     weight=1,
-    title="Takes the line as a tuple, a list or an array",
-    why="line_through returns three numbers in whichever of them you chose.",
-    hint="a, b, c = line takes any of them apart.",
+    title="Accepts the line as a tuple, a list or an array",
+    why="Your line_through may return its three numbers in any of these types.",
+    hint="a, b, c = line works for all of them.",
 )
-def takes_any_line(point_line_distance: Callable) -> None:
+def accepts_any_sequence(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
     for line in (tuple(_SLANTED.tolist()), _SLANTED.tolist()):
         answer = point_line_distance(_POSITIVE_SIDE.copy(), line)
@@ -469,8 +469,8 @@ _PLAIN_CASE = Case(
 )
 common_checks.few_points(
     _PLAIN_CASE,
-    "takes_few_points",
-    title="Takes one point and no point at all",
+    "works_on_few_points",
+    title="Works on a single point and on no points",
     why="A slice of the street may be empty.",
 )
 
@@ -478,8 +478,9 @@ common_checks.few_points(
 @visible(
     "point_line_distance",
     weight=1,
-    title="The distances are an array",
-    why="ransac_line compares all of them with its threshold at once; a list cannot do that.",
+    title="Returns a NumPy array",
+    why="ransac_line compares all distances with its threshold at once, which does not work "
+    "with a list.",
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def returns_an_array(point_line_distance: Callable) -> None:
@@ -488,8 +489,8 @@ def returns_an_array(point_line_distance: Callable) -> None:
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
             fixed(
-                "The numbers are right, and they are no array: `distances <= 0.5` would raise an "
-                "exception."
+                "The numbers are right, but they are not a NumPy array: `distances <= 0.5` "
+                "would raise an exception."
             ),
             yours=type(answer).__name__,
             expected="ndarray",
@@ -500,11 +501,11 @@ common_checks.untouched(
     _PLAIN_CASE,
     "leaves_points_and_line",
     why="The next round of RANSAC needs the points as they were.",
-    hint="points[:, 0] * a makes a new array; points[:, 0] *= a writes into the points.",
+    hint="points[:, 0] * a makes a new array; points[:, 0] *= a changes the points.",
 )
 
 
-# Points with a line, and a x + b y + c at each point; both are keyed by the number of points.
+# Points with a line, and a x + b y + c at each point, both keyed by the number of points.
 _POINTS_AND_LINE = {
     5: (
         frozen(np.array([[2.0, 1.0], [4.0, -1.0], [-3.0, 2.0], [-1.0, 0.0], [0.0, 3.0]])),
@@ -533,7 +534,7 @@ mistakes(
         "np.abs takes the absolute value of a whole array.",
     ),
     Mistake(
-        "Points on one side of the line all get 0.",
+        "All points on one side of the line get the distance 0.",
         lambda right, points, line: np.where(_signed_distances(points) < 0, 0, right),
         "np.abs takes the absolute value of a whole array.",
     ),
@@ -546,24 +547,24 @@ mistakes(
         lambda right, points, line: np.abs(_signed_distances(points) - 2 * line[2]),
     ),
     Mistake(
-        "The absolute value is taken of a part of the sum only, and c is added after it.",
+        "The absolute value is taken too early: c is added after it.",
         lambda right, points, line: np.abs(_signed_distances(points) - line[2]) + line[2],
-        "Close the bracket of np.abs( behind c.",
+        "Put c inside the parentheses of np.abs(...).",
     ),
     Mistake(
-        "The absolute values of the three parts are added.",
+        "The absolute values of the three terms are added.",
         lambda right, points, line: np.abs(line[:2] * points).sum(axis=1) + abs(line[2]),
-        "Add first, with the signs, and take the absolute value of the sum.",
+        "Add the terms with their signs, then take the absolute value of the sum.",
     ),
     Mistake(
         "These are squared distances.",
         lambda right, points, line: right**2,
-        "np.abs takes the absolute value, and leaves metres.",
+        "Use np.abs instead of the square: the result stays in metres.",
     ),
     Mistake(
-        "These are distances straight up and down, not square to the line.",
+        "These distances are measured along y, not perpendicular to the line.",
         lambda right, points, line: right / abs(line[1]),
-        "With a unit normal nothing is left to divide by: |a x + b y + c| is the distance.",
+        "The normal has length 1, so do not divide: |a x + b y + c| is the distance.",
     ),
     Mistake(
         "x and y are swapped: a belongs to x, points[:, 0], and b to y, points[:, 1].",
@@ -572,9 +573,9 @@ mistakes(
         ),
     ),
     Mistake(
-        "points[0] and points[1] are the first two points.",
+        "points[0] and points[1] are the first two points, not the columns x and y.",
         lambda right, points, line: np.abs(np.dot(line, [*points[:2], [1, 1]])),
-        "x of every point is points[:, 0]: all rows, column 0.",
+        "Write points[:, 0] for the x of every point: all rows, column 0.",
     ),
     cases=_POINTS_AND_LINE.values(),
     right=lambda points, line: np.abs(_signed_distances(points)),
@@ -617,14 +618,14 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
     line, inliers = answer
     if inliers is None:
         raise WrongForm(
-            "The second result, the mask, is None.",
+            "The second returned value, the mask, is None.",
             yours="None",
-            expected=f"{n} times True or False",
+            expected=f"{n} values, each True or False",
         )
     mask = as_array(inliers, what="a mask of True and False")
     if mask.shape == (3,) and n != 3 and isinstance(line, np.ndarray) and line.shape == (n,):
         raise WrongForm(
-            "The two results are in the wrong order: first the line, then the mask.",
+            "The two returned values are in the wrong order: return the line first, then the mask.",
             yours="(mask, line)",
             expected="(line, mask)",
         )
@@ -632,7 +633,8 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         mask = mask.reshape(-1)
     if mask.shape != (n,) or not np.isin(mask, (0, 1)).all():
         raise WrongForm(
-            f"The inliers must be a mask: True or False for each of the {n} points.{_kind(mask)}",
+            f"The inliers must be a mask: True or False for each of the {n} points."
+            f"{_kind_of_array(mask)}",
             yours=brief(mask),
             expected=f"shape ({n},), dtype bool",
         )
@@ -640,8 +642,8 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
     return (None if line is None else as_line(line)), mask
 
 
-def _kind(mask: np.ndarray) -> str:
-    """Return a sentence that names the kind of an array that is not a mask; "" if it is unclear."""
+def _kind_of_array(mask: np.ndarray) -> str:
+    """Return a sentence about the content of an array that is not a mask; "" if it is unclear."""
     if mask.ndim == 2 and mask.shape[1] == 2:
         return " These are points."
     if mask.ndim == 1 and mask.dtype.kind in "iu" and (np.diff(mask) > 0).all():
@@ -676,12 +678,12 @@ def assert_mask_matches_line(
     line, mask = as_line_and_mask(answer, len(points))
     if line is None:
         raise CheckFailed(
-            "There is no line, though the points differ.",
+            "The line is None although the points differ.",
             yours="None",
             expected="three numbers (a, b, c)",
         )
     distance = distances_from(line, points)
-    # Floats differ in the last digits, so at the very edge of the band either answer is accepted.
+    # Floats differ in the last digits, so both answers are accepted at the edge of the band.
     wrong = (mask != (distance <= tolerance)) & (np.abs(distance - tolerance) > TOLERANCE)
     if not wrong.any():
         return line, mask
@@ -700,7 +702,7 @@ def assert_mask_matches_line(
             line,
             mask,
             tolerance,
-            title="your line, its band, and your inliers",
+            title="your line, its band and your inliers",
         ),
     )
 
@@ -712,7 +714,7 @@ def _inlier_count(mask: np.ndarray) -> str:
 def wall_and_clutter(
     seed: int | Sequence[int], inliers: int, others: int, noise: float = 0.1
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return points near a randomly oriented line, mixed with points at least 1 m away from it.
+    """Return points near a random line, mixed with points at least 1 m away from it.
 
     Parameters
     ----------
@@ -744,7 +746,7 @@ def wall_and_clutter(
     return points[order], (np.arange(len(points)) < inliers)[order]
 
 
-_CROWDS = tuple(frozen(wall_and_clutter(seed, 24, 16)) for seed in range(12))
+_CLOUDS = tuple(frozen(wall_and_clutter(seed, 24, 16)) for seed in range(12))
 
 
 def follows_wall(line: np.ndarray | None, wall: np.ndarray, tolerance: float) -> bool:
@@ -773,7 +775,7 @@ def assert_finds(
     ----------
     ransac_line : callable
     runs : sequence of (points, on_line)
-        One pair for each run, as from `wall_and_clutter`.
+        One pair for each run, as returned by `wall_and_clutter`.
     needed, max_iterations : int
         Number of runs that must find the line, and number of rounds in each run.
     tolerance : float
@@ -787,16 +789,16 @@ def assert_finds(
             missed.append((points, line, mask))
             continue
         found += 1
-        if found == needed:  # stop early: further runs cannot change the result and take time
+        if found == needed:  # more runs would take time and could not change the result
             break
     if found < needed:
         n_without_line = sum(line is None for _, line, _ in missed)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
-            + (f" In {n_without_line} of them the answer was None." if n_without_line else "")
+            + (f" In {n_without_line} of these runs the answer was None." if n_without_line else "")
             + _hint_from_runs(answers, ransac_line, runs, max_iterations, tolerance),
             yours=f"found in {found} of {len(runs)} runs",
-            expected=f"nearly all of them, with {max_iterations} rounds",
+            expected=f"nearly all runs, with {max_iterations} rounds",
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
@@ -830,16 +832,16 @@ def _hint_from_runs(
     max_iterations: int,
     tolerance: float,
 ) -> str:
-    """Return a sentence that hints at why the runs missed the line, or "" if nothing stands out."""
+    """Return a sentence about a likely reason why runs missed the line; "" if there is none."""
     if any(line is None for line, _ in answers):
         return ""
     if not any(mask.any() for _, mask in answers):
-        return " Each run returned a line, and not one inlier."
+        return " Each run returned a line but not a single inlier."
     if all(
         np.array_equal(mask, distances_from(line, points) > tolerance)
         for (line, mask), (points, _) in zip(answers, runs, strict=False)
     ):
-        return " Each mask holds the points that are farther from the line than the threshold."
+        return " Each mask marks the points that are farther from the line than the threshold."
 
     def after(rounds: int) -> list[tuple]:
         return [
@@ -849,55 +851,57 @@ def _hint_from_runs(
 
     after_one = after(1)
     if all(_lines_equal(first[0], last[0]) for first, last in zip(after_one, answers, strict=True)):
-        return f" With {fixed('1 round')} instead of {max_iterations} the answers are the same."
+        return f" With {fixed('1 round')} instead of {max_iterations}, the answers are the same."
     after_half = after(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)
     )
     if fewer:
         return (
-            f" In {fewer} of the {len(runs)} runs the mask holds fewer inliers after "
-            f"{max_iterations} rounds than it held after {max_iterations // 2}, from the same seed."
+            f" In {fewer} of the {len(runs)} runs, the mask has fewer inliers after "
+            f"{max_iterations} rounds than after {max_iterations // 2} rounds with the same "
+            "seed."
         )
     return ""
 
 
 @once
-def require_line_in_crowd(ransac_line: Callable) -> None:
-    """Assert that a line is found in a crowd; raise `NotYet` if it is not."""
-    with needs("the line is found in a crowd"):
-        assert_finds(ransac_line, _CROWDS, 8, 30, 0.4)
+def require_line_among_outliers(ransac_line: Callable) -> None:
+    """Raise `NotYet` if the line is not found among outliers."""
+    with needs("the line is found among outliers"):
+        assert_finds(ransac_line, _CLOUDS, 8, 30, 0.4)
 
 
 @visible(
     "ransac_line",
     weight=5,
-    title="Finds the line in a crowd",
-    why="This is what it is for: the wall behind the people, and in lesson 03 the road.",
-    hint="After each round compare the number of inliers with that of the best mask so far; where "
-    "it is larger, replace both line and mask. Make rng before the loop. Return after the loop.",
+    title="Finds the line among outliers",
+    why="This is what RANSAC is for: it finds the wall behind a crowd and, in lesson 03, the road.",
+    hint="After each round, compare the number of inliers with that of the best mask so far. If "
+    "it is larger, replace both line and mask. Create rng before the loop. Return after the "
+    "loop.",
 )
 def finds_the_line(ransac_line: Callable) -> None:
-    assert_finds(ransac_line, _CROWDS, 8, 60, 0.4)
+    assert_finds(ransac_line, _CLOUDS, 8, 60, 0.4)
 
 
-_CROWD_CASE = Case(
+_RANSAC_CASE = Case(
     __name__,
     "ransac_line",
     {
-        "points": _CROWDS[1][0],
+        "points": _CLOUDS[1][0],
         "max_iterations": 30,
         "distance_tolerance": 0.4,
         "rng": np.random.default_rng(2),
     },
     expected=None,
     look=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
-    basic=require_line_in_crowd,
+    basic=require_line_among_outliers,
 )
 common_checks.untouched(
-    _CROWD_CASE,
+    _RANSAC_CASE,
     "leaves_its_input",
-    why="The next wall is searched among the same points.",
+    why="The next search needs the same points.",
     hint="Draw indices instead of shuffling the points.",
 )
 
@@ -905,28 +909,28 @@ common_checks.untouched(
 @visible(
     "ransac_line",
     weight=6,
-    title="The mask belongs to the line, for any threshold",
-    why="The inliers go into the map, and the line to the steering: they must say the same.",
-    hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
-    "from a unit normal, and not squared.",
+    title="Returns the mask that belongs to the line, for any threshold",
+    why="If the map uses the inliers and the steering uses the line, they must show the same wall.",
+    hint="Replace line and mask together. Compare the distances in metres with "
+    "distance_tolerance: do not square them, and use a unit normal.",
 )
-def marks_its_own_inliers(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def mask_belongs_to_line(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
         rng = np.random.default_rng(seed)
-        # The wall is so rough that any change of the line moves points across the edge of the band.
+        # The wall is so rough that another line would have other inliers.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
         assert_mask_matches_line(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
 
 @noted(
     "ransac_line",
-    title="A point at exactly distance_tolerance is an inlier",
-    why="The docstring calls distance_tolerance the largest distance of an inlier: write <=. "
-    "Measured points hardly ever lie exactly there, so it costs nothing.",
+    title="Counts a point at exactly distance_tolerance as an inlier",
+    why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
+    "Measured points are hardly ever at exactly that distance, so this costs no points.",
 )
-def includes_the_border(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def includes_the_threshold(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     assert_border_is_inlier(ransac_line, np.array([[0.0, 0.0], [8.0, 0.0], [4.0, 1.0]]))
 
 
@@ -958,19 +962,19 @@ def assert_border_is_inlier(ransac_line: Callable, three: np.ndarray) -> None:
                 expected="True",
             )
         matching_lines += 1
-        if matching_lines == 3:  # each comparison gives the same result
+        if matching_lines == 3:  # further comparisons give the same result
             return
 
 
 @visible(
     "ransac_line",
     weight=2,
-    title="Draws no fewer samples than max_iterations says",
-    why="A hard street needs many rounds.",
-    hint="Loop with range(max_iterations). A round draws one sample of two points.",
+    title="Draws as many samples as max_iterations allows",
+    why="A street with many outliers needs many rounds.",
+    hint="Loop over range(max_iterations) and draw one sample of two points in each round.",
 )
-def draws_as_often_as_told(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def draws_enough_samples(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     assert_no_round_is_missing(ransac_line)
     # About one sample in 25 gives the line.
     assert_finds(ransac_line, [wall_and_clutter(7, 14, 46)] * 12, 8, 250, 0.3)
@@ -990,29 +994,29 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
 
     if runs_with_line(1):
         return
-    second_round_note = fixed(" With max_iterations=2 there is one: a round is missing.")
+    second_round_note = fixed(" With max_iterations=2 a line is found, so one round is missing.")
     raise CheckFailed(
         fixed(
-            "Ten points lie on one line, and with max_iterations=1 there is none, whatever the "
-            "seed."
+            "All ten points lie on one line, but with max_iterations=1 no line is found with "
+            "any seed."
         )
         + (second_round_note if runs_with_line(2) else ""),
         yours="no line in 12 of 12 runs",
-        expected="a line in each",
-        hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
-        "range(max_iterations - 1) have one less.",
+        expected="a line in every run",
+        hint="range(max_iterations) gives max_iterations rounds; range(1, max_iterations) and "
+        "range(max_iterations - 1) give one fewer.",
     )
 
 
 @visible(
     "ransac_line",
     weight=1,
-    title="Draws no more samples than max_iterations says",
-    why="Ten rounds must take the time of ten rounds.",
-    hint="Loop with range(max_iterations). A round draws one sample of two points.",
+    title="Draws no more samples than max_iterations allows",
+    why="The number of rounds limits the time that the search takes.",
+    hint="Loop over range(max_iterations) and draw one sample of two points in each round.",
 )
-def draws_no_more_than_told(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def draws_no_more_samples(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     points, on_line = wall_and_clutter(7, 14, 46)
     generators = map(np.random.default_rng, range(48))
     answers = answers_of_short_runs(ransac_line, points, 1, 0.3, generators)
@@ -1031,24 +1035,25 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
 @visible(
     "ransac_line",
     weight=1,
-    title="Draws two different points",
-    why="A point and itself make no line, and the round is lost.",
-    hint="rng.choice(len(points), size=2, replace=False) draws without putting the first one back.",
+    title="Draws two different points for each sample",
+    why="If a point is drawn twice, there is no line, and the round is wasted.",
+    hint="rng.choice(len(points), size=2, replace=False) never draws a row twice.",
 )
 def draws_different_points(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+    require_line_among_outliers(ransac_line)
     runs = lines_from_two_rounds(ransac_line, _TRIANGLE)
     n_without_line = sum(line is None for line in runs)
     if n_without_line:
         raise CheckFailed(
-            "Of three points, no two alike, any two make a line. In some runs there was none.",
-            given="three points, and max_iterations=2",
+            "The three points differ, so any two of them define a line. In some runs no line "
+            "was found.",
+            given="three points and max_iterations=2",
             yours=f"no line in {n_without_line} of {len(runs)} runs",
-            expected="a line in each",
+            expected="a line in every run",
         )
 
 
-# Any two of these points make a line, and the other points are far from it.
+# Any two of these points define a line, and the other points are far from it.
 _FOUR_POINTS = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0]]))
 _TRIANGLE = frozen(_FOUR_POINTS[:3])
 
@@ -1067,58 +1072,59 @@ def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.
     generators = map(np.random.default_rng, range(64))
     lines = [line for line, _ in answers_of_short_runs(ransac_line, points, 2, 0.1, generators)]
     if all(line is None for line in lines):
-        raise NotYet(f"{len(points)} points and two rounds give a line")
+        raise NotYet(f"two rounds find a line through some of the {len(points)} points")
     return lines
 
 
 @visible(
     "ransac_line",
     weight=2,
-    title="Draws from all points, the first and the last included",
+    title="Draws from all points, including the first and the last",
     why="A point that is never drawn may be one of the few on the wall.",
-    hint="rng.choice(len(points), size=2, replace=False) draws from the rows 0 to len(points) - 1, "
-    "which are all there are.",
+    hint="rng.choice(len(points), size=2, replace=False) draws from all rows, 0 to len(points) "
+    "- 1.",
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
-    lines, drawn, apart = [], np.zeros(len(_FOUR_POINTS), dtype=bool), False
+    require_line_among_outliers(ransac_line)
+    lines, drawn, has_distant_rows = [], np.zeros(len(_FOUR_POINTS), dtype=bool), False
     for line in lines_from_two_rounds(ransac_line, _FOUR_POINTS):
         if line is not None:
             lines.append(line)
             rows = np.flatnonzero(distances_from(line, _FOUR_POINTS) < TOLERANCE)
             drawn[rows] = True
-            apart |= rows[-1] - rows[0] == 2  # the first row and the last may pass for neighbours
-        if drawn.all() and apart:
+            # Rows 0 and 3 count as neighbours, because a function may wrap around at the end.
+            has_distant_rows |= rows[-1] - rows[0] == 2
+        if drawn.all() and has_distant_rows:
             return
     if all(_lines_equal(line, lines[0]) for line in lines):
-        return  # another check asks whether different seeds draw different samples
+        return  # another check tests whether different seeds draw different samples
     if drawn.all():
         raise CheckFailed(
-            "Only neighbours in the list of points are drawn together.",
-            given="four points, and max_iterations=2",
-            yours=f"no line through rows 0 and 2, nor through 1 and 3, in {len(lines)} runs",
-            expected="one of these in about a third of the runs",
+            "Only neighbouring rows are drawn together.",
+            given="four points and max_iterations=2",
+            yours=f"no line through rows 0 and 2 or through rows 1 and 3 in {len(lines)} runs",
+            expected="one of these lines in about a third of the runs",
             hint="Draw two different rows, independently of each other: "
             "rng.choice(len(points), size=2, replace=False).",
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Of four points the one in row {row} was in no sample.",
-        given="four points, and max_iterations=2",
+        f"Row {row} of the four points was in no sample.",
+        given="four points and max_iterations=2",
         yours=f"no line through row {row} in {len(lines)} runs",
-        expected="through each row in about half of the runs",
+        expected="a line through each row in about half of the runs",
     )
 
 
 @visible(
     "ransac_line",
     weight=1,
-    title="Finds walls straight ahead and straight across",
-    why="These are the ones that a car runs into.",
-    hint="No slope: your line_through and point_line_distance take upright lines.",
+    title="Finds walls parallel to an axis",
+    why="A wall straight ahead of the car is parallel to the y axis.",
+    hint="Do not compute a slope: line_through and point_line_distance work for all directions.",
 )
-def finds_upright_walls(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     for column in (0, 1):
         points = np.random.default_rng(column).uniform(-9, 9, (30, 2))
         points[:20, column] = 4.0
@@ -1128,13 +1134,13 @@ def finds_upright_walls(ransac_line: Callable) -> None:
 @visible(
     "ransac_line",
     weight=2,
-    title="All randomness comes from rng: the same seed, the same answer",
-    why="A run that went wrong at night must be repeatable by day.",
-    hint="Draw with the rng that the first line of the function makes, not with np.random "
-    "or the module random.",
+    title="Returns the same answer for the same seed",
+    why="To debug a run that went wrong, you must be able to repeat it.",
+    hint="Draw with the rng from the first line of the function, not with np.random or the "
+    "module random.",
 )
-def repeats_with_its_seed(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def repeats_with_the_same_seed(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     assert_repeats(ransac_line, np.random.default_rng)
 
 
@@ -1155,9 +1161,9 @@ def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
         if not (_lines_equal(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
                 "The same seed gave two different answers.",
-                given=f"twice the seed {seed}, and max_iterations=2",
+                given=f"the seed {seed} twice, with max_iterations=2",
                 yours=f"first the line {_line_text(first[0])}, then {_line_text(again[0])}",
-                expected="twice the same line and mask",
+                expected="the same line and mask both times",
             )
 
 
@@ -1174,13 +1180,12 @@ def _line_text(line: np.ndarray | None) -> str:
 @visible(
     "ransac_line",
     weight=2,
-    title="Another seed draws other samples",
-    why="A run that missed the wall can be tried again with another seed.",
-    hint="Which samples are drawn must depend on rng: draw with what np.random.default_rng(rng) "
-    "makes of it, and with no seed of your own.",
+    title="Draws different samples for different seeds",
+    why="If a run misses the wall, you can try another seed.",
+    hint="Draw all samples with rng = np.random.default_rng(rng), never with a fixed seed.",
 )
-def follows_its_rng(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def differs_with_other_seeds(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     points, _ = wall_and_clutter(3, 20, 20)
     lines = set()
     for seed in range(20):
@@ -1189,25 +1194,25 @@ def follows_its_rng(ransac_line: Callable) -> None:
         if len(lines) > 1:
             return
     if lines == {_line_text(None)}:
-        raise NotYet("two rounds give a line")
+        raise NotYet("two rounds find a line")
     raise CheckFailed(
-        fixed("20 different seeds gave 20 times the same line."),
+        fixed("20 different seeds all gave the same line."),
         given="max_iterations=2",
         yours=f"always {lines.pop()}",
-        expected="nearly 20 different ones",
+        expected="nearly 20 different lines",
     )
 
 
 @visible(
     "ransac_line",
     weight=2,
-    title="Goes on after a sample of equal points",
-    why="Recordings hold the same point twice, or a thousand times when a beam is blocked.",
-    hint="line_through answers None for them: `continue` goes on with the next round, `break` "
-    "gives up.",
+    title="Continues after a sample of equal points",
+    why="Recordings contain some points twice, or a thousand times if a beam is blocked.",
+    hint="line_through returns None for them: `continue` goes on with the next round, `break` "
+    "ends the search.",
 )
-def survives_equal_points(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def continues_after_equal_points(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     wall, _ = wall_and_clutter(11, 12, 0)
     points = np.vstack([np.tile([[2.0, 9.0]], (28, 1)), wall])
     n_without_line = 0
@@ -1216,22 +1221,22 @@ def survives_equal_points(ransac_line: Callable) -> None:
         n_without_line += as_line_and_mask(answer, len(points))[0] is None
     if n_without_line:
         raise CheckFailed(
-            "Among many equal points there are others, and in some runs no line was found.",
-            given="28 times the same point and 12 others, and max_iterations=40",
+            "Not all points are equal, but in some runs no line was found.",
+            given="28 equal points, 12 others and max_iterations=40",
             yours=f"no line in {n_without_line} of 24 runs",
-            expected="a line in each",
+            expected="a line in every run",
         )
 
 
 @visible(
     "ransac_line",
     weight=1,
-    title="Answers when all points are equal",
-    why="A blocked scanner reports one point and nothing else.",
-    hint="Where no round had a line, the answer is what you began with: None and all False.",
+    title="Returns an answer if all points are equal",
+    why="A blocked scanner reports the same point again and again.",
+    hint="If no round finds a line, return the initial values: None and a mask that is all False.",
 )
-def answers_for_equal_points(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def returns_for_equal_points(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     equal_points = np.tile([[2.0, 9.0]], (6, 1))
     answer = ransac_line(equal_points.copy(), 20, 0.3, np.random.default_rng(0))
     line, mask = as_line_and_mask(answer, 6)
@@ -1239,19 +1244,21 @@ def answers_for_equal_points(ransac_line: Callable) -> None:
         assert_mask_matches_line((line, mask), equal_points, 0.3)
     elif mask.any():
         raise CheckFailed(
-            "Without a line there are no inliers.", yours=_inlier_count(mask), expected="0 inliers"
+            "If the line is None, no point can be an inlier.",
+            yours=_inlier_count(mask),
+            expected="0 inliers",
         )
 
 
 @visible(
     "ransac_line",
     weight=1,
-    title="Two points are enough; for fewer the answer is (None, all False)",
-    why="A slice of the street may be empty. The car must not stop for that.",
-    hint="Ask len(points) < 2 before the loop.",
+    title="Works on two points and returns (None, all False) for fewer",
+    why="A slice of the street may be empty, and the program must not stop for that.",
+    hint="Test len(points) < 2 before the loop.",
 )
-def answers_for_too_few(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+def returns_for_too_few_points(ransac_line: Callable) -> None:
+    require_line_among_outliers(ransac_line)
     for points in (np.empty((0, 2)), np.array([[3.0, 4.0]])):
         assert_nothing_found(
             ransac_line(points.copy(), 10, 0.3, np.random.default_rng(0)), len(points)
@@ -1266,12 +1273,11 @@ def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
         if as_line_and_mask(answer, 2)[0] is not None:
             return
     raise CheckFailed(
-        "Two different points make a line, and for these there is none, whatever the seed.",
-        given="two points, and max_iterations=10",
+        "Two different points define a line, but no line is found with any seed.",
+        given="two points and max_iterations=10",
         yours="None",
         expected="three numbers (a, b, c)",
-        hint="Two points are enough for a sample: only fewer than two, len(points) < 2, are too "
-        "few.",
+        hint="Two points are enough for a sample. Return early only if len(points) < 2.",
     )
 
 
@@ -1280,7 +1286,9 @@ def assert_nothing_found(answer: object, n: int) -> None:
     line, mask = as_line_and_mask(answer, n)
     if line is not None or mask.any():
         raise CheckFailed(
-            "No point makes no line." if n == 0 else "One point makes no line.",
+            "There are no points, so there is no line."
+            if n == 0
+            else "A single point does not define a line.",
             yours=brief((line, mask)),
             expected="(None, all False)",
         )
@@ -1289,48 +1297,48 @@ def assert_nothing_found(answer: object, n: int) -> None:
 @visible(
     "ransac_line",
     weight=2,
-    title="rng may be a whole number, too: a seed",
-    why="A seed fits into a log file; a generator does not.",
-    hint="Begin with rng = np.random.default_rng(rng): it makes a generator of a whole number, "
-    "and leaves a generator as it is.",
+    title="Accepts a whole number, a seed, as rng",
+    why="A seed can be written to a log file; a generator cannot.",
+    hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
+    "and returns a generator unchanged.",
 )
 def takes_a_seed(ransac_line: Callable) -> None:
-    require_line_in_crowd(ransac_line)
+    require_line_among_outliers(ransac_line)
     with needs("the same generator gives the same answer"):
         assert_repeats(ransac_line, np.random.default_rng)
     assert_repeats(ransac_line, int)
     found = 0
-    for seed, (points, on_line) in enumerate(_CROWDS):
+    for seed, (points, on_line) in enumerate(_CLOUDS):
         line, _ = as_line_and_mask(ransac_line(points.copy(), 30, 0.4, seed), len(points))
         found += follows_wall(line, points[on_line], 0.4)
-    if found < 8:  # the same bound as for generators, in assert_works
+    if found < 8:  # the same bound as in require_line_among_outliers
         raise CheckFailed(
-            f"With a whole number for rng, the line was found in {found} of {len(_CROWDS)} runs. "
-            "With a generator it is found in most of them.",
-            yours=f"found in {found} of {len(_CROWDS)} runs",
-            expected="as often as with a generator",
-            hint="Make the generator once, before the loop: made anew from the same seed in each "
-            "round, it draws the same sample each time.",
+            f"With a whole number as rng, the line was found in {found} of {len(_CLOUDS)} runs. "
+            "With a generator, it is found in most of them.",
+            yours=f"found in {found} of {len(_CLOUDS)} runs",
+            expected="found as often as with a generator",
+            hint="Create the generator once, before the loop. If you create it from the same "
+            "seed in each round, it draws the same sample each time.",
         )
 
 
 common_checks.names(
-    _CROWD_CASE,
+    _RANSAC_CASE,
     "keeps_the_names",
-    why="Whoever reads ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1) knows "
-    "what the numbers are.",
+    why="In ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1), the names "
+    "explain the numbers.",
 )
 
 
 @noted(
     "ransac_line",
-    title="The mask holds True and False",
-    why="The last cells take points[mask] and turn the mask around with ~; with numbers 0 and 1, "
+    title="Returns a mask of True and False",
+    why="The last cells use points[mask] and invert the mask with ~. With the numbers 0 and 1, "
     "both do something else.",
 )
 def has_a_mask_of_booleans(ransac_line: Callable) -> None:
-    points, _ = _CROWDS[0]
+    points, _ = _CLOUDS[0]
     _, inliers = ransac_line(points.copy(), 20, 0.4, np.random.default_rng(0))
     dtype = as_array(inliers).dtype
     if dtype.kind != "b":
-        raise CheckFailed(f"The mask is of type {dtype}.")
+        raise CheckFailed(f"The mask has the type {dtype}.")

@@ -1,4 +1,4 @@
-"""Hidden tests of lesson 01. Titles and hints are shown to students; the code is not."""
+"""Hidden tests of lesson 01. Students see the titles and hints but not the code."""
 
 import math
 
@@ -9,8 +9,8 @@ from grader.judging.hidden_tests import cached_by_content, hidden
 from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import (
     assert_distances,
+    require_distances_at_all_heights,
     require_lost_returns_dropped,
-    require_street_distances,
 )
 
 
@@ -19,13 +19,13 @@ def distances_by_hand(cloud):
     return np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
 
 
-def assert_measured(student, cloud):
+def assert_distances_in(student, cloud):
     """Compare the answer with distances computed in plain Python."""
     answer = student.horizontal_distance(cloud.copy())
     assert_distances(answer, cloud, distances_by_hand(cloud))
 
 
-def some_of(cloud, seed, n):
+def random_rows(cloud, seed, n):
     """Return n random rows of a cloud."""
     return cloud[np.random.default_rng(seed).choice(len(cloud), n, replace=False)]
 
@@ -33,32 +33,32 @@ def some_of(cloud, seed, n):
 @hidden(
     "horizontal_distance",
     weight=3,
-    title="Right on the course's own scan",
-    hint="Compare with the picture in the notebook: is equal colour a circle?",
+    title="Measures the distances in the course's scan",
+    hint="Compare with the picture in the notebook: does each colour form a circle?",
 )
-def test_distances_in_course_cloud(student, seed):
-    assert_measured(student, some_of(samples.course_cloud(), seed, 4000))
+def test_measures_the_course_cloud(student, seed):
+    assert_distances_in(student, random_rows(samples.course_cloud(), seed, 4000))
 
 
 @hidden(
     "horizontal_distance",
     weight=3,
-    title="Right on a street you have not seen",
-    hint="The root of x² + y², from the columns 0 and 1 of whatever cloud comes in.",
+    title="Measures the distances in a street you have not seen",
+    hint="Compute the square root of x² + y² from columns 0 and 1 of any cloud.",
 )
-def test_distances_in_fresh_street(student, seed):
-    assert_measured(student, some_of(samples.fresh_street(seed), seed, 4000))
+def test_measures_a_fresh_street(student, seed):
+    assert_distances_in(student, random_rows(samples.fresh_street(seed), seed, 4000))
 
 
 @hidden(
     "horizontal_distance",
     weight=2,
-    title="The same when the street turns about the sensor, is mirrored or lifted",
-    hint="Only how far counts: not the direction, not the sign, not the height.",
+    title="Returns the same distances if the street is rotated, mirrored or lifted",
+    hint="The distance does not depend on the direction, the signs or the height.",
 )
-def test_distances_when_turned(student, seed):
+def test_distances_do_not_depend_on_direction_or_height(student, seed):
     rng = np.random.default_rng(seed)
-    cloud = some_of(samples.course_cloud(), seed, 300).copy()
+    cloud = random_rows(samples.course_cloud(), seed, 300).copy()
     before = np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
     turn = rng.uniform(0, 2 * math.pi)
     cosine, sine = math.cos(turn), math.sin(turn)
@@ -71,33 +71,33 @@ def test_distances_when_turned(student, seed):
 @hidden(
     "horizontal_distance",
     weight=1,
-    title="Right for three columns, and for few points",
-    hint="Whole columns serve every case: no special case is needed.",
+    title="Works on clouds of three columns and of few points",
+    hint="Compute with whole columns: you need no special case.",
 )
-def test_distances_of_three_columns(student, seed):
-    require_street_distances(student.horizontal_distance)
+def test_measures_three_columns_and_few_points(student, seed):
+    require_distances_at_all_heights(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)[:, :3]
-    assert_measured(student, cloud)
-    assert_measured(student, cloud[:2])
-    assert_measured(student, cloud[:1])
+    assert_distances_in(student, cloud)
+    assert_distances_in(student, cloud[:2])
+    assert_distances_in(student, cloud[:1])
 
 
 @hidden(
     "horizontal_distance",
     weight=1,
-    title="Right for single precision and any layout in memory",
-    hint="Whole columns serve every case: no special case is needed.",
+    title="Works in single precision and with any memory layout",
+    hint="Compute with whole columns: you need no special case.",
 )
-def test_distances_in_single_precision(student, seed):
-    require_street_distances(student.horizontal_distance)
+def test_measures_in_single_precision(student, seed):
+    require_distances_at_all_heights(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)
-    assert_measured(student, cloud.astype(np.float32))
-    assert_measured(student, np.asfortranarray(cloud))
-    assert_measured(student, np.repeat(cloud[:3], 3, axis=0))
+    assert_distances_in(student, cloud.astype(np.float32))
+    assert_distances_in(student, np.asfortranarray(cloud))
+    assert_distances_in(student, np.repeat(cloud[:3], 3, axis=0))
 
 
 def is_good(row):
-    """Return whether a row is a valid point, computed in plain Python."""
+    """Return whether a row is a valid point."""
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
@@ -111,19 +111,19 @@ def assert_cleaned(student, cloud):
     assert_places(answer, cloud, kept_by_hand(cloud), view="above")
 
 
-def whole(cloud):
-    """Return a copy without lost returns and without points that have a coordinate of 0.
+def without_lost_returns(cloud):
+    """Return the finite rows that have no coordinate of 0 and whose coordinates do not add up to 0.
 
-    Other tests check these cases.
+    Other tests cover the other rows.
     """
     xyz = cloud[:, :3]
     return cloud[(xyz != 0).all(axis=1) & (np.abs(xyz.sum(axis=1)) > 1e-6)]
 
 
-def broken(cloud, seed, share=0.2):
-    """Return a copy in which some returns are lost, as (0, 0, 0, 0) or with one or three NaN."""
+def with_lost_returns(cloud, seed, share=0.2):
+    """Return a copy in which lost returns are all zeros or have one or three NaN coordinates."""
     rng = np.random.default_rng(seed)
-    cloud = whole(cloud)
+    cloud = without_lost_returns(cloud)
     kind = rng.integers(0, 3, len(cloud))
     bad = rng.random(len(cloud)) < share
     cloud[bad & (kind == 0)] = 0.0
@@ -136,35 +136,37 @@ def broken(cloud, seed, share=0.2):
 @hidden(
     "drop_invalid",
     weight=3,
-    title="Right on the course's own scan, broken and whole",
-    hint="Break the scan as the notebook does: is the tall bar at 0 m gone?",
+    title="Cleans the course's scan, with and without lost returns",
+    hint="Break the scan as the notebook does: does the tall bar at 0 m disappear?",
 )
-def test_course_cloud_cleaned(student, seed):
+def test_cleans_the_course_cloud(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     patch = samples.patch_of_course_cloud(seed, 3000)
-    assert_cleaned(student, whole(patch))
-    assert_cleaned(student, broken(patch, seed))
+    assert_cleaned(student, without_lost_returns(patch))
+    assert_cleaned(student, with_lost_returns(patch, seed))
 
 
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Right on a street you have not seen",
-    hint="A good row is finite in all three coordinates, and not 0 in all three.",
+    title="Cleans a street you have not seen",
+    hint="In a good row all three coordinates are finite, and at least one is not 0.",
 )
-def test_fresh_street_cleaned(student, seed):
-    assert_cleaned(student, broken(some_of(samples.fresh_street(seed), seed, 3000), seed))
+def test_cleans_a_fresh_street(student, seed):
+    assert_cleaned(
+        student, with_lost_returns(random_rows(samples.fresh_street(seed), seed, 3000), seed)
+    )
 
 
 @hidden(
     "drop_invalid",
     weight=3,
-    title="Returns at (0, 0, 0) go with any intensity",
+    title="Drops returns at (0, 0, 0) that have an intensity",
     hint="Compare the three coordinates with 0, not the whole row.",
 )
-def test_bright_returns_go(student, seed):
+def test_drops_bright_returns(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
-    cloud = whole(samples.patch_of_course_cloud(seed, 400))
+    cloud = without_lost_returns(samples.patch_of_course_cloud(seed, 400))
     cloud[::7, :3] = 0.0
     cloud[::7, 3] = np.random.default_rng(seed).uniform(0.1, 1, len(cloud[::7]))
     assert_cleaned(student, cloud)
@@ -173,13 +175,13 @@ def test_bright_returns_go(student, seed):
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Infinite coordinates go, of either sign",
+    title="Drops rows with positive or negative infinity",
     hint="np.isfinite is False for NaN and for both infinities.",
 )
-def test_infinite_returns_go(student, seed):
+def test_drops_infinite_returns(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
-    cloud = whole(samples.patch_of_course_cloud(seed, 400))
+    cloud = without_lost_returns(samples.patch_of_course_cloud(seed, 400))
     for row in range(0, len(cloud), 6):
         cloud[row, rng.integers(0, 3)] = rng.choice([np.inf, -np.inf])
     assert_cleaned(student, cloud)
@@ -188,14 +190,15 @@ def test_infinite_returns_go(student, seed):
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Good points with a 0 among their coordinates stay",
-    hint="One coordinate of 0 is fine, and so are two.",
+    title="Keeps good points with one or two zeros",
+    hint="One or two coordinates may be 0; only a row with three zeros is lost.",
 )
-def test_points_with_a_zero_stay(student, seed):
+def test_keeps_points_with_a_zero(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 1000)
-    cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]  # far away even with two zeros
+    # Even with two zeros, these points are not close to the sensor.
+    cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]
     for row in range(0, len(cloud), 3):
         cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
     assert_cleaned(student, cloud)
@@ -204,11 +207,10 @@ def test_points_with_a_zero_stay(student, seed):
 @hidden(
     "drop_invalid",
     weight=1,
-    title="Keeps any point near the sensor that is not exactly there",
-    hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
-    "all for a good reason.",
+    title="Keeps points a few centimetres from the sensor",
+    hint="Only exactly (0, 0, 0) is a lost return. A point very close to the sensor may be real.",
 )
-def test_near_points_stay(student, seed):
+def test_keeps_near_points(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
     assert_cleaned(student, near)
@@ -218,23 +220,25 @@ def test_near_points_stay(student, seed):
 @hidden(
     "drop_invalid",
     weight=1,
-    title="Right for three columns",
-    hint="cloud[:, :3] are the coordinates, whether or not a column follows.",
+    title="Cleans clouds of three columns",
+    hint="cloud[:, :3] are the coordinates with or without a fourth column.",
 )
-def test_three_columns_cleaned(student, seed):
-    assert_cleaned(student, broken(samples.patch_of_course_cloud(seed, 300), seed)[:, :3])
+def test_cleans_three_columns(student, seed):
+    assert_cleaned(
+        student, with_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)[:, :3]
+    )
 
 
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Whole rows in their order, also in single precision",
-    hint="All columns and the order of the rows stay.",
+    title="Keeps whole rows in their order, also in single precision",
+    hint="Keep all columns and the order of the rows.",
 )
-def test_order_and_precision_cleaned(student, seed):
-    cloud = broken(samples.patch_of_course_cloud(seed, 300), seed)
-    # Equal points stay separate rows.
-    twice = np.repeat(cloud[:20], 2, axis=0)
-    for scan in (cloud.astype(np.float32), np.asfortranarray(cloud[::-1]), twice):
+def test_keeps_order_and_columns(student, seed):
+    cloud = with_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)
+    # Duplicate points must be kept.
+    duplicates = np.repeat(cloud[:20], 2, axis=0)
+    for scan in (cloud.astype(np.float32), np.asfortranarray(cloud[::-1]), duplicates):
         answer = student.drop_invalid(scan.copy())
         assert_rows(answer, scan, kept_by_hand(scan), view="above")

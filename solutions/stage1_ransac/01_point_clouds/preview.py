@@ -1,4 +1,4 @@
-"""Lesson 01: one turn of the scanner, as a panorama of the street and as a map."""
+"""Draw the preview of lesson 01: one turn of the scanner as a panorama and as a map."""
 
 import matplotlib.pyplot as plt
 import numpy as np

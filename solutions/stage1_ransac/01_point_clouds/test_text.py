@@ -1,4 +1,4 @@
-"""The statements of lesson 01 are true for the answers that its hints describe."""
+"""The statements in the text of lesson 01 are true for the answers that its hints describe."""
 
 import timeit
 from dataclasses import replace
@@ -22,14 +22,14 @@ def solved():
     return tell("01_point_clouds")
 
 
-def test_the_first_exercise_comes_within_five_minutes():
+def test_the_first_exercise_begins_within_five_minutes():
     notebook = nbformat.read(find_lesson("01_point_clouds").solved, as_version=4)
     first = next(i for i, cell in enumerate(notebook.cells) if cell.source.startswith("mine = "))
     before = nbformat.v4.new_notebook(cells=notebook.cells[:first])
     assert sum(durations.section_minutes(before).values()) < 5
 
 
-def test_tiny_cases(solved):
+def test_tiny_examples_give_the_expected_results(solved):
     assert "yours:    [ 5. 10.  7.]\nexpected: [ 5. 10.  7.]\n" in solved.text
     kept = solved.names["drop_invalid"](solved.names["six"])
     np.testing.assert_array_equal(kept, solved.names["six"][[0, 4, 5]])
@@ -50,7 +50,7 @@ def test_missing_rays_hit_the_roof_of_the_ego_car(monkeypatch):
     assert {CLASSES[class_index] for class_index in scan.classes[missing]} == {"ego"}
 
 
-def test_a_height_threshold_keeps_only_the_cars():
+def test_a_height_threshold_keeps_only_cars():
     from utils.scenes import simple_highway
 
     frame = simple_highway()
@@ -102,7 +102,7 @@ def test_one_of_six_pedestrians_is_hidden(solved):
     assert between
 
 
-def test_row_length_errs_most_near_the_car(solved):
+def test_row_length_is_most_wrong_near_the_car(solved):
     x, error = solved.names["strip"][:, 0], solved.names["error"]
     near, far = error[x < 8], error[(x > 10) & (x < 20)]
     assert near.min() > far.max()
@@ -135,7 +135,7 @@ def test_the_nearest_valid_returns_are_the_ego_car(solved):
     near = (distance < 3) & (distance > 0)
     assert {truth["class_names"][value] for value in truth["classes"][near]} == {"ego"}
     assert distance[near].min() >= 1 and distance[near].max() < 2
-    # Three tufts: a mirror in front, the tailgate and the aerial behind.
+    # Three groups of points: a mirror in front, the tailgate and the aerial behind.
     ahead, left = cloud[near, 0] > 0, cloud[near, 1] > 0
     assert [np.any(value) for value in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
 
@@ -152,19 +152,19 @@ def test_without_the_square_root_the_radius_is_the_root_of_ten(solved):
     assert solved.names["horizontal_distance"](kept).max() < 3.2
 
 
-def test_loop_is_much_slower(solved):
+def test_the_loop_is_much_slower(solved):
     times = solved.names["times"]
     assert times["loop"][-1] > 20 * times["yours"][-1]
 
-    def least(n):
+    def shortest_time(n):
         """Return the shortest of many times, as other load on the machine only adds to them."""
         cloud, function = solved.names["cloud"][:n], solved.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
-    assert least(100) < 20 * least(1)  # the overhead dominates for few points
+    assert shortest_time(100) < 20 * shortest_time(1)  # the overhead dominates for few points
 
 
-def test_answer_about_the_pedestrian():
+def test_the_answer_about_the_pedestrian_is_right():
     across, up = 0.5 / np.radians(0.18), 1.7 / np.radians(1 / 3)
     as_written = 0.5 / 0.00314 * 1.7 / 0.00582
     assert as_written == pytest.approx(across * up, rel=0.001)

@@ -1,7 +1,7 @@
-"""Hidden tests of lesson 02. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 02. Students see the titles and hints but not the code.
 
 RANSAC is random, so its tests count successes over many seeds. The margins are so wide that a right
-answer fails less than once in a thousand million runs.
+answer fails less than once in a billion runs.
 """
 
 import functools
@@ -26,15 +26,15 @@ from utils.checks.lesson_02 import (
     assert_unit_normal,
     distances_from,
     lines_from_two_rounds,
-    require_line_in_crowd,
+    require_line_among_outliers,
     require_slanted_lines,
     wall_and_clutter,
 )
 from utils.checks.lesson_02 import require_plain_distances as assert_plain_case
 
 
-def some_pairs(seed, n, reach=20.0):
-    """Return n pairs of points at least a metre apart."""
+def random_pairs(seed, n, reach=20.0):
+    """Return n pairs of points that are at least a metre apart."""
     rng = np.random.default_rng(seed)
     p = rng.uniform(-reach, reach, (n, 2))
     angle, apart = rng.uniform(0, 2 * math.pi, n), rng.uniform(1, reach, n)
@@ -44,11 +44,11 @@ def some_pairs(seed, n, reach=20.0):
 @hidden(
     "line_through",
     weight=3,
-    title="Right for pairs you have not seen, in either order",
-    hint="Put both points into a x + b y + c: each must give 0.",
+    title="Returns a line through both points, in either order",
+    hint="Insert both points into a x + b y + c: each must give 0.",
 )
-def test_lines_through_pairs(student, seed):
-    for p, q in zip(*some_pairs(seed, 12), strict=True):
+def test_line_passes_through_both_points(student, seed):
+    for p, q in zip(*random_pairs(seed, 12), strict=True):
         assert_on_line(student.line_through(p.copy(), q.copy()), p, q)
         assert_on_line(student.line_through(q.copy(), p.copy()), p, q)
 
@@ -56,24 +56,24 @@ def test_lines_through_pairs(student, seed):
 @hidden(
     "line_through",
     weight=2,
-    title="The normal has length 1, however far apart the points are",
-    hint="Divide a and b by the length of the direction, and compute c after that.",
+    title="Returns a normal of length 1, however far apart the points are",
+    hint="Divide a and b by the length of the direction, then compute c.",
 )
-def test_unit_normals(student, seed):
+def test_normal_has_length_1(student, seed):
     require_slanted_lines(student.line_through)
-    for p, q in zip(*some_pairs(seed + 6, 8), strict=True):
+    for p, q in zip(*random_pairs(seed + 6, 8), strict=True):
         assert_unit_normal(student.line_through(p.copy(), q.copy()))
 
 
 @hidden(
     "line_through",
     weight=2,
-    title="Right for upright and level lines",
-    hint="No slope, no division by dx or dy: only by the length.",
+    title="Is correct for lines parallel to an axis",
+    hint="Do not use a slope. Divide only by the length, never by dx or dy.",
 )
-def test_lines_in_special_directions(student, seed):
+def test_finds_axis_parallel_lines(student, seed):
     require_slanted_lines(student.line_through)
-    for p, q in zip(*some_pairs(seed + 1, 4), strict=True):
+    for p, q in zip(*random_pairs(seed + 1, 4), strict=True):
         for end in ([p[0], q[1] + 30], [q[0] + 30, p[1]]):
             assert_on_line(student.line_through(p.copy(), np.array(end)), p, end)
 
@@ -81,12 +81,12 @@ def test_lines_in_special_directions(student, seed):
 @hidden(
     "line_through",
     weight=1,
-    title="Right for single precision",
-    hint="np.hypot and plain arithmetic take any kind of float.",
+    title="Works in single precision",
+    hint="np.hypot and plain arithmetic work with any kind of float.",
 )
-def test_lines_in_single_precision(student, seed):
+def test_finds_lines_in_single_precision(student, seed):
     require_slanted_lines(student.line_through)
-    for pair in zip(*some_pairs(seed + 1, 4), strict=True):
+    for pair in zip(*random_pairs(seed + 1, 4), strict=True):
         p, q = (point.astype(np.float32) for point in pair)
         assert_on_line(student.line_through(p.copy(), q.copy()), p, q)
 
@@ -94,30 +94,30 @@ def test_lines_in_single_precision(student, seed):
 @hidden(
     "line_through",
     weight=2,
-    title="Equal points give None, wherever they lie",
-    hint="Return None where the length is 0.",
+    title="Returns None for equal points, wherever they are",
+    hint="Return None if the length is 0.",
 )
 def test_equal_points_have_no_line(student, seed):
     require_slanted_lines(student.line_through)
-    for point in some_pairs(seed + 2, 3)[0]:
+    for point in random_pairs(seed + 2, 3)[0]:
         assert_no_line(student.line_through, point)
 
 
 @hidden(
     "line_through",
     weight=1,
-    title="Points five centimetres apart have a line, wherever they lie",
-    hint="Return None where the length is 0, and only there.",
+    title="Finds a line through points five centimetres apart",
+    hint="Return None only if the length is exactly 0.",
 )
 def test_close_points_have_a_line(student, seed):
     require_slanted_lines(student.line_through)
-    for p in some_pairs(seed + 2, 3)[0]:
+    for p in random_pairs(seed + 2, 3)[0]:
         if student.line_through(p.copy(), p + [0.04, 0.03]) is None:
-            raise CheckFailed("The answer is None, though the points differ.")
+            raise CheckFailed("The answer is None although the points differ.")
 
 
 def distances_by_hand(points, p, q):
-    """Return signed distances from the line through p and q: area of a parallelogram over base."""
+    """Return signed distances from the line through p and q, from areas of parallelograms."""
     base = math.dist(p, q)
     return np.array(
         [
@@ -127,96 +127,96 @@ def distances_by_hand(points, p, q):
     )
 
 
-def equation(p, q):
+def line_by_hand(p, q):
     """Return the line (a, b, c) through two points."""
     base = math.dist(p, q)
     a, b = (p[1] - q[1]) / base, (q[0] - p[0]) / base
     return np.array([a, b, -(a * p[0] + b * p[1])])
 
 
-def assert_measured(student, points, p, q):
-    """Check the distances from the line through two points, on both of its sides."""
-    signed, line = distances_by_hand(points, p, q), equation(p, q)
+def assert_distances(student, points, p, q):
+    """Check the distances from the line through two points."""
+    signed, line = distances_by_hand(points, p, q), line_by_hand(p, q)
     answer = student.point_line_distance(points.copy(), line.copy())
     assert_line_distances(answer, points, line, np.abs(signed))
 
 
-def assert_measured_on_one_side(student, points, p, q):
+def assert_distances_on_one_side(student, points, p, q):
     """Check the distances on one side of the line, where a x + b y + c > 0.
 
-    The points p and q are swapped if that puts more points on this side.
+    If most points are on the other side, p and q are swapped.
     """
-    beside = distances_by_hand(points, p, q) > 0
-    if 2 * beside.sum() < len(points):
-        p, q, beside = q, p, ~beside
-    assert_measured(student, points[beside], p, q)
+    is_positive = distances_by_hand(points, p, q) > 0
+    if 2 * is_positive.sum() < len(points):
+        p, q, is_positive = q, p, ~is_positive
+    assert_distances(student, points[is_positive], p, q)
 
 
-def through_origin(seed, n):
+def pairs_through_origin(seed, n):
     """Return n pairs of points whose lines pass through (0, 0)."""
-    return [(-2 * q, q) for q in some_pairs(seed, n)[1]]
+    return [(-2 * q, q) for q in random_pairs(seed, n)[1]]
 
 
 @hidden(
     "point_line_distance",
     weight=2,
-    title="Right for lines through (0, 0) that you have not seen",
-    hint="Draw the circles of the notebook around your points: does each touch the line?",
+    title="Measures distances from lines through (0, 0) that you have not seen",
+    hint="Draw circles around your points as in the notebook: does each one touch the line?",
 )
-def test_distances_from_lines(student, seed):
+def test_measures_from_lines_through_the_origin(student, seed):
     points = np.random.default_rng(seed).uniform(-20, 20, (60, 2))
-    for p, q in through_origin(seed + 3, 6):
-        assert_measured_on_one_side(student, points, p, q)
+    for p, q in pairs_through_origin(seed + 3, 6):
+        assert_distances_on_one_side(student, points, p, q)
 
 
 @hidden(
     "point_line_distance",
     weight=3,
-    title="Right for lines anywhere",
-    hint="c belongs to the sum, with its sign.",
+    title="Measures distances from lines that do not pass through (0, 0)",
+    hint="Add c, with its sign, to the sum.",
 )
-def test_distances_from_lines_anywhere(student, seed):
+def test_measures_from_any_line(student, seed):
     assert_plain_case(student.point_line_distance)
     points = np.random.default_rng(seed + 1).uniform(-20, 20, (60, 2))
-    for p, q in zip(*some_pairs(seed + 3, 6), strict=True):
-        assert_measured_on_one_side(student, points, p, q)
+    for p, q in zip(*random_pairs(seed + 3, 6), strict=True):
+        assert_distances_on_one_side(student, points, p, q)
 
 
 @hidden(
     "point_line_distance",
     weight=3,
-    title="Right on both sides of a line",
-    hint="No distance is negative: np.abs takes the absolute value of a whole array.",
+    title="Is correct on both sides of a line",
+    hint="A distance is never negative: np.abs takes the absolute value of a whole array.",
 )
-def test_distances_on_both_sides(student, seed):
+def test_measures_on_both_sides(student, seed):
     assert_plain_case(student.point_line_distance)
     points = np.random.default_rng(seed + 2).uniform(-20, 20, (60, 2))
-    for p, q in through_origin(seed + 4, 6):
-        assert_measured(student, points, p, q)
+    for p, q in pairs_through_origin(seed + 4, 6):
+        assert_distances(student, points, p, q)
 
 
 @hidden(
     "point_line_distance",
     weight=7,
-    title="Right for a slice of the course's own scan",
-    hint="The same two lines serve twenty points and twenty thousand.",
+    title="Measures distances in a slice of the course's scan",
+    hint="The same two lines of code work for twenty points and for twenty thousand.",
 )
-def test_distances_in_course_cloud(student, seed):
+def test_measures_the_course_cloud(student, seed):
     points = wall_of_course_cloud(seed, 500)
-    assert_measured(student, points, (0.0, -8.0), (10.0, -8.1))
-    assert_measured(student, points, (7.0, -2.0), (7.0, -9.0))
+    assert_distances(student, points, (0.0, -8.0), (10.0, -8.1))
+    assert_distances(student, points, (7.0, -2.0), (7.0, -9.0))
 
 
 @hidden(
     "point_line_distance",
     weight=1,
-    title="Right for single precision, few points and any layout in memory",
-    hint="Whole columns serve every case: no special case is needed.",
+    title="Works in single precision, on few points and with any memory layout",
+    hint="Compute with whole columns: you need no special case.",
 )
-def test_distances_of_few_and_single(student, seed):
+def test_measures_few_points_in_single_precision(student, seed):
     assert_plain_case(student.point_line_distance)
     points = np.random.default_rng(seed).uniform(-20, 20, (30, 2))
-    [(p, q)] = through_origin(seed + 4, 1)
+    [(p, q)] = pairs_through_origin(seed + 4, 1)
     points = points[distances_by_hand(points, p, q) > 0]
     for few in (
         points.astype(np.float32),
@@ -225,7 +225,7 @@ def test_distances_of_few_and_single(student, seed):
         points[:1],
         np.repeat(points[:2], 3, axis=0),
     ):
-        assert_measured(student, few, p, q)
+        assert_distances(student, few, p, q)
 
 
 def wall_of_course_cloud(seed, n):
@@ -249,14 +249,15 @@ def _most_inliers(data, tolerance):
 
 
 def most_inliers(points, tolerance):
-    """Return the largest number of points near a line through two of them; tries all pairs."""
+    """Return the largest number of points near a line through two of them, by trying all pairs."""
     return _most_inliers(np.ascontiguousarray(points, dtype=float).tobytes(), tolerance)
 
 
-def successes(student, clouds, max_iterations, tolerance, marked=False):
+def successes(student, clouds, max_iterations, tolerance, must_mark=False):
     """Yield for each cloud whether a line with 80 % of the possible inliers is found.
 
-    With ``marked``, the mask must also contain 80 % of the points near the line, and few others.
+    If `must_mark` is true, the mask must also mark at least 80 % of the points near the line, and
+    few others.
     """
     for number, points in enumerate(clouds):
         rng = np.random.default_rng(1000 + number)
@@ -265,38 +266,39 @@ def successes(student, clouds, max_iterations, tolerance, marked=False):
         near = line is not None and distances_from(line, points) <= tolerance
         is_found = np.sum(near) >= 0.8 * most_inliers(points, tolerance)
         is_marked = np.sum(mask & near) >= 0.8 * max(np.sum(near), np.sum(mask))
-        yield line is not None and bool(is_found and (is_marked or not marked))
+        yield line is not None and bool(is_found and (is_marked or not must_mark))
 
 
-def are_at_least(needed, flags):
-    """Return whether at least `needed` flags are True; stop as soon as that is known."""
+def at_least(needed, flags):
+    """Return whether at least `needed` flags are true, and stop as soon as that is known."""
     return sum(itertools.islice(filter(None, flags), needed)) == needed
 
 
 def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
-    asked = student, clouds, max_iterations, tolerance
-    if are_at_least(needed, successes(*asked, marked=True)):
+    arguments = student, clouds, max_iterations, tolerance
+    if at_least(needed, successes(*arguments, must_mark=True)):
         return
-    if are_at_least(needed, successes(*asked)):
+    if at_least(needed, successes(*arguments)):
         raise CheckFailed(
-            "The line is found, and the mask marks other points than those near it.",
-            hint="The mask of a line is point_line_distance(points, line) <= distance_tolerance: "
-            "keep it together with its line.",
+            "The line is found, but the mask does not mark the points near it.",
+            hint="The mask of a line is point_line_distance(points, line) <= "
+            "distance_tolerance: keep the line and its mask together.",
         )
-    raise CheckFailed("A line with most of the points that lie on one is found too seldom.")
+    raise CheckFailed("The line is found too rarely.")
 
 
-# "misses" is the chance that one run without early stopping fails, counted over all pairs of 2000
-# scenes. An answer that stops early at 99 % misses at most once in 100 runs.
+# "misses" is the probability that a single run without early stopping misses the line, computed
+# from all pairs of points in 2000 scenes. An answer that stops early at 99 % misses the line in at
+# most one run of 100.
 
 
 @hidden(
     "ransac_line",
     weight=5,
-    title="Finds lines you have not seen, half of the points on them",
-    hint="Keep the line with the most inliers over all rounds.",
+    title="Finds lines that you have not seen, with half of the points on them",
+    hint="Keep the line that has the most inliers in all rounds.",
 )
-def test_fresh_lines(student, seed):
+def test_finds_fresh_lines(student, seed):
     clouds = [wall_and_clutter((seed, run), 25, 25)[0] for run in range(12)]
     assert_mostly_found(student, clouds, 120, 0.4, 8)  # misses 1e-8
 
@@ -304,19 +306,19 @@ def test_fresh_lines(student, seed):
 @hidden(
     "ransac_line",
     weight=10,
-    title="The mask belongs to the line, also of a rough wall",
-    hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
-    "from a unit normal, and not squared.",
+    title="Returns the mask that belongs to the line, even for a rough wall",
+    hint="Replace line and mask together. Compare the distances in metres with "
+    "distance_tolerance: do not square them, and use a unit normal.",
 )
-def test_own_inliers(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_mask_belongs_to_line(student, seed):
+    require_line_among_outliers(student.ransac_line)
     for run, tolerance in enumerate((0.3, 0.3, 0.6, 1.8)):
-        # The wall is so rough that any change of the line moves points into or out of the band.
+        # The wall is so rough that another line would have other inliers.
         rough, _ = wall_and_clutter((seed, run, 2), 25, 10, noise=0.8)
         rng = np.random.default_rng(run)
         answer = student.ransac_line(rough.copy(), 40, tolerance, rng)
         assert_mask_matches_line(answer, rough, tolerance)
-    # With few samples, the best line is too poor to hide a wrong mask.
+    # After few samples the best line is poor, so that a wrong mask differs from its inliers.
     clouds = [wall_and_clutter((seed, run, 4), 14, 26)[0] for run in range(40)]
     calls = [
         (points, 2 + run % 2, 0.4, np.random.default_rng(run)) for run, points in enumerate(clouds)
@@ -328,10 +330,10 @@ def test_own_inliers(student, seed):
 @hidden(
     "ransac_line",
     weight=3,
-    title="Finds a line with three times as many points beside it",
-    hint="Are there really max_iterations rounds, each with a new sample?",
+    title="Finds a line among three times as many outliers",
+    hint="Does your loop run max_iterations times and draw a new sample in each round?",
 )
-def test_many_outliers(student, seed):
+def test_finds_lines_among_many_outliers(student, seed):
     clouds = [wall_and_clutter((seed, run, 1), 12, 38)[0] for run in range(16)]
     assert_mostly_found(student, clouds, 400, 0.3, 11)  # misses 3e-8
 
@@ -339,10 +341,10 @@ def test_many_outliers(student, seed):
 @hidden(
     "ransac_line",
     weight=3,
-    title="Finds the house front in the course's own scan",
-    hint="Draw the slice at the end of the notebook: does your line run along the wall?",
+    title="Finds the house front in the course's scan",
+    hint="Draw the slice as at the end of the notebook: does your line follow the wall?",
 )
-def test_course_cloud_wall(student, seed):
+def test_finds_the_wall_in_the_course_cloud(student, seed):
     clouds = [wall_of_course_cloud((seed, run), 90) for run in range(12)]
     assert_mostly_found(student, clouds, 60, 0.15, 9)
 
@@ -350,10 +352,10 @@ def test_course_cloud_wall(student, seed):
 @hidden(
     "ransac_line",
     weight=2,
-    title="The same when the street is moved, turned and scaled",
-    hint="Only distances count: no fixed place, no fixed size.",
+    title="Finds the line if the street is moved, rotated and scaled",
+    hint="Use only distances: no fixed position and no fixed size.",
 )
-def test_moved_and_scaled(student, seed):
+def test_finds_moved_and_scaled_lines(student, seed):
     points, _ = wall_and_clutter((seed, 2), 25, 15)
     cosine, sine = math.cos(seed % 7), math.sin(seed % 7)
     turned = points @ np.array([[cosine, sine], [-sine, cosine]]) + [300.0, -200.0]
@@ -366,53 +368,55 @@ def test_moved_and_scaled(student, seed):
 @hidden(
     "ransac_line",
     weight=1,
-    title="Finds a wall that stands straight ahead, or straight across",
-    hint="Only distances count: no slope.",
+    title="Finds a wall straight ahead or straight to the side",
+    hint="Use only distances, not a slope.",
 )
-def test_upright(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_finds_axis_parallel_walls(student, seed):
+    require_line_among_outliers(student.ransac_line)
     rng = np.random.default_rng(seed)
     for column in (0, 1):
         wall = rng.uniform(-9, 9, (30, 2))
         wall[:20, column] = 4.0
-        beside = wall[20:, column]
-        beside += np.where(beside < 4, -1, 1)  # no outlier gives a nearly upright line
+        outliers = wall[20:, column]
+        outliers += np.where(outliers < 4, -1, 1)  # no outlier is almost on the wall
         assert_mostly_found(student, [wall] * 6, 80, 0.2, 3)
 
 
 @hidden(
     "ransac_line",
     weight=1,
-    title="Any two of three points give their line",
-    hint="Draw without replacement: the same point twice makes no line.",
+    title="Draws two different points in every round",
+    hint="Draw without replacement: the same point drawn twice gives no line.",
 )
-def test_two_points(student, seed):
-    require_line_in_crowd(student.ransac_line)
-    p, q = (points[0] for points in some_pairs(seed + 5, 1))
+def test_draws_two_of_three_points(student, seed):
+    require_line_among_outliers(student.ransac_line)
+    p, q = (points[0] for points in random_pairs(seed + 5, 1))
     third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line through p and q
     three = np.array([p, q, third])
     for line in lines_from_two_rounds(student.ransac_line, three):
         if line is None:
             raise CheckFailed(
-                "Any two of three points make a line, and in some runs there is none."
+                "Any two of the three points define a line, but in some runs no line is found."
             )
         if np.sum(distances_from(line, three) <= 0.1) != 2:
-            raise CheckFailed("A sample is two of the points, and the line runs through both.")
+            raise CheckFailed(
+                "A sample consists of two points, and the line must pass through both."
+            )
 
 
 @hidden(
     "ransac_line",
     weight=1,
-    title="One iteration is one sample, no more and no less",
-    hint="max_iterations is the number of samples: for _ in range(max_iterations).",
+    title="Draws exactly one sample in each iteration",
+    hint="max_iterations is the number of samples: `for _ in range(max_iterations)`.",
 )
-def test_iterations_count(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_one_iteration_is_one_sample(student, seed):
+    require_line_among_outliers(student.ransac_line)
     assert_no_round_is_missing(student.ransac_line)
-    # Other points in each run, so that a seed of the student's own is neither lucky nor unlucky.
+    # Each run has other points, so that a fixed seed in the answer is neither lucky nor unlucky.
     clouds = [wall_and_clutter((seed, 3, run), 14, 46)[0] for run in range(48)]
     misses = (not found for found in successes(student, clouds, 1, 0.3))
-    if not are_at_least(25, misses):  # 1 sample in 25 is good
+    if not at_least(25, misses):  # 1 sample in 25 is good
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 the line is found in most runs. A single sample of two "
@@ -424,30 +428,30 @@ def test_iterations_count(student, seed):
 @hidden(
     "ransac_line",
     weight=2,
-    title="Goes on after samples of equal points",
-    hint="A sample of equal points has no line: go on with the next.",
+    title="Continues after samples of two equal points",
+    hint="A sample of equal points has no line: continue with the next sample.",
 )
-def test_many_equal_points(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_continues_after_equal_points(student, seed):
+    require_line_among_outliers(student.ransac_line)
     rng = np.random.default_rng(seed)
     wall = wall_and_clutter((seed, 4), 12, 0)[0]
     for run in range(24):
-        # The chance of equal points in the first sample is 0.5, in forty samples practically 0.
-        alike = np.repeat(rng.uniform(12, 20, (1, 2)), 28, axis=0)
-        points = rng.permutation(np.vstack([alike, wall]))
+        # The probability of equal points is 0.5 for one sample and practically 0 for forty.
+        equal_points = np.repeat(rng.uniform(12, 20, (1, 2)), 28, axis=0)
+        points = rng.permutation(np.vstack([equal_points, wall]))
         answer = student.ransac_line(points, 40, 0.3, np.random.default_rng(run))
         if as_line_and_mask(answer, len(points))[0] is None:
-            raise CheckFailed("There is no line, though not all points are equal.")
+            raise CheckFailed("The line is None although not all points are equal.")
 
 
 @hidden(
     "ransac_line",
     weight=1,
-    title="Right for single precision and any layout in memory",
-    hint="Whole columns serve every case: no special case is needed.",
+    title="Works in single precision and with any memory layout",
+    hint="Compute with whole columns: you need no special case.",
 )
-def test_small_and_single(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_works_in_single_precision(student, seed):
+    require_line_among_outliers(student.ransac_line)
     points, _ = wall_and_clutter((seed, 5), 25, 10)
     clouds = [points.astype(np.float32), np.asfortranarray(points), points[::2]]
     assert_mostly_found(student, clouds * 2, 80, 0.4, 3)
@@ -456,14 +460,14 @@ def test_small_and_single(student, seed):
 @hidden(
     "ransac_line",
     weight=1,
-    title="Fewer than two points are too few, and two are not",
-    hint="Fewer than two points: (None, all False).",
+    title="Finds a line through two points, but none through fewer",
+    hint="Return (None, all False) for fewer than two points.",
 )
-def test_too_few(student, seed):
-    require_line_in_crowd(student.ransac_line)
+def test_two_points_are_enough(student, seed):
+    require_line_among_outliers(student.ransac_line)
     point = np.random.default_rng(seed).uniform(-9, 9, (1, 2))
     for few in (point[:0], point.astype(np.float32)):
         answer = student.ransac_line(few.copy(), 5, 0.4, np.random.default_rng(3))
         assert_nothing_found(answer, len(few))
-    p, q = (points[0] for points in some_pairs(seed + 6, 1))
+    p, q = (points[0] for points in random_pairs(seed + 6, 1))
     assert_two_are_enough(student.ransac_line, np.array([p, q]))

@@ -1,4 +1,4 @@
-"""Lesson 02: the quiz points with a line from least squares, and with one from RANSAC."""
+"""Draw the preview of lesson 02: the quiz points with a line from least squares and from RANSAC."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,9 +21,9 @@ def draw() -> Figure:
     slope, height = np.polyfit(points[:, 0], points[:, 1], 1)
     line, inliers = load_reference("02_ransac_line").ransac_line(points, 10, 1.0, 1)
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.7), layout="compressed")
-    look = {"limits": ((-7.5, 7.5), (-6, 6))}
-    plots.line_model(points, (slope, -1, height), axes=left, title="Least squares", **look)
-    plots.line_model(points, line, inliers, 1.0, axes=right, title="RANSAC", **look)
+    options = {"limits": ((-7.5, 7.5), (-6, 6))}
+    plots.line_model(points, (slope, -1, height), axes=left, title="Least squares", **options)
+    plots.line_model(points, line, inliers, 1.0, axes=right, title="RANSAC", **options)
     for axes in (left, right):
         axes.get_legend().remove()
         axes.set_title(axes.get_title(loc="left"), loc="left", fontweight="bold", pad=6)

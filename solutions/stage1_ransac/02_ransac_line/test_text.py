@@ -1,4 +1,4 @@
-"""The statements of lesson 02 are true for the answers that its hints describe."""
+"""The statements in the text of lesson 02 are true for the answers that its hints describe."""
 
 import re
 
@@ -21,7 +21,7 @@ def numbers_in(line):
     return [float(number) for number in re.findall(r"-?\d+\.\d*", line)]
 
 
-def test_tiny_cases(solved):
+def test_tiny_examples_give_the_expected_results(solved):
     lines = solved.text.splitlines()
     yours = [number for number, line in enumerate(lines) if line.startswith("yours:   ")]
     assert len(yours) == 4
@@ -47,7 +47,7 @@ def test_circles_fit_into_the_picture(solved):
     assert (some[:, 1] - radius > low).all() and (some[:, 1] + radius < high).all()
 
 
-def test_rounds_of_the_table(solved):
+def test_the_table_of_rounds_is_as_described(solved):
     counts = solved.names["counts"]
     assert counts[3] == max(counts) >= 10
     assert max(counts[:3] + counts[4:]) <= 7
@@ -80,7 +80,7 @@ def test_all_seeds_agree_after_two_thousand_rounds(solved):
     assert np.abs(found - 45).max() <= 10.5
 
 
-def test_directions_wobble_more_the_wider_the_band(solved):
+def test_directions_vary_more_with_a_wider_band(solved):
     spread = [
         np.ptp(solved.names["directions"](200, threshold)) for threshold in (0.2, 0.5, 1, 2, 3, 4)
     ]
@@ -94,7 +94,7 @@ def test_directions_wobble_more_the_wider_the_band(solved):
     assert solved.numbers_after("within 1.0 m:")[-1] <= 2
 
 
-def test_wall_lies_within_its_band(solved):
+def test_the_wall_is_within_its_band(solved):
     rng, furthest = np.random.default_rng(0), np.hypot(0.6, 0.6)
     for _ in range(50):
         wall = solved.names["quiz_points"](rng)[:10]
@@ -110,7 +110,7 @@ def test_success_follows_the_formula(solved):
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 
 
-def test_rough_walls_need_two_or_three_times_the_rounds(solved):
+def test_rough_walls_need_two_or_three_times_as_many_rounds(solved):
     rate = solved.names["success_rate"]
 
     def theory(rounds):
@@ -140,7 +140,7 @@ def test_two_walls_of_the_street_are_found(solved):
     assert most > 1.3 * fewer and long > 1.3 * short
 
 
-def test_the_scikit_learn_example(solved):
+def test_the_scikit_learn_example_finds_the_wall(solved):
     from sklearn.linear_model import RANSACRegressor
 
     points = solved.names["points"]
@@ -151,7 +151,7 @@ def test_the_scikit_learn_example(solved):
 
 
 def best_line(solved, points, rounds, threshold, rng, score, second=None):
-    """Run RANSAC with another score, or with another choice of the second point."""
+    """Run RANSAC with a different score, or with a different choice of the second point."""
     line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
     rng, best = np.random.default_rng(rng), (-np.inf, None)
     for _ in range(rounds):
@@ -176,7 +176,7 @@ def inliers_within(distances, threshold):
     return np.sum(distances <= threshold)
 
 
-def test_answer_about_msac(solved):
+def test_the_answer_about_msac_is_right(solved):
     def msac(distances, threshold):
         return -np.minimum(distances**2, threshold**2).sum()
 
@@ -193,14 +193,14 @@ def test_answer_about_msac(solved):
     )
     assert plain[0.3] == pytest.approx(better[0.3], abs=0.2)
     assert better[0.7] < plain[0.7] - 0.2
-    told_in_text = [[2.2, 1.6], [7.1, 2.6]]
+    in_the_text = [[2.2, 1.6], [7.1, 2.6]]
     assert (
         np.round([[plain[tolerance], better[tolerance]] for tolerance in (1.0, 3.0)], 1).tolist()
-        == told_in_text
+        == in_the_text
     )
 
 
-def test_answer_about_the_second_point(solved):
+def test_the_answer_about_the_second_point_is_right(solved):
     points, distance = solved.names["points"], solved.names["point_line_distance"]
 
     def misses(seed, second):
@@ -213,7 +213,7 @@ def test_answer_about_the_second_point(solved):
     assert missed == pytest.approx([0.10, 0.18, 0.03], abs=0.02)
 
 
-def test_sampling_without_replacement():
+def test_sampling_without_replacement_lowers_the_success_rate():
     put_back, as_drawn = ((12 / 60) * (12 / 60), (12 / 60) * (11 / 59))
     shares = [1 - (1 - good) ** 10 for good in (as_drawn, put_back)]
     assert np.round(shares, 2).tolist() == [0.32, 0.34]

@@ -1,8 +1,8 @@
-"""Hidden tests of lesson 03. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 03. Students see the titles and hints but not the code.
 
 RANSAC is judged by its result, with so many iterations that a right answer fails less than once in
-a thousand million runs. If p is the chance that one sample succeeds, N iterations fail with
-probability (1 - p)^N.
+a billion runs. If one sample succeeds with probability p, N iterations fail with probability
+(1 - p)^N.
 """
 
 import functools
@@ -76,10 +76,10 @@ def random_triangle(rng, size=5.0):
 @hidden(
     "plane_through",
     weight=3,
-    title="Upright on triangles you have not seen",
+    title="(a, b, c) is perpendicular to triangles you have not seen",
     hint="The cross product of two sides is perpendicular to the triangle.",
 )
-def test_random_triangles(student, seed):
+def test_normal_is_perpendicular_to_random_triangles(student, seed):
     rng = np.random.default_rng(seed)
     for _ in range(8):
         triangle = random_triangle(rng)
@@ -89,25 +89,25 @@ def test_random_triangles(student, seed):
 @hidden(
     "plane_through",
     weight=14,
-    title="Triangles you have not seen lie on their planes, near and far",
-    hint="d makes the plane pass through p; it is computed from the a, b, c that are returned.",
+    title="Returns a plane through all three points, near and far",
+    hint="d makes the plane pass through p. Compute it from the a, b and c that you return.",
 )
-def test_offsets(student, seed):
+def test_plane_contains_its_points(student, seed):
     rng = np.random.default_rng(seed + 1)
     require_perpendicular_normals(student.plane_through)
     for reach in (1, 10, 60):
         triangle = random_triangle(rng) + rng.uniform(-reach, reach, 3)
-        for way_round in (triangle, triangle[::-1]):  # with the normal on either side
-            assert_contains_points(student.plane_through(*way_round.copy()), triangle)
+        for points in (triangle, triangle[::-1]):  # with the normal on either side
+            assert_contains_points(student.plane_through(*points.copy()), triangle)
 
 
 @hidden(
     "plane_through",
     weight=5,
-    title="The normal has length 1, however large the triangle",
+    title="Returns a normal of length 1, however large the triangle is",
     hint="Divide the cross product by its length.",
 )
-def test_lengths(student, seed):
+def test_normal_has_length_1(student, seed):
     rng = np.random.default_rng(seed + 2)
     require_perpendicular_normals(student.plane_through)
     for size in (0.5, 3, 30):
@@ -118,10 +118,10 @@ def test_lengths(student, seed):
 @hidden(
     "plane_through",
     weight=1,
-    title="The order of the points does not matter, nor does single precision",
-    hint="Only the sign of the four numbers may change with the order.",
+    title="Works for any order of the points and in single precision",
+    hint="Only the sign of the four numbers may depend on the order.",
 )
-def test_order(student, seed):
+def test_order_of_points_does_not_matter(student, seed):
     triangle = random_triangle(np.random.default_rng(seed + 3))
     require_perpendicular_normals(student.plane_through)
     for order in ((0, 1, 2), (1, 0, 2), (2, 0, 1), (2, 1, 0)):
@@ -133,10 +133,10 @@ def test_order(student, seed):
 @hidden(
     "plane_through",
     weight=4,
-    title="None for points of one line, however they lie on it",
-    hint="The cross product is zero, or as good as zero: compare its length with 1e-9.",
+    title="Returns None for points on one line, in any order",
+    hint="The length of the cross product is 0 or almost 0: compare it with 1e-9.",
 )
-def test_lines(student, seed):
+def test_points_on_a_line_give_none(student, seed):
     rng = np.random.default_rng(seed + 4)
     require_planes(student.plane_through)
     for _ in range(4):
@@ -146,7 +146,7 @@ def test_lines(student, seed):
 
 
 def in_front(points, plane):
-    """Return the points in front of both the plane and its parallel through the sensor."""
+    """Return the points in front of both the plane and the parallel plane through the sensor."""
     height = points[:, :3].astype(float) @ plane[:3]
     return points[(height > 0.01) & (height + plane[3] > 0.01)]
 
@@ -154,10 +154,10 @@ def in_front(points, plane):
 @hidden(
     "point_plane_distance",
     weight=3,
-    title="Right for the course's own scan, from planes through the sensor",
-    hint="a x + b y + c z, each coordinate times its own part of the normal.",
+    title="Measures distances in the course's scan from planes through the sensor",
+    hint="Compute a x + b y + c z: multiply each coordinate by its own component of the normal.",
 )
-def test_distances_in_the_course_cloud(student, seed):
+def test_measures_the_course_cloud(student, seed):
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 2000)
     for _ in range(2):
@@ -169,10 +169,10 @@ def test_distances_in_the_course_cloud(student, seed):
 @hidden(
     "point_plane_distance",
     weight=2,
-    title="Right for planes anywhere",
-    hint="d is added to a x + b y + c z.",
+    title="Measures distances from planes that do not pass through the sensor",
+    hint="Add d to a x + b y + c z.",
 )
-def test_offset_planes(student, seed):
+def test_adds_d(student, seed):
     rng = np.random.default_rng(seed)
     require_plain_distances(student.point_plane_distance)
     for sign in (1, -1, 1):
@@ -185,10 +185,10 @@ def test_offset_planes(student, seed):
 @hidden(
     "point_plane_distance",
     weight=2,
-    title="No distance has a sign",
-    hint="np.abs of the whole sum. A plane and its negative are the same plane.",
+    title="Returns no negative distances",
+    hint="Take np.abs of the whole sum. A plane and its negative are the same plane.",
 )
-def test_both_sides(student, seed):
+def test_measures_on_both_sides(student, seed):
     rng = np.random.default_rng(seed)
     require_plain_distances(student.point_plane_distance)
     xyz, plane = rng.uniform(-8, 8, (60, 3)), random_plane(rng) * [1, 1, 1, 0]
@@ -199,28 +199,28 @@ def test_both_sides(student, seed):
 @hidden(
     "point_plane_distance",
     weight=15,
-    title="Right on both sides of planes anywhere, in the course's own scan",
-    hint="First the whole sum, d included; then its absolute value.",
+    title="Measures distances in the course's scan on both sides of any plane",
+    hint="Compute the whole sum including d, then take np.abs of it.",
 )
-def test_both_sides_anywhere(student, seed):
+def test_measures_on_both_sides_of_any_plane(student, seed):
     rng = np.random.default_rng(seed)
-    with needs("d counts, and no distance has a sign"):
-        test_offset_planes(student, seed)
-        test_both_sides(student, seed)
+    with needs("d is added and no distance is negative"):
+        test_adds_d(student, seed)
+        test_measures_on_both_sides(student, seed)
     cloud = samples.patch_of_course_cloud(seed, 500)[:, :3]
     for _ in range(2):
         plane = random_plane(rng)
-        plane[3] = -np.median(cloud @ plane[:3])  # half of the points on either side
+        plane[3] = -np.median(cloud @ plane[:3])  # half of the points are on each side
         assert_distances(student.point_plane_distance(cloud.copy(), plane.copy()), cloud, plane)
 
 
 @hidden(
     "point_plane_distance",
     weight=5,
-    title="Clouds of four columns have the distances of their first three",
-    hint="points[:, :3] for the product with the normal.",
+    title="Returns the same distances with and without intensity",
+    hint="Use points[:, :3] for the product with the normal.",
 )
-def test_four_columns(student, seed):
+def test_ignores_intensity(student, seed):
     require_plain_distances(student.point_plane_distance)
     cloud = samples.patch_of_course_cloud(seed, 50)
     plane = random_plane(np.random.default_rng(seed)) + [0, 0, 0, 6]
@@ -232,10 +232,10 @@ def test_four_columns(student, seed):
 @hidden(
     "point_plane_distance",
     weight=1,
-    title="Right for single precision, another memory order and one point",
-    hint="One number per row, whatever the array is made of.",
+    title="Works in single precision, with another memory layout and on one point",
+    hint="Return one number per row for any kind of array.",
 )
-def test_forms_of_points(student, seed):
+def test_measures_any_array(student, seed):
     require_plain_distances(student.point_plane_distance)
     plane = np.array([0.0, 0.6, 0.8, 0.0])
     points = in_front(samples.patch_of_course_cloud(seed, 50), plane)[:, :3]
@@ -256,16 +256,16 @@ def tilted(cloud, rng):
 
 
 @functools.lru_cache(maxsize=256)
-def street_and_its_best(name, street, run, tolerance):
-    """Return points of a street, the inlier count of its best plane, and sufficient iterations.
+def street_with_best_plane(name, seed, run, tolerance):
+    """Return points of a street, the inlier count of the best plane and sufficient iterations.
 
-    The oracle tries 1 500 samples at once. The chance of a single sample is the share of samples
-    with at least 85 % of the best one's inliers, reduced by a tenth as a margin.
+    The best plane is that of 1500 samples. The success probability of a single sample is the share
+    of these samples with at least 85 % of the most inliers, reduced by a tenth as a margin.
     """
-    cloud = samples.course_cloud() if name == "course" else samples.fresh_street(street)
+    cloud = samples.course_cloud() if name == "course" else samples.fresh_street(seed)
     near, low = (np.abs(cloud[:, :2]) < (12, 8)).all(axis=1), cloud[:, 2] < -0.9
-    rng = np.random.default_rng((street, run))
-    # A quarter of the points are obstacles, so fixed rows of the cloud are rarely all on the road.
+    rng = np.random.default_rng((seed, run))
+    # A quarter of the points are obstacles, so three fixed rows are rarely all on the road.
     rows = [rng.choice(np.flatnonzero(near & low), 370, replace=False)]
     rows += [rng.choice(np.flatnonzero(near & ~low), 130, replace=False)]
     points = tilted(cloud[rng.permutation(np.concatenate(rows))], rng)
@@ -282,13 +282,13 @@ def street_and_its_best(name, street, run, tolerance):
 
 
 def assert_marks(answer, points, tolerance):
-    """Check that the mask contains most of the points near the model, and few others."""
+    """Check that the mask marks most of the points near the model and few others."""
     near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
-            "The plane is found, and the mask marks other points than those near it.",
+            "The plane is found, but the mask does not mark the points near it.",
             hint="The mask of a plane is point_plane_distance(points, plane) <= "
-            "distance_tolerance: keep it together with its plane.",
+            "distance_tolerance: keep the plane and its mask together.",
         )
 
 
@@ -296,19 +296,19 @@ def assert_marks(answer, points, tolerance):
     "ransac_plane",
     weight=4,
     title="Finds the road in {}",
-    hint="Draw your plane from the side, as in the notebook: does it lie in the road?",
+    hint="Draw your plane from the side, as in the notebook: does it follow the road?",
 )
 @pytest.mark.parametrize(
-    "name", ["course", "fresh"], ids=["the course's own scan", "a street you have not seen"]
+    "name", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]
 )
-def test_streets(student, seed, name):
+def test_finds_the_road(student, seed, name):
     for run in range(3):
-        points, most, iterations = street_and_its_best(name, seed, run, 0.2)
+        points, most, iterations = street_with_best_plane(name, seed, run, 0.2)
         answer = student.ransac_plane(points.copy(), iterations, 0.2, np.random.default_rng(run))
         found = np.count_nonzero(gaps_from(points, as_model(answer)) <= 0.2)
         if found < 0.82 * most:
             raise CheckFailed(
-                "A plane with many more points near it exists.",
+                "There is a plane with many more points near it.",
                 yours=f"{found} points",
                 expected=f"about {most} points",
             )
@@ -318,16 +318,16 @@ def test_streets(student, seed, name):
 @hidden(
     "ransac_plane",
     weight=4,
-    title="Finds planes in any direction, run after run",
-    hint="A wall, a ramp and a road are the same to it. Look also at how the best plane is kept.",
+    title="Finds planes in any direction in every run",
+    hint="Treat walls, ramps and roads alike. Check also how you keep the best plane.",
 )
-def test_any_direction(student, seed):
+def test_finds_planes_in_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(6):
-        points, belongs = scattered_plane(seed + run, 40, 25, random_plane(rng))
+        points, on_plane = scattered_plane(seed + run, 40, 25, random_plane(rng))
         # One sample in five consists of inliers and is well placed: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
-        assert_finds(answer, points, 0.2, belongs)
+        assert_finds(answer, points, 0.2, on_plane)
         assert_marks(answer, points, 0.2)
 
 
@@ -335,25 +335,25 @@ def test_any_direction(student, seed):
     "ransac_plane",
     weight=3,
     title="Finds the plane among twice as many outliers",
-    hint="Every round needs three new rows, and the best of all rounds counts, not the last.",
+    hint="Draw three new rows in every round, and return the best of all rounds, not the last.",
 )
-def test_many_outliers(student, seed):
+def test_finds_planes_among_many_outliers(student, seed):
     for run in range(2):
-        points, belongs = scattered_plane(seed + 10 + run, 25, 50)
+        points, on_plane = scattered_plane(seed + 10 + run, 25, 50)
         # One sample in 36 consists of inliers and is well placed: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
-        assert_finds(answer, points, 0.2, belongs, share=0.85)
+        assert_finds(answer, points, 0.2, on_plane, share=0.85)
         assert_marks(answer, points, 0.2)
 
 
 @hidden(
     "ransac_plane",
     weight=8,
-    title="The mask belongs to the model, run after run",
-    hint="Keep the plane and its mask together. Whoever fits a new plane in the end needs a new "
-    "mask, too.",
+    title="Returns the mask that belongs to the model in every run",
+    hint="Keep the plane and its mask together. If you refit the plane at the end, compute a "
+    "new mask.",
 )
-def test_masks(student, seed):
+def test_mask_belongs_to_model(student, seed):
     require_plane_among_outliers(student.ransac_plane)
     for run in range(6):
         points, _ = scattered_plane(seed + 20 + run, 50, 20, noise=0.1)
@@ -364,10 +364,10 @@ def test_masks(student, seed):
 @hidden(
     "ransac_plane",
     weight=4,
-    title="Follows tolerances you have not seen",
+    title="Works for tolerances you have not seen",
     hint="Compare the distances with distance_tolerance.",
 )
-def test_tolerances(student, seed):
+def test_uses_the_tolerance(student, seed):
     rng = np.random.default_rng(seed)
     require_plane_among_outliers(student.ransac_plane)
     for run in range(3):
@@ -382,13 +382,14 @@ def test_tolerances(student, seed):
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Takes three different rows of four",
-    hint="rng.choice(n, 3, replace=False): with replacement a row comes up twice.",
+    title="Draws three different rows out of four",
+    hint="Use rng.choice(n, 3, replace=False): with replacement, a row may be drawn twice.",
 )
-def test_three_points(student, seed):
+def test_draws_three_different_rows(student, seed):
     rng = np.random.default_rng(seed)
     require_plane_among_outliers(student.ransac_plane)
-    # Four corners, alternately raised and lowered; none of their planes is steep enough to reject.
+    # Four corners, alternately high and low. None of their planes is steep, because an answer may
+    # reject steep planes.
     corners = np.array([[9.0, 0, 0.4], [0, 9, -0.4], [-9, 0, 0.4], [0, -9, -0.4]])
     corners[:, :2] += rng.uniform(-2, 2, (4, 2))
     assert_rows_differ(student.ransac_plane, corners + [*rng.uniform(-20, 20, 2), -1.7])
@@ -397,10 +398,10 @@ def test_three_points(student, seed):
 @hidden(
     "ransac_plane",
     weight=1,
-    title="No round is missing: one iteration is one sample",
-    hint="max_iterations is the number of samples: for _ in range(max_iterations).",
+    title="Draws one sample in each iteration, without missing a round",
+    hint="max_iterations is the number of samples: `for _ in range(max_iterations)`.",
 )
-def test_rounds(student, seed):
+def test_no_round_is_missing(student, seed):
     require_plane_among_outliers(student.ransac_plane)
     assert_no_round_is_missing(student.ransac_plane)
 
@@ -408,42 +409,42 @@ def test_rounds(student, seed):
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Right for single precision, other memory orders, duplicates and four columns",
-    hint="Use points[:, :3] and the rows as they come.",
+    title="Works in single precision, with other memory layouts, on duplicates and on four columns",
+    hint="Use points[:, :3], and keep all rows as they are.",
 )
-def test_forms(student, seed):
-    rng = generator_for_students(seed, "test_forms")
+def test_finds_planes_in_any_array(student, seed):
+    rng = generator_for_students(seed, "test_finds_planes_in_any_array")
     forms = (lambda points: points.astype(np.float32), np.asfortranarray, lambda p: p[:, :3])
     for run, form in enumerate(forms):
-        points, belongs = scattered_plane(seed + 40 + run, 40, 20, columns=4)
+        points, on_plane = scattered_plane(seed + 40 + run, 40, 20, columns=4)
         variant = form(points)
         # More than one sample in five consists of inliers: 0.77^90 < 1e-10.
-        assert_finds(student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, belongs)
-    twice, belongs = np.repeat(points, 2, axis=0), np.repeat(belongs, 2)
-    assert_finds(student.ransac_plane(twice.copy(), 90, 0.2, rng), twice, 0.2, belongs)
+        assert_finds(student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, on_plane)
+    duplicates, on_plane = np.repeat(points, 2, axis=0), np.repeat(on_plane, 2)
+    assert_finds(student.ransac_plane(duplicates.copy(), 90, 0.2, rng), duplicates, 0.2, on_plane)
 
 
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Goes on when most samples lie on one line",
-    hint="A sample without a plane is skipped, and it counts as a round.",
+    title="Continues if most samples lie on one line",
+    hint="Skip a sample that has no plane, but count it as a round.",
 )
-def test_degenerate(student, seed):
+def test_continues_after_degenerate_samples(student, seed):
     for run in range(6):
-        points, belongs = ramp_with_collinear_points(np.random.default_rng(seed + run))
+        points, on_plane = ramp_with_collinear_points(np.random.default_rng(seed + run))
         # Four samples in ten give a plane, which is always the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
-        assert_finds(answer, points, 0.1, belongs)
+        assert_finds(answer, points, 0.1, on_plane)
 
 
 @hidden(
     "ransac_plane",
     weight=1,
-    title="Fewer than three points have no plane, and three have one",
-    hint="Ask for len(points) < 3 before the loop.",
+    title="Finds the plane of three points, but none of fewer",
+    hint="Test len(points) < 3 before the loop.",
 )
-def test_few_points(student, seed):
+def test_three_points_are_enough(student, seed):
     require_plane_without_outliers(student.ransac_plane)
     cloud = samples.patch_of_course_cloud(seed, 2)
     for n in (0, 1, 2):
@@ -454,10 +455,10 @@ def test_few_points(student, seed):
 @hidden(
     "fit_plane",
     weight=5,
-    title="Right for planes in any direction, with noise",
-    hint="Centre the points, take the SVD, and the direction with the smallest spread.",
+    title="Fits planes in any direction, with noise",
+    hint="Centre the points, take the SVD and use the direction of least spread.",
 )
-def test_fit_any_direction(student, seed):
+def test_fits_planes_in_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(4):
         points, _ = scattered_plane(seed + run, 50, 0, random_plane(rng), noise=0.1)
@@ -465,7 +466,7 @@ def test_fit_any_direction(student, seed):
     angle = rng.uniform(0, 2 * np.pi)
     wall, _ = scattered_plane(seed + 4, 50, 0, (np.cos(angle), np.sin(angle), 0, 3), noise=0.1)
     assert_direction(student.fit_plane(wall.copy()), wall)
-    # Small pieces of a few centimetres also have small sums of squares.
+    # In pieces of a few centimetres, the sums of squares are small as well.
     for run in range(8):
         points, _ = scattered_plane(seed + 5 + run, 12, 0, random_plane(rng), noise=0.1)
         piece = [6.0, 2.0, -1.4] + 0.02 * (points - points.mean(axis=0))
@@ -475,26 +476,26 @@ def test_fit_any_direction(student, seed):
 @hidden(
     "fit_plane",
     weight=13,
-    title="The mean lies on the plane, wherever the points are",
-    hint="d is minus the product of the normal and the mean.",
+    title="Returns a plane through the mean, wherever the points are",
+    hint="d is minus the dot product of the normal and the mean.",
 )
-def test_fit_offset(student, seed):
+def test_plane_contains_the_mean(student, seed):
     rng = np.random.default_rng(seed)
     require_direction(student.fit_plane)
     for run in range(3):
         points, _ = scattered_plane(seed + 10 + run, 50, 0, noise=0.05)
         points += rng.uniform(-8, 8, 3)
-        for some in (points, points - 2 * points.mean(axis=0)):  # the origin is on either side
-            assert_through_the_mean(student.fit_plane(some.copy()), some)
+        for cloud in (points, points - 2 * points.mean(axis=0)):  # the origin is on either side
+            assert_through_the_mean(student.fit_plane(cloud.copy()), cloud)
 
 
 @hidden(
     "fit_plane",
     weight=5,
-    title="Right for pieces of the course's own scan",
-    hint="Any cloud has a best plane, flat or not.",
+    title="Fits pieces of the course's scan",
+    hint="Any cloud has a best plane, even if it is not flat.",
 )
-def test_fit_course_cloud(student, seed):
+def test_fits_the_course_cloud(student, seed):
     cloud = samples.course_cloud()
     near = (np.abs(cloud[:, 0] - 6) < 6) & (np.abs(cloud[:, 1]) < 5) & (cloud[:, 2] < -1.3)
     rows = np.random.default_rng(seed).choice(np.flatnonzero(near), 800, replace=False)
@@ -504,10 +505,10 @@ def test_fit_course_cloud(student, seed):
 @hidden(
     "fit_plane",
     weight=1,
-    title="Right for three points, single precision and duplicates",
-    hint="Three points have a best plane, too: the one through them.",
+    title="Works on three points, in single precision and on duplicates",
+    hint="Three points also have a best plane: the one through them.",
 )
-def test_fit_small(student, seed):
+def test_fits_three_points_and_any_array(student, seed):
     rng = np.random.default_rng(seed)
     require_direction(student.fit_plane)
     for size in (0.8, 2.0, 5.0):
@@ -522,8 +523,8 @@ def test_fit_small(student, seed):
         assert_direction(student.fit_plane(variant.copy()), variant)
 
 
-def questions(seed, *sizes, count=12):
-    """Yield arguments of `iterations_needed` with the right answers, from exact arithmetic."""
+def cases(seed, *sizes, count=12):
+    """Yield arguments of `iterations_needed` and the exact answers."""
     rng = np.random.default_rng(seed)
     while count:
         ratio, confidence = rng.choice(np.arange(30, 96)) / 100, rng.choice([0.9, 0.99, 0.995])
@@ -537,33 +538,33 @@ def questions(seed, *sizes, count=12):
 @hidden(
     "iterations_needed",
     weight=3,
-    title="Right for planes, give or take one, with numbers you have not seen",
-    hint="log(1 - confidence) / log(1 - w^s).",
+    title="Finds the number of samples to within one, for values you have not seen",
+    hint="Compute log(1 - confidence) / log(1 - w^s).",
 )
-def test_iterations(student, seed):
-    for case, expected in questions(seed, 3):
+def test_finds_the_number_for_planes(student, seed):
+    for case, expected in cases(seed, 3):
         assert_nearly(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(
     "iterations_needed",
     weight=2,
-    title="Right for samples of other sizes",
-    hint="w is taken to the power of sample_size.",
+    title="Works for samples of other sizes",
+    hint="Raise w to the power of sample_size.",
 )
-def test_sizes(student, seed):
+def test_uses_the_sample_size(student, seed):
     require_plain_cases(student.iterations_needed)
-    for case, expected in questions(seed + 1, 1, 2, 4, 5):
+    for case, expected in cases(seed + 1, 1, 2, 4, 5):
         assert_nearly(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(
     "iterations_needed",
     weight=2,
-    title="Rounded up to the smallest whole number",
-    hint="math.ceil, and no number of samples more or less.",
+    title="Rounds up to the next whole number",
+    hint="Use math.ceil, and do not add or subtract a sample.",
 )
-def test_rounding(student, seed):
+def test_rounds_up(student, seed):
     require_plain_cases(student.iterations_needed)
-    for case, expected in questions(seed + 2, 3):
+    for case, expected in cases(seed + 2, 3):
         assert_iterations(student.iterations_needed(*case), expected, *case)

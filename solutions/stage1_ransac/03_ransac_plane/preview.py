@@ -1,4 +1,4 @@
-"""Lesson 03: the road as a plane, seen from the side."""
+"""Draw the preview of lesson 03: the road as a plane, seen from the side."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -26,6 +26,6 @@ def draw() -> Figure:
 
 
 def _leave_out_counts(axes: Axes) -> None:
-    """Remove the counts from the legend, as the lesson asks for the share of ground points."""
+    """Remove the counts from the legend, as they would answer a question of the lesson."""
     for text in axes.get_legend().get_texts():
         text.set_text(text.get_text().partition(":")[0])

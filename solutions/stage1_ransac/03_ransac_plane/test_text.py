@@ -1,4 +1,4 @@
-"""The statements of lesson 03 about its street are true for the answers that its hints describe."""
+"""The statements in the text of lesson 03 are true for the answers that its hints describe."""
 
 import ast
 import math
@@ -19,7 +19,7 @@ EXERCISES = [exercise.name for exercise in LESSON.machine_graded]
 
 @pytest.fixture(scope="module")
 def street():
-    """Names of the notebook: its street, its own functions, and the answers from the hints."""
+    """Return the names of the notebook, with answers that follow the hints."""
     cloud = load_cloud("cloud.txt")
     nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
     truth = np.load(DATA / "cloud_truth.npz")
@@ -42,7 +42,7 @@ def same_plane(plane, expected, within=1e-6):
     return min(np.abs(np.add(plane, sign * np.array(expected))).max() for sign in (1, -1)) < within
 
 
-def test_small_cases(street):
+def test_small_examples_give_the_expected_results(street):
     level = np.array([[4.0, 1.0, -1.7], [9.0, -2.0, -1.7], [6.0, 3.0, -1.7]])
     assert np.cross(level[1] - level[0], level[2] - level[0]).tolist() == [0, 0, 16]
     assert same_plane(street.plane_through(*level), (0, 0, 1, 1.7))
@@ -61,7 +61,7 @@ def test_small_cases(street):
     assert street.iterations_needed(0.5, 1, 0.9) == 4
 
 
-def test_shares_of_ground_and_cars(street):
+def test_shares_of_ground_and_cars_are_as_described(street):
     assert 0.5 < street.is_ground.mean() < 0.6
     others = street.kinds[~street.is_ground]
     assert (others == street.names.index("car")).mean() > 0.5
@@ -70,7 +70,7 @@ def test_shares_of_ground_and_cars(street):
     assert abs(share - street.is_ground.mean() ** 3) < 0.02
 
 
-def test_the_naive_plane_floats(street):
+def test_the_naive_plane_floats_above_the_ground(street):
     table = np.column_stack([street.street[:, :2], np.ones(len(street.rows))])
     fitted = np.linalg.lstsq(table, street.street[:, 2], rcond=None)[0]
     above = (table @ fitted - street.street[:, 2])[street.is_ground]
@@ -78,20 +78,20 @@ def test_the_naive_plane_floats(street):
     assert (np.abs(above) < 0.2).mean() < 0.01
 
 
-def test_four_rounds_go_as_described(street):
+def test_four_rounds_are_as_described(street):
     rng = np.random.default_rng(2)
     on_ground, inliers = [], []
     for _ in range(4):
         three, plane, near = street.one_round(rng)
         on_ground.append(int(street.is_ground[three].sum()))
         inliers.append(int(near.sum()))
-        assert np.hypot(plane[0], plane[2]) > 0.5  # drawn as a line, not seen face on
+        assert np.hypot(plane[0], plane[2]) > 0.5  # seen from the side, the plane is a line
     assert sorted(on_ground) == [0, 1, 2, 3]
     best = on_ground.index(3)
     assert all(2 * count < inliers[best] for place, count in enumerate(inliers) if place != best)
 
 
-def test_a_thin_band_loses_ground_by_crown_and_kerb_not_by_noise(street):
+def test_a_thin_band_loses_ground_because_of_crown_and_kerb(street):
     ground = street.street[street.is_ground]
     plane = np.array(street.fit_plane(ground))
     plane *= np.sign(plane[2])
@@ -107,32 +107,32 @@ def test_a_thin_band_loses_ground_by_crown_and_kerb_not_by_noise(street):
 
 
 def test_thresholds_act_as_described(street):
-    held, slopes = {}, {}
+    shares_held, slopes = {}, {}
     for threshold in (0.03, 0.2, 0.8):
         plane, near = street.ransac_plane(street.street, 50, threshold, 1)
-        held[threshold] = near[street.is_ground].mean(), near[~street.is_ground].mean()
+        shares_held[threshold] = near[street.is_ground].mean(), near[~street.is_ground].mean()
         slopes[threshold] = street.slope_of(plane)
-    assert held[0.03][0] < 2 / 3
-    assert held[0.2][0] > 0.995 and held[0.2][1] < 0.12
-    assert held[0.8][1] > 0.6
+    assert shares_held[0.03][0] < 2 / 3
+    assert shares_held[0.2][0] > 0.995 and shares_held[0.2][1] < 0.12
+    assert shares_held[0.8][1] > 0.6
     assert abs(slopes[0.8] - 2.2) > 1.5 > 5 * abs(slopes[0.2] - 2.2)
 
 
 def test_the_wall_wins_unless_the_normal_is_checked(street):
     x, y = street.cloud[:, 0], street.cloud[:, 1]
     chosen = np.flatnonzero((x > -1) & (x < 13) & (y > -8.6) & (y < -4))[::3]
-    beside, kinds = street.cloud[chosen], street.truth["classes"][chosen]
+    next_to_the_wall, kinds = street.cloud[chosen], street.truth["classes"][chosen]
     for seed in range(3):
-        won, near = street.ransac_plane(beside, 100, 0.2, seed)
+        won, near = street.ransac_plane(next_to_the_wall, 100, 0.2, seed)
         assert abs(won[2]) < 0.2
         assert (kinds[near] == street.names.index("wall")).mean() > 0.9
-    ground, found = street.ground_plane(beside)
+    ground, found = street.ground_plane(next_to_the_wall)
     assert abs(ground[2]) > 0.9
     assert (kinds[found] == street.names.index("ground")).mean() > 0.9
 
 
 @pytest.mark.parametrize("mask", [True, False])
-def test_ground_plane_ends_for_any_result_of_ransac_plane(street, mask):
+def test_ground_plane_stops_for_any_result_of_ransac_plane(street, mask):
     known = dict(street.known)
     known["ransac_plane"] = lambda points, *_: ((0.0, 1.0, 0.0, 0.0), np.full(len(points), mask))
     tree = ast.parse(LESSON.source.read_text("utf-8")).body
@@ -167,13 +167,13 @@ def test_refitted_slopes_scatter_less_but_stay_biased(street):
     assert max(slopes["all inliers"]) < 2.2
     # Planes through three points are also off, "in the mean by more than twice as much".
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
-    # The answer to the prediction and its reason.
+    # The answer to the prediction is right, and so is its reason.
     assert 2.2 - mean["all inliers"] > 3 * scatter["all inliers"] / 30**0.5
     alone = mean["inliers on the ground"]
     assert 2.2 - alone < 0.3 * (2.2 - mean["all inliers"])
     assert abs(mean["again, within 0.1 m"] - alone) < 0.005
     assert 2.2 - alone > 0.01
-    # At 30 m: 9 cm, 2 cm, 5 mm.
+    # At 30 m, the text says, these errors are 9 cm, 2 cm and 5 mm.
     errors = scatter["three points"], 2.2 - mean["all inliers"], 2.2 - mean["again, within 0.1 m"]
     assert np.round([0.3 * error for error in errors], 3) == pytest.approx(
         [0.09, 0.022, 0.005], abs=0.003
@@ -197,7 +197,7 @@ def test_false_inliers_behind_the_car_lower_the_slope(street):
     assert np.mean(with_ahead) > np.mean(alone)
 
 
-def test_the_table_of_rounds_falls_to_one(street):
+def test_the_rounds_in_the_table_decrease_to_one(street):
     shares = (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)
     line, plane = ([street.iterations_needed(w, s, 0.99) for w in shares] for s in (2, 3))
     assert all(np.diff(line[1:]) < 0) and all(np.diff(plane[1:]) < 0)
@@ -205,10 +205,10 @@ def test_the_table_of_rounds_falls_to_one(street):
     assert all(
         line_rounds <= plane_rounds for line_rounds, plane_rounds in zip(line, plane, strict=True)
     )
-    assert street.iterations_needed(1e-6, 3, 0.99) > 1e18  # no error by rounding
+    assert street.iterations_needed(1e-6, 3, 0.99) > 1e18  # no rounding error
 
 
-def test_pure_samples_fail_more_often_the_farther_the_cloud_reaches(street):
+def test_pure_samples_fail_more_often_in_larger_clouds(street):
     rng = np.random.default_rng(2)
     far = np.flatnonzero(np.hypot(street.cloud[:, 0], street.cloud[:, 1]) < 20)
     kept, kept_if_flat, ratios = [], [], []
@@ -225,7 +225,8 @@ def test_pure_samples_fail_more_often_the_farther_the_cloud_reaches(street):
         )
         kept_if_flat.append(street.good_samples(street.flattened(points, ground), ground)[1])
     assert kept[1] < kept[0] < 0.9
-    # "Two samples in three fail, and pressing the ground flat saves most of them"; here, few.
+    # "Two samples in three fail, and pressing the ground flat saves most of them. On the street
+    # alone, it saves few."
     assert kept[1] == pytest.approx(1 / 3, abs=0.03)
     assert kept_if_flat[1] - kept[1] > 0.6 * (1 - kept[1])
     assert 0 < kept_if_flat[0] - kept[0] < 0.25 * (1 - kept[0])
@@ -255,16 +256,18 @@ def test_failing_samples_of_the_ground_are_small_triangles(street):
     assert np.median(widths[False]) < 0.5 * np.median(widths[True])
 
 
-def test_a_fixed_level_removes_more_of_objects_than_a_plane(street):
-    things = ~np.isin(street.kinds, [street.names.index(n) for n in ("ground", "invalid", "ego")])
+def test_a_fixed_level_removes_more_object_points_than_a_plane(street):
+    is_object = ~np.isin(
+        street.kinds, [street.names.index(n) for n in ("ground", "invalid", "ego")]
+    )
     _, near = street.ransac_plane(street.street, 50, 0.2, 1)
     plane = np.array(street.fit_plane(street.street[near]))
     plane *= np.sign(plane[2])
     above = street.street[:, :3] @ plane[:3] + plane[3]
     behind = street.street[:, 0] < 0
     level = street.street[:, 2] < -1.2
-    assert level[things & behind].mean() > 1.5 * level[things & ~behind].mean()
-    assert (above < 0.2)[things].mean() < 0.25 * level[things].mean()
+    assert level[is_object & behind].mean() > 1.5 * level[is_object & ~behind].mean()
+    assert (above < 0.2)[is_object].mean() < 0.25 * level[is_object].mean()
     assert (above >= 0.2)[street.is_ground].mean() < 0.001
     assert (~level)[street.is_ground].mean() < 0.005
     # The first three common mistakes.

@@ -1,4 +1,4 @@
-"""Visible checks of lesson 03: planes through points, distances, RANSAC, refit, rounds."""
+"""Visible checks of lesson 03: planes, distances, RANSAC, refitting and the number of rounds."""
 
 # Import in the order of the lesson, because exercises are listed in the order of import.
 from utils.checks.lesson_03 import plane_through, point_plane_distance, ransac_plane

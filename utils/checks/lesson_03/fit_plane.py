@@ -16,7 +16,7 @@ from utils.checks.lesson_03.planes import (
     TRIANGLES,
     as_plane,
     assert_unit_normal,
-    draw_on_edge,
+    draw_edge_on,
     expected_text,
     plane_text,
     same_plane,
@@ -30,7 +30,7 @@ _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], 
 
 
 def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
-    """Assert that no other normal fits better; the length of the normal and d are ignored.
+    """Assert that no other normal fits better; ignore the length of the normal and d.
 
     Parameters
     ----------
@@ -45,17 +45,17 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
     yours = math.sqrt(np.mean(gaps_from(points, plane_at(centre, plane[:3])) ** 2))
     if yours > 1.001 * least + 1e-3:
         raise CheckFailed(
-            "Through the mean of these points goes a plane that lies nearer to them than one with "
+            "Another plane through the mean of these points is closer to them than the one with "
             "your (a, b, c).",
             given=given,
             yours=f"{plane_text(plane)}, {yours:.4f} m root mean square distance",
             expected=f"{expected_text(plane, best)}, {least:.4f} m",
-            draw=lambda: draw_on_edge(np.asarray(points), plane, None, None, best),
+            draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
         )
 
 
 def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
-    """Assert that the mean of the points lies on the plane; its direction is ignored.
+    """Assert that the mean of the points lies on the plane; ignore the direction of the plane.
 
     Parameters
     ----------
@@ -69,15 +69,15 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
         best = best_plane(points)[0]
         raise CheckFailed(
             f"The mean of the points, {point_text(centre)}, is {gap:.3g} m away from the plane. "
-            "It lies on the best one.",
+            "The best plane passes through it.",
             yours=plane_text(plane),
             expected=expected_text(plane, best),
-            draw=lambda: draw_on_edge(np.asarray(points), plane, None, None, best),
+            draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
         )
 
 
 def require_direction(fit_plane: Callable) -> None:
-    """Assert that the direction of the normal is right; raise `NotYet` if not."""
+    """Raise `NotYet` if the direction of the normal is wrong."""
     with needs("(a, b, c) is the direction of least spread"):
         points, _ = scattered_plane(2, 80, 0, noise=0.05)
         assert_direction(fit_plane(points.copy()), points)
@@ -86,10 +86,10 @@ def require_direction(fit_plane: Callable) -> None:
 @visible(
     "fit_plane",
     weight=3,
-    title="Finds the direction in which points spread least, with and without noise",
-    why="Three points carry the noise of three points; a thousand average it away.",
-    hint="Subtract the mean of the points, then np.linalg.svd: the normal is the last row "
-    "of the third result.",
+    title="Finds the direction of least spread, with and without noise",
+    why="A plane through three points has all of their noise; a thousand points average it out.",
+    hint="Subtract the mean of the points, then call np.linalg.svd: the normal is the last row "
+    "of its third result.",
 )
 def fits_a_road(fit_plane: Callable) -> None:
     given = f"four points: {', '.join(map(point_text, _FLOOR))}"
@@ -102,15 +102,15 @@ def fits_a_road(fit_plane: Callable) -> None:
 @visible(
     "fit_plane",
     weight=16,
-    title="The mean of the points lies on the plane",
-    why="A plane with the right tilt at the wrong height calls all of the road an obstacle.",
-    hint="d is minus the product of the normal and the mean.",
+    title="Returns a plane through the mean of the points",
+    why="With the right tilt but the wrong height, the whole road would be an obstacle.",
+    hint="d is minus the dot product of the normal and the mean.",
 )
 def goes_through_the_mean(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
-    for cloud in (points, opposite, _FLOOR):  # the mean of few points shows a missing point
+    for cloud in (points, opposite, _FLOOR):  # the mean of few points shows if one is left out
         assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
@@ -118,9 +118,9 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     "fit_plane",
     weight=1,
     title="The normal has length 1",
-    why="Only then do distances from the plane come out in metres.",
-    hint="The rows of the SVD's third result have length 1 already; another normal is to be "
-    "divided by its length, and d with it.",
+    why="Only then are distances from the plane in metres.",
+    hint="The rows of the SVD's third result already have length 1. Divide any other normal and "
+    "its d by the length.",
 )
 def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -132,7 +132,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
-    why="z = a x + b y + c cannot describe a wall, and this function will meet walls.",
+    why="z = a x + b y + c cannot describe a wall, but this function will also be used for walls.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:
@@ -146,8 +146,9 @@ def fits_a_wall(fit_plane: Callable) -> None:
     "fit_plane",
     weight=1,
     title="Works far from the sensor",
-    why="A plane need not go through the origin: only the centred points have a plain direction.",
-    hint="Subtract the mean first, and put it back into d.",
+    why="A plane need not pass through the sensor. The SVD gives its normal only if the points "
+    "are centred.",
+    hint="Subtract the mean first, and use it again to compute d.",
 )
 def fits_far_away(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -159,14 +160,14 @@ def fits_far_away(fit_plane: Callable) -> None:
 @visible(
     "fit_plane",
     weight=4,
-    title="The fourth column does not count, whether it varies much or little",
-    why="Brightness is no direction in space.",
-    hint="points[:, :3] before anything else.",
+    title="Ignores the fourth column, whether it varies much or little",
+    why="The intensity is not a direction in space.",
+    hint="Select points[:, :3] before anything else.",
 )
-def fits_without_intensity(fit_plane: Callable) -> None:
+def ignores_intensity(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     points, _ = scattered_plane(5, 60, 0, noise=0.05, columns=4)
-    for scale in (1.0, 1e-5):  # intensity spreads most, then least
+    for scale in (1.0, 1e-5):  # the intensity has the largest spread, then the least
         cloud = points * [1, 1, 1, scale]
         assert_direction(fit_plane(cloud.copy()), cloud)
 
@@ -174,10 +175,10 @@ def fits_without_intensity(fit_plane: Callable) -> None:
 @visible(
     "fit_plane",
     weight=1,
-    title="Three points are enough",
-    why="They are the fewest that have a plane, and the best one goes through all of them.",
-    hint="The same lines serve every number of points. With full_matrices=False the SVD of three "
-    "points has three rows, too.",
+    title="Works on three points",
+    why="No fewer points define a plane, and the best plane passes through all three.",
+    hint="The same code works for any number of points. With full_matrices=False, the third "
+    "result of the SVD has three rows even for three points.",
 )
 def fits_three_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -188,15 +189,15 @@ def fits_three_points(fit_plane: Callable) -> None:
 @visible(
     "fit_plane",
     weight=2,
-    title="Takes thousands of points without a table of all their pairs",
-    why="A road has thousands of points. Such a table takes a second, and of a whole scan it does "
-    "not fit into memory.",
-    hint="np.linalg.svd(..., full_matrices=False): without it the first result has a row and a "
-    "column for each point.",
+    title="Works on thousands of points without a table of all their pairs",
+    why="A road has thousands of points. Such a table takes a second, and for a whole scan it "
+    "does not fit into memory.",
+    hint="Use np.linalg.svd(..., full_matrices=False). Without it, the first result has a row "
+    "and a column for each point.",
 )
 def fits_many_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
-    # The judge limits memory, while a notebook only measures it, so a smaller cloud is used there.
+    # The judge limits memory. A notebook only measures it, so it uses a smaller cloud.
     n = 25_000 if isinstance(fit_plane, Remote) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
     try:
@@ -205,10 +206,10 @@ def fits_many_points(fit_plane: Callable) -> None:
     except Exception as error:
         if "MemoryError" not in type(error).__name__ + getattr(error, "type_name", ""):
             raise
-        raise CheckFailed(f"There is not enough memory for the plane of {n:,} points.") from None
+        raise CheckFailed(f"There is not enough memory to fit a plane to {n:,} points.") from None
     if used() > 40e6:
         raise CheckFailed(
-            f"The plane of {n:,} points takes far more memory than the points themselves.",
+            f"Fitting a plane to {n:,} points takes far more memory than the points themselves.",
             yours=f"{used() / 1e6:.0f} MB",
             expected=f"a few times {points.nbytes / 1e6:.1f} MB",
         )
@@ -234,10 +235,10 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
     "fit_plane",
     weight=1,
     title="Leaves its input untouched",
-    why="The mean is subtracted for the fit alone: the cloud must stay where it is.",
+    why="The mean is subtracted only for the fit: the cloud itself must not move.",
     hint="points[:, :3] - centre is a new array; points[:, :3] -= centre moves the cloud.",
 )
-def leaves_the_points_where_they_are(fit_plane: Callable) -> None:
+def leaves_the_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     assert_untouched(fit_plane, points)
@@ -253,8 +254,8 @@ common_checks.names(
         basic=require_direction,
     ),
     "keeps_points",
-    title="The parameter keeps its name: points",
-    why="Whoever reads the docstring calls fit_plane(points=...).",
+    title="Keeps the name of its parameter, points",
+    why="Others may call fit_plane(points=...), as the docstring suggests.",
 )
 
 
@@ -263,7 +264,7 @@ def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
-    """Return the last column of the directions, which a function takes for the last row."""
+    """Return the last column of the directions, for a function that confuses it with the row."""
     return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
 
 
@@ -277,42 +278,43 @@ def _fit_along_z(points: np.ndarray) -> np.ndarray:
 mistakes(
     "fit_plane",
     Mistake(
-        "The points are not centred: the directions of spread are those about the sensor.",
+        "The points are not centred, so their spread is measured around the sensor.",
         lambda right, points: _through_the_mean(points, np.linalg.eigh(points.T @ points)[1][:, 0]),
         "Subtract the mean of the points before the SVD.",
     ),
     Mistake(
-        "The normal is the direction of largest spread; it must be that of least.",
+        "The normal is the direction of largest spread; it must be the direction of least spread.",
         lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 2]),
-        "The directions are sorted from most to least: take the last row.",
+        "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(
-        "The normal is the direction of second largest spread; it must be that of least.",
+        "The normal is the direction of second largest spread; it must be the direction of "
+        "least spread.",
         lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 1]),
-        "The directions are sorted from most to least: take the last row.",
+        "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(
-        "The normal is a column of the SVD's third result; its directions are the rows.",
+        "The normal is a column of the SVD's third result, but the directions are its rows.",
         lambda right, points: _through_the_mean(points, _column_of_the_svd(points)),
-        "Take the last row, [-1], and not the last column, [:, -1].",
+        "Take the last row, [-1], not the last column, [:, -1].",
     ),
     Mistake(
         "The sign of d is wrong: a x + b y + c z + d must be 0 at the mean.",
         lambda right, points: right * [1, 1, 1, -1],
     ),
     Mistake(
-        "d is 0: that is the parallel plane through the sensor.",
+        "d is 0: this is the parallel plane through the sensor.",
         lambda right, points: right * [1, 1, 1, 0],
-        "d is minus the product of the normal and the mean.",
+        "d is minus the dot product of the normal and the mean.",
     ),
     Mistake(
-        "Only the first three points decide.",
+        "The plane depends only on the first three points.",
         lambda right, points: best_plane(points[:3])[0],
-        "All points count: subtract their mean, then take the SVD.",
+        "Use all points: subtract their mean, then take the SVD.",
         is_cheap=True,
     ),
     Mistake(
-        "The errors are measured along z, not square to the plane.",
+        "The errors are measured along z, not perpendicular to the plane.",
         lambda right, points: with_unit_normal(_fit_along_z(points)),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),

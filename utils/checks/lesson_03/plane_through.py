@@ -44,7 +44,7 @@ _LINES = frozen(
 
 
 def as_plane_of_triangle(answer: object, triangle: np.ndarray) -> np.ndarray:
-    """Return the four numbers of the answer for three points that have a plane.
+    """Return the four numbers of an answer for three points that define a plane.
 
     Parameters
     ----------
@@ -62,18 +62,18 @@ def as_plane_of_triangle(answer: object, triangle: np.ndarray) -> np.ndarray:
     """
     if answer is None:
         raise CheckFailed(
-            "The function returned None for three points that have a plane.",
+            "The function returned None for three points that define a plane.",
             given=triangle_text(triangle),
             yours="None",
             expected="four numbers (a, b, c, d)",
-            hint="None is for points on one line alone. Does every other way through the function "
-            "end with `return` and the four numbers?",
+            hint="Return None only for points on one line. Does every other path through the "
+            "function end with `return` and the four numbers?",
         )
     return as_plane(answer)
 
 
 def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
-    """Assert that the normal is perpendicular to a triangle; its length and d are ignored.
+    """Assert that the normal is perpendicular to a triangle; ignore its length and d.
 
     Parameters
     ----------
@@ -121,11 +121,11 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
     answer : object
     line : numpy.ndarray, shape (3, 3)
     nearly : str
-        A clause about their distance from the line, for the message.
+        A clause for the message, if the points are not exactly on the line.
     """
     if answer is not None:
         raise CheckFailed(
-            f"These three points lie on one line{nearly}: infinitely many planes go through them.",
+            f"These three points lie on one line{nearly}: infinitely many planes contain them.",
             given=triangle_text(line),
             yours=brief(as_array(answer, what="None, or four numbers")),
             expected="None",
@@ -133,14 +133,14 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
 
 
 def require_perpendicular_normals(plane_through: Callable) -> None:
-    """Assert that the normal is perpendicular to triangles; raise `NotYet` if not."""
+    """Raise `NotYet` if the normal is not perpendicular to triangles."""
     with needs("the normal is perpendicular to the triangle"):
         for triangle in TRIANGLES[2:]:
             assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
 def require_planes(plane_through: Callable) -> None:
-    """Assert that points which have a plane get one; raise `NotYet` if not."""
+    """Raise `NotYet` if there is no plane for points that define one."""
     with needs("three points that are not on one line give a plane"):
         for triangle in TRIANGLES[:2]:
             as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
@@ -150,10 +150,11 @@ def require_planes(plane_through: Callable) -> None:
     "plane_through",
     weight=3,
     title="(a, b, c) is perpendicular to the triangle",
-    why="The normal is the direction of the plane: a road whose normal leans runs into the sky.",
+    why="The normal sets the direction of the plane: a road with a tilted normal climbs into "
+    "the sky.",
     hint="The cross product of q - p and r - p is perpendicular to both.",
 )
-def stands_upright(plane_through: Callable) -> None:
+def normal_is_perpendicular(plane_through: Callable) -> None:
     for triangle in TRIANGLES:
         assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
@@ -162,13 +163,13 @@ def stands_upright(plane_through: Callable) -> None:
     "plane_through",
     weight=18,
     title="The three points lie on the plane",
-    why="Everything else, distances and inliers, is measured from this plane.",
+    why="Distances and inliers are measured from this plane.",
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
 )
-def holds_its_points(plane_through: Callable) -> None:
+def contains_its_points(plane_through: Callable) -> None:
     require_perpendicular_normals(plane_through)
     for triangle in TRIANGLES:
-        for points in (triangle, triangle[::-1]):  # reversed points flip the normal
+        for points in (triangle, triangle[::-1]):  # reversing the points flips the normal
             assert_contains_points(plane_through(*points.copy()), points)
 
 
@@ -177,7 +178,7 @@ def holds_its_points(plane_through: Callable) -> None:
     weight=5,
     title="The normal has length 1",
     why="Only then is a x + b y + c z + d a distance in metres, and 0.2 means 20 cm.",
-    hint="Divide the cross product by np.linalg.norm of it, and compute d afterwards.",
+    hint="Divide the cross product by its length, np.linalg.norm(...), then compute d.",
 )
 def has_a_unit_normal(plane_through: Callable) -> None:
     require_perpendicular_normals(plane_through)
@@ -189,11 +190,11 @@ def has_a_unit_normal(plane_through: Callable) -> None:
     "plane_through",
     weight=4,
     title="Returns None for points on one line",
-    why="Three such points fix no plane, and 0 / 0 would spread through all distances. On a "
-    "drive with ten scans a second even what is rare comes up.",
+    why="Three such points define no plane, and 0 / 0 would make all distances NaN. With ten "
+    "scans a second, even rare cases occur.",
     hint="When the cross product has length 0, return None before dividing by it.",
 )
-def refuses_a_line(plane_through: Callable) -> None:
+def returns_none_for_a_line(plane_through: Callable) -> None:
     require_planes(plane_through)
     for line in _LINES:
         assert_no_plane(plane_through(*line.copy()), line)
@@ -202,35 +203,37 @@ def refuses_a_line(plane_through: Callable) -> None:
 @visible(
     "plane_through",
     weight=2,
-    title="Sees a line through rounding errors",
-    why="Measured points are never whole numbers: the cross product of a line is hardly ever "
-    "exactly 0.",
-    hint="Do not compare a computed length with exactly 0: compare it with something tiny, "
-    "such as 1e-9.",
+    title="Returns None for points on a line in spite of rounding errors",
+    why="Measured coordinates are not whole numbers, so the cross product of points on a line "
+    "is hardly ever exactly 0.",
+    hint="Do not compare a computed length with exactly 0. Compare it with a tiny number such "
+    "as 1e-9.",
 )
-def sees_through_rounding(plane_through: Callable) -> None:
+def allows_for_rounding_errors(plane_through: Callable) -> None:
     require_planes(plane_through)
-    with needs("points that lie exactly on one line have no plane"):
+    with needs("points exactly on one line give None"):
         assert_no_plane(plane_through(*_LINES[0].copy()), _LINES[0])
     start, step = np.array([0.1, 0.2, 0.3]), np.array([0.7, 0.1, -0.3])
     line = np.array([start, start + 0.1 * step, start + 0.7 * step])
-    nearly = ", but for the last digit of a float"
+    nearly = ", apart from rounding errors"
     assert_no_plane(plane_through(*line.copy()), line, nearly)
 
 
 @visible(
     "plane_through",
     weight=2,
-    title="A small triangle has a plane, too",
-    why="Neighbouring returns are centimetres apart: their cross product is short, but not 0.",
-    hint="Refuse only what is as good as 0, such as a length below 1e-9.",
+    title="Finds the plane of a small triangle",
+    why="Neighbouring returns are centimetres apart: their cross product is short but not 0.",
+    hint="Return None only if the length is practically 0, for example below 1e-9.",
 )
-def takes_a_small_triangle(plane_through: Callable) -> None:
+def finds_small_triangles(plane_through: Callable) -> None:
     require_perpendicular_normals(plane_through)
     answer = plane_through(*_TINY.copy())
     if answer is None:
         raise CheckFailed(
-            fixed("These points are 8 and 10 cm apart and not on one line: they have a plane."),
+            fixed(
+                "These points are 8 and 10 cm apart and not on one line, so they define a plane."
+            ),
             given=triangle_text(_TINY),
             yours="None",
             expected=plane_text(best_plane(_TINY)[0]),
@@ -250,14 +253,14 @@ common_checks.untouched(
     _SLOPE_CASE,
     "leaves_its_points",
     title="Leaves its points untouched",
-    why="The sample is part of the cloud: a point that moves is a wrong point for ever.",
-    hint="Give q - p and r - p names of their own; q -= p would move q.",
+    why="The sample is part of the cloud: if a point moves, it stays wrong in all later rounds.",
+    hint="Store q - p and r - p in new variables; q -= p would move q.",
 )
 common_checks.names(
     _SLOPE_CASE,
     "keeps_p_q_r",
-    title="The parameters keep their names: p, q and r",
-    why="Whoever reads the docstring calls plane_through(p=..., q=..., r=...).",
+    title="Keeps the names of its parameters: p, q and r",
+    why="Others may call plane_through(p=..., q=..., r=...), as the docstring suggests.",
 )
 
 
@@ -270,34 +273,34 @@ def _cross_length(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
 mistakes(
     "plane_through",
     Mistake(
-        "The sign of d is wrong: a x + b y + c z + d must be 0 at the points, so d is minus the "
-        "sum at p.",
+        "The sign of d is wrong: a x + b y + c z + d must be 0 at the points, so d is minus a x "
+        "+ b y + c z at p.",
         lambda right, *points: right * [1, 1, 1, -1],
     ),
     Mistake(
-        "d is computed with the long normal, (a, b, c) are divided by its length: the four "
-        "numbers do not belong together.",
+        "d is computed from the normal before its division by the length, so the four numbers "
+        "do not belong together.",
         lambda right, *points: right * [1, 1, 1, _cross_length(*points)],
-        "Divide by the length first, and compute d from what comes out.",
+        "Divide the normal by its length first, then compute d from the result.",
     ),
     Mistake(
         "The cross product is not divided by its length.",
         lambda right, *points: right * _cross_length(*points),
-        "Divide it by np.linalg.norm of it, and compute d afterwards.",
+        "Divide it by its length, np.linalg.norm(...), then compute d.",
     ),
     Mistake(
-        "The cross product is that of the points p and q themselves: it belongs to the plane "
-        "through p, q and the sensor.",
+        "The cross product is computed from the points p and q themselves, so it belongs to the "
+        "plane through p, q and the sensor.",
         lambda right, p, q, r: best_plane(np.array([0 * p, p, q]))[0],
-        "The sides of the triangle, q - p and r - p, lie in the plane; p and q do not.",
+        "Use the sides of the triangle, q - p and r - p. They lie in the plane; p and q do not.",
     ),
     Mistake(
         "p is subtracted from q, but not from r.",
         lambda right, p, q, r: plane_at(p, best_plane(np.array([0 * p, q - p, r]))[0][:3]),
-        "Both sides begin at p: q - p and r - p.",
+        "Both sides start at p: q - p and r - p.",
     ),
     Mistake(
-        "d is always 0: that is the parallel plane through the sensor.",
+        "d is always 0: this is the parallel plane through the sensor.",
         lambda right, *points: right * [1, 1, 1, 0],
         "Choose d so that a x + b y + c z + d is 0 at p.",
     ),

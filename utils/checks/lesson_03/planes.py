@@ -1,4 +1,4 @@
-"""Helpers shared by the checks of lesson 03: planes as answers, as text and in pictures.
+"""Helpers of the checks of lesson 03: planes as answers, as text and in pictures.
 
 A plane and its negative are the same plane, so everything here accepts both. Only
 `assert_unit_normal` judges the length of the normal.
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# A level road, a wall, a slope, a plane through the sensor, and one far away.
+# Triangles on a level road, on a wall, on a slope, on a plane through the sensor and far away.
 TRIANGLES = frozen(
     np.array(
         [
@@ -68,7 +68,7 @@ def as_plane(answer: object) -> np.ndarray:
         raise CheckFailed("Some of the four numbers are not finite.", yours=brief(plane))
     if not plane[:3].any():
         raise CheckFailed(
-            fixed("The normal (a, b, c) is (0, 0, 0), which is no direction."),
+            fixed("The normal (a, b, c) is (0, 0, 0), which has no direction."),
             yours=plane_text(plane),
         )
     return plane
@@ -108,7 +108,7 @@ def plane_text(plane: np.ndarray | None) -> str:
     return f"[{', '.join(f'{value:.6g}' for value in np.round(plane, 3) + 0.0)}]"
 
 
-def draw_on_edge(
+def draw_edge_on(
     points: np.ndarray,
     plane: np.ndarray,
     inliers: np.ndarray | None,
@@ -132,7 +132,7 @@ def draw_on_edge(
     level = plane if expected is None else expected
     level = level * (1 if level[2] >= 0 else -1)
     plane = plane * (1 if plane[:3] @ level[:3] >= 0 else -1)
-    # The direction in which the plane rises above the level plane, or any if they are parallel.
+    # The direction in which the plane rises above the level plane, or any one if they are parallel.
     along = plane[:3] - plane[:3] @ level[:3] * level[:3]
     if np.linalg.norm(along) < 1e-6:
         along = np.linalg.svd(level[None, :3])[2][1]
@@ -150,7 +150,7 @@ def draw_on_edge(
         turned_points, turned_plane, inliers, tolerance, title="yours", limits=limits
     )
     axes.set_xlabel("along the plane (m)")
-    axes.set_ylabel("across it (m)")
+    axes.set_ylabel("height above it (m)")
     if expected is not None:
         axes.axhline(-level[3], color="black", linestyle="--")
         axes.text(axes.get_xlim()[0], -level[3], " expected", va="bottom")
@@ -165,7 +165,7 @@ def scattered_plane(
     noise: float = 0.01,
     columns: int = 3,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return points on a plane 12 m across, mixed with outliers off the plane.
+    """Return points on a square of a plane, 12 m wide, mixed with outliers off the plane.
 
     Parameters
     ----------
@@ -176,14 +176,14 @@ def scattered_plane(
     plane : (4,) array_like, optional
         A plane with a unit normal; by default a slope of 11 to 20 degrees that depends on `seed`.
     noise : float
-        Standard deviation across the plane in metres.
+        Standard deviation of the distance of its points from the plane, in metres.
     columns : {3, 4}
         Number of columns; the fourth is an intensity from 0 to 255.
 
     Returns
     -------
     points : numpy.ndarray, shape (n_plane + n_outliers, columns)
-    belongs : numpy.ndarray of bool, shape (n_plane + n_outliers,)
+    on_plane : numpy.ndarray of bool, shape (n_plane + n_outliers,)
         True for the points of the plane.
     """
     rng = np.random.default_rng(seed)
@@ -196,14 +196,14 @@ def scattered_plane(
     across /= np.linalg.norm(across)
     along = np.cross(normal, across)
     n = n_plane + n_outliers
-    belongs = rng.permutation(n) < n_plane
+    on_plane = rng.permutation(n) < n_plane
     places = rng.uniform(-6, 6, (n, 2))
     gaps = np.where(
-        belongs,
+        on_plane,
         np.clip(rng.normal(0, noise, n), -3 * noise, 3 * noise),
         rng.choice((-1, 1), n) * rng.uniform(0.6, 4.0, n),
     )
     points = places[:, :1] * across + places[:, 1:] * along + (gaps - plane[3])[:, None] * normal
     if columns == 4:
         points = np.column_stack([points, rng.integers(0, 256, n)])
-    return points, belongs
+    return points, on_plane

@@ -83,7 +83,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
         first = wrong[0]
         count = f"{len(wrong)} of {len(expected)} distances {'is' if len(wrong) == 1 else 'are'}"
         raise CheckFailed(
-            f"{count if len(expected) > 1 else 'The distance is'} not right.",
+            f"{count if len(expected) > 1 else 'The distance is'} wrong.",
             given=f"point {point_text(points[first])}, plane {brief(np.asarray(plane, float))}",
             yours=f"{yours[first]:.4g} m",
             expected=f"{expected[first]:.4g} m",
@@ -93,7 +93,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
 def assert_ignores_intensity(
     point_plane_distance: Callable, cloud: np.ndarray, plane: np.ndarray
 ) -> None:
-    """Assert that distances are the same with and without a fourth column, right or wrong.
+    """Assert that distances, right or wrong, are the same with and without a fourth column.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def assert_ignores_intensity(
         in_shape(distances, (len(cloud),), one_per_point, columns=4)
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
-            "With the intensity in a fourth column the distances are others than without it.",
+            "With the intensity in a fourth column, the distances differ from those without it.",
             given=f"a plane with d = {plane[3]:.3g}",
             yours=brief(yours),
             expected=brief(plain),
@@ -119,7 +119,7 @@ def assert_ignores_intensity(
 
 @once
 def require_plain_distances(point_plane_distance: Callable) -> None:
-    """Assert that points in front of planes through the sensor are right; raise `NotYet` if not."""
+    """Raise `NotYet` if distances are wrong in front of planes through the sensor."""
     with needs("the distances from a plane through the sensor are right"):
         _assert_plain(point_plane_distance)
 
@@ -138,9 +138,11 @@ def _assert_plain(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=4,
-    title="Right for planes through the sensor",
-    why="A distance that is wrong by a factor makes a threshold of 20 cm one of 5 cm or 80 cm.",
-    hint="a x + b y + c z for every point: each coordinate times its own part of the normal.",
+    title="Measures distances from planes through the sensor",
+    why="If the distances are wrong by a factor of 4, a threshold of 20 cm acts like one of 5 "
+    "cm or 80 cm.",
+    hint="Compute a x + b y + c z for every point: multiply each coordinate by its own "
+    "component of the normal.",
 )
 def measures_distances(point_plane_distance: Callable) -> None:
     _assert_plain(point_plane_distance)
@@ -149,8 +151,8 @@ def measures_distances(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=2,
-    title="Right for planes anywhere: d counts",
-    why="The road lies 1.7 m below the sensor; without d every plane goes through the sensor.",
+    title="Works for planes that do not pass through the sensor",
+    why="The road is 1.7 m below the sensor, but without d every plane passes through the sensor.",
     hint="Add d to a x + b y + c z.",
 )
 def adds_d(point_plane_distance: Callable) -> None:
@@ -164,11 +166,12 @@ def adds_d(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=2,
-    title="A distance has no sign: right on both sides of the plane",
-    why="With a sign, everything below the road is nearer than any threshold.",
-    hint="A distance is never negative: np.abs.",
+    title="Returns no negative distances on either side of the plane",
+    why="A negative distance is below any threshold, so everything under the road would be an "
+    "inlier.",
+    hint="A distance is never negative: use np.abs.",
 )
-def forgets_the_sign(point_plane_distance: Callable) -> None:
+def returns_no_negative_distances(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
     plane = np.array([*_NORMAL, 0.0])
     assert_distances(
@@ -181,14 +184,14 @@ def forgets_the_sign(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=18,
-    title="The absolute value is that of the whole sum, d included",
-    why="A road is below the sensor: there a x + b y + c z and d have opposite signs.",
-    hint="np.abs around everything: first the sum with d, then its absolute value.",
+    title="Takes the absolute value of the whole sum, including d",
+    why="The road is below the sensor, so a x + b y + c z and d have opposite signs there.",
+    hint="Compute the whole sum including d, then take np.abs of it.",
 )
 def takes_abs_last(point_plane_distance: Callable) -> None:
-    with needs("d counts, and no distance has a sign"):
+    with needs("d is added and no distance is negative"):
         adds_d(point_plane_distance)
-        forgets_the_sign(point_plane_distance)
+        returns_no_negative_distances(point_plane_distance)
     points = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
     for offset in (2.0, -2.0):
         plane = np.array([*_NORMAL, offset])
@@ -198,9 +201,9 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=5,
-    title="The fourth column does not count",
-    why="(n, 4) times (4,) works without an error, and multiplies brightness with d.",
-    hint="Take points[:, :3] and the first three numbers of the plane; add the last one.",
+    title="Ignores the fourth column",
+    why="Shape (n, 4) times shape (4,) raises no error, but it multiplies the intensity by d.",
+    hint="Multiply points[:, :3] by the first three numbers of the plane, then add the last one.",
 )
 def ignores_intensity(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -211,11 +214,11 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=2,
-    title="The plane may be a tuple",
-    why="plane_through may return one.",
-    hint="A tuple does not calculate: take its numbers one by one, or np.asarray(plane).",
+    title="Accepts the plane as a tuple",
+    why="Your plane_through may return a tuple.",
+    hint="You cannot calculate with a whole tuple: unpack its numbers, or use np.asarray(plane).",
 )
-def takes_a_tuple(point_plane_distance: Callable) -> None:
+def accepts_a_tuple(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
     xyz = _IN_FRONT[:, :3]
     assert_distances(point_plane_distance(xyz.copy(), (*_NORMAL, 0.0)), xyz, (*_NORMAL, 0.0))
@@ -224,11 +227,11 @@ def takes_a_tuple(point_plane_distance: Callable) -> None:
 @visible(
     "point_plane_distance",
     weight=1,
-    title="Takes one point, and none",
-    why="After other filters little may be left, or nothing.",
-    hint="points[:, :3] @ normal has one number for each row, however many rows there are.",
+    title="Works on a single point and on no points",
+    why="Earlier filters may leave one point or none.",
+    hint="points[:, :3] @ normal gives one number per row, however many rows there are.",
 )
-def takes_few_points(point_plane_distance: Callable) -> None:
+def works_on_few_points(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
     plane = np.array([*_NORMAL, 0.0])
     for points in (_IN_FRONT[2:3, :3], _IN_FRONT[:0, :3]):
@@ -239,8 +242,8 @@ def takes_few_points(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="Leaves points and plane untouched",
-    why="The next plane is measured against the same points.",
-    hint="Build a new array: points[:, :3] @ normal does, points *= normal does not.",
+    why="The next plane needs the same points.",
+    hint="Build a new array with points[:, :3] @ normal; points *= normal would change the points.",
 )
 def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -257,16 +260,17 @@ common_checks.names(
         basic=require_plain_distances,
     ),
     "keeps_points_and_plane",
-    title="The parameters keep their names: points and plane",
-    why="Whoever reads the docstring calls point_plane_distance(points=..., plane=...).",
+    title="Keeps the names of its parameters: points and plane",
+    why="Others may call point_plane_distance(points=..., plane=...), as the docstring suggests.",
 )
 
 
 @visible(
     "point_plane_distance",
     weight=1,
-    title="The distances are a NumPy array",
-    why="ransac_plane compares all of them with its threshold at once; a list cannot do that.",
+    title="Returns a NumPy array",
+    why="ransac_plane compares all distances with its threshold at once, which does not work "
+    "with a list.",
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def gives_an_array(point_plane_distance: Callable) -> None:
@@ -274,7 +278,7 @@ def gives_an_array(point_plane_distance: Callable) -> None:
     answer = point_plane_distance(_IN_FRONT[:, :3].copy(), np.array([*_NORMAL, 0.0]))
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
-            "These are the right numbers, but they are no array.",
+            "The numbers are right, but they are not a NumPy array.",
             yours=f"{type(answer).__name__} {brief(answer)}",
             expected="a NumPy array",
         )
@@ -288,9 +292,9 @@ def _absolute_terms(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
 mistakes(
     "point_plane_distance",
     Mistake(
-        "No absolute value is taken: behind the plane the distances are negative.",
+        "The absolute value is missing: distances behind the plane are negative.",
         lambda right, points, plane: _signed_distances(points, plane),
-        "np.abs of the whole sum.",
+        "Take np.abs of the whole sum.",
     ),
     Mistake(
         "d is missing: these are the distances from the parallel plane through the sensor.",
@@ -302,42 +306,42 @@ mistakes(
         lambda right, points, plane: exact_distances(points, [*plane[:3], -plane[3]]),
     ),
     Mistake(
-        "The absolute value is taken of a x + b y + c z, and d is added after that.",
+        "The absolute value of a x + b y + c z is taken, and d is added after that.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + plane[3],
-        "np.abs around everything: first the sum with d, then its absolute value.",
+        "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute values of a x + b y + c z and of d are taken apart and then added.",
+        "The absolute values of a x + b y + c z and of d are taken separately and then added.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + abs(plane[3]),
-        "np.abs around everything: first the sum with d, then its absolute value.",
+        "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute value is taken of each product, and then they are added.",
+        "The absolute value of each product is taken, and then they are added.",
         lambda right, points, plane: _absolute_terms(points, plane)[:, :3].sum(axis=1) + plane[3],
-        "np.abs around everything: first the sum with d, then its absolute value.",
+        "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute value is taken of a x, of b y, of c z and of d, and then they are added.",
+        "The absolute values of a x, b y, c z and d are added.",
         lambda right, points, plane: _absolute_terms(points, plane).sum(axis=1),
-        "np.abs around everything: first the sum with d, then its absolute value.",
+        "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
         "These are the squares of the distances.",
         lambda right, points, plane: right**2,
-        "Nothing has to be squared here: the normal has length 1.",
+        "Do not square the sum: the normal already has length 1.",
     ),
     Mistake(
-        "The sum is divided by the length of all four numbers of the plane; d is no part of the "
-        "normal.",
+        "The sum is divided by the length of all four numbers of the plane, but d does not "
+        "belong to the normal.",
         lambda right, points, plane: right / math.hypot(*plane),
-        "The normal (a, b, c) has length 1 already: nothing has to be divided.",
+        "The normal (a, b, c) already has length 1, so do not divide.",
     ),
     Mistake(
-        "Whole rows are multiplied with the plane, so that d is multiplied with the intensity.",
+        "Whole rows are multiplied by the plane, so that the intensity is multiplied by d.",
         lambda right, points, plane: np.abs(
             np.subtract(_signed_distances(points, plane), plane[3] * (1 - points[:, 3]))
         ),
-        "Take points[:, :3] and the first three numbers of the plane; add the last one.",
+        "Multiply points[:, :3] by the first three numbers of the plane, then add the last one.",
     ),
     cases=(
         (

@@ -53,25 +53,25 @@ _SEVEN_POINTS = frozen(
 
 @once
 def require_plane_among_outliers(ransac_plane: Callable) -> None:
-    """Assert that a plane is found among outliers; raise `NotYet` if not."""
-    with needs("the plane is found among the outliers"):
+    """Raise `NotYet` if the plane is not found among outliers."""
+    with needs("the plane is found among outliers"):
         for seed in (1, 2, 3):
-            points, belongs = scattered_plane(seed, 60, 20, noise=0.02)
+            points, on_plane = scattered_plane(seed, 60, 20, noise=0.02)
             # One sample in three is good, so 60 rounds fail with a probability of 0.67^60 < 1e-10.
             answer = ransac_plane(points.copy(), 60, 0.2, np.random.default_rng(seed))
-            assert_finds(answer, points, 0.2, belongs)
+            assert_finds(answer, points, 0.2, on_plane)
 
 
 def require_plane_without_outliers(ransac_plane: Callable) -> None:
-    """Assert that a plane is found when all points lie on it; raise `NotYet` if not."""
-    with needs("a plane is found where there is nothing else"):
-        points, belongs = scattered_plane(2, 40, 0)
+    """Raise `NotYet` if no plane is found when all points lie on it."""
+    with needs("a plane is found when all points lie on it"):
+        points, on_plane = scattered_plane(2, 40, 0)
         answer = ransac_plane(points.copy(), 30, 0.3, np.random.default_rng(2))
-        assert_finds(answer, points, 0.5, belongs, share=0.5)
+        assert_finds(answer, points, 0.5, on_plane, share=0.5)
 
 
 @once
-def _assert_masks_belong(ransac_plane: Callable) -> None:
+def _assert_masks_belong_to_models(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)
         rng = np.random.default_rng(seed)
@@ -88,7 +88,7 @@ def ramp_with_collinear_points(rng: np.random.Generator) -> tuple[np.ndarray, np
     Returns
     -------
     points : numpy.ndarray, shape (48, 3)
-    belongs : numpy.ndarray of bool, shape (48,)
+    on_plane : numpy.ndarray of bool, shape (48,)
         All True.
     """
     line = np.column_stack([np.arange(40), np.full(40, 4), np.full(40, -2)])
@@ -99,60 +99,62 @@ def ramp_with_collinear_points(rng: np.random.Generator) -> tuple[np.ndarray, np
 
 def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return shuffled points of a plane, half of them equal, and a mask that is all True."""
-    points, belongs = scattered_plane(seed, 40, 0)
+    points, on_plane = scattered_plane(seed, 40, 0)
     points[:20] = points[0]
-    return np.random.default_rng(seed).permutation(points), belongs
+    return np.random.default_rng(seed).permutation(points), on_plane
 
 
 @visible(
     "ransac_plane",
     weight=5,
-    title="Finds the plane among the outliers",
-    why="The largest plane of a street is the road. What is not road may be an obstacle.",
-    hint="Take three rows, make a plane, count how many points are near it; keep the plane "
+    title="Finds the plane among outliers",
+    why="The largest plane of a street is the road. Points off the road may be obstacles.",
+    hint="Draw three rows, compute their plane and count the points near it. Keep the plane "
     "with the highest count, and return it after the last round, not inside the loop.",
 )
 def finds_the_plane(ransac_plane: Callable) -> None:
-    belongs_to_floor = _SEVEN_POINTS[:, 2] == -1.7
+    on_floor = _SEVEN_POINTS[:, 2] == -1.7
     # Two samples in seven are good, so 80 rounds fail with a probability of 0.714^80 < 1e-11.
     answer = ransac_plane(_SEVEN_POINTS.copy(), 80, 0.1, np.random.default_rng(1))
     assert_finds(
         answer,
         _SEVEN_POINTS,
         0.1,
-        belongs_to_floor,
-        given="seven points: five on a floor at z = -1.7",
+        on_floor,
+        given="seven points, five of them on a floor at z = -1.7",
     )
     for seed in (1, 2, 3):
-        points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
+        points, on_plane = scattered_plane(seed, 60, 30, noise=0.02)
         rng = np.random.default_rng(seed)
         # More than one sample in five is good, so 90 rounds fail with a probability below 1e-10.
-        assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
+        assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
     "ransac_plane",
     weight=14,
-    title="Returns the model and the mask that belongs to it",
-    why="Who gets the plane of one sample and the inliers of another removes the wrong points.",
-    hint="When a sample is better than the best so far, keep both, plane and mask.",
+    title="Returns a model and the mask that belongs to it",
+    why="If the plane comes from one sample and the inliers from another, the wrong points are "
+    "removed.",
+    hint="If a sample is better than the best so far, keep both its plane and its mask.",
 )
 def mask_belongs_to_model(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    _assert_masks_belong(ransac_plane)
+    _assert_masks_belong_to_models(ransac_plane)
 
 
 @visible(
     "ransac_plane",
     weight=4,
-    title="Inliers are the points within distance_tolerance",
-    why="The pavement lies a hand above the road. The threshold decides whether it is an inlier.",
-    hint="Compare the distances with distance_tolerance, not with a number of your own.",
+    title="Marks the points within distance_tolerance as inliers",
+    why="The pavement is ten centimetres above the road. The threshold decides whether it is an "
+    "inlier.",
+    hint="Compare the distances with distance_tolerance, not with a fixed number.",
 )
-def follows_the_tolerance(ransac_plane: Callable) -> None:
+def uses_the_tolerance(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     with needs("the mask belongs to the model"):
-        _assert_masks_belong(ransac_plane)
+        _assert_masks_belong_to_models(ransac_plane)
     points, _ = scattered_plane(21, 90, 0, noise=0.2)
     for tolerance in (0.05, 0.12, 0.35):
         answer = ransac_plane(points.copy(), 30, tolerance, np.random.default_rng(5))
@@ -162,9 +164,9 @@ def follows_the_tolerance(ransac_plane: Callable) -> None:
 @visible(
     "ransac_plane",
     weight=1,
-    title="The model's normal has length 1",
+    title="Returns a model whose normal has length 1",
     why="The next cells measure heights above the road with these four numbers, in metres.",
-    hint="plane_through divides by the length already: return its four numbers as they are.",
+    hint="plane_through already divides by the length: return its four numbers unchanged.",
 )
 def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -177,21 +179,22 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
 @visible(
     "ransac_plane",
     weight=2,
-    title="Tries as many samples as max_iterations allows",
-    why="Rounds are certainty: the fewer points belong to the plane, the more it takes.",
-    hint="for _ in range(max_iterations): one sample in each round, and `return` after the loop.",
+    title="Draws as many samples as max_iterations allows",
+    why="The fewer points belong to the plane, the more rounds it takes to be certain.",
+    hint="Loop with `for _ in range(max_iterations)`, draw one sample in each round, and return "
+    "after the loop.",
 )
-def tries_enough(ransac_plane: Callable) -> None:
+def draws_enough_samples(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     assert_no_round_is_missing(ransac_plane)
     for seed in (31, 32):
-        points, belongs = scattered_plane(seed, 20, 40)
+        points, on_plane = scattered_plane(seed, 20, 40)
         rng = np.random.default_rng(6)
-        assert_finds(ransac_plane(points.copy(), 800, 0.2, rng), points, 0.2, belongs)
+        assert_finds(ransac_plane(points.copy(), 800, 0.2, rng), points, 0.2, on_plane)
 
 
 def assert_no_round_is_missing(ransac_plane: Callable) -> None:
-    """Assert that one round is enough to find a plane when every sample makes one."""
+    """Assert that one round is enough to find a plane when every sample defines one."""
     points, _ = scattered_plane(33, 20, 0)
 
     def runs_with_plane(rounds: int) -> int:
@@ -204,78 +207,79 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
 
     if runs_with_plane(1):
         return
-    second_round_note = fixed(" With max_iterations=2 there is one: a round is missing.")
+    second_round_note = fixed(" With max_iterations=2 a plane is found, so one round is missing.")
     raise CheckFailed(
         fixed(
-            "Twenty points lie on one plane, and with max_iterations=1 there is none, whatever the "
-            "seed."
+            "All twenty points lie on one plane, but with max_iterations=1 no plane is found "
+            "with any seed."
         )
         + (second_round_note if runs_with_plane(2) else ""),
         yours="None in 12 of 12 runs",
-        expected="a plane in each",
-        hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
-        "range(max_iterations - 1) have one less.",
+        expected="a plane in every run",
+        hint="range(max_iterations) gives max_iterations rounds; range(1, max_iterations) and "
+        "range(max_iterations - 1) give one fewer.",
     )
 
 
 @visible(
     "ransac_plane",
     weight=1,
-    title="Tries no more samples than max_iterations",
-    why="Rounds are time: the next frame comes in a tenth of a second.",
-    hint="for _ in range(max_iterations): one sample in each round.",
+    title="Draws no more samples than max_iterations allows",
+    why="Each round takes time, and the next frame arrives in a tenth of a second.",
+    hint="Loop with `for _ in range(max_iterations)` and draw one sample in each round.",
 )
-def tries_no_more(ransac_plane: Callable) -> None:
+def draws_no_more_samples(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    points, belongs = scattered_plane(32, 20, 40)
+    points, on_plane = scattered_plane(32, 20, 40)
     generators = map(np.random.default_rng, range(48))
     found = sum(
-        np.count_nonzero(belongs & (gaps_from(points, plane) <= 0.2)) > 17
+        np.count_nonzero(on_plane & (gaps_from(points, plane) <= 0.2)) > 17
         for plane in _quick_planes(ransac_plane, points, 1, 0.2, generators)
         if plane is not None
     )
-    if found > 18:  # about one is expected
+    if found > 18:  # one or two are expected
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 this plane comes out again and again; one single sample "
-                "hardly ever finds it. More are tried than allowed."
+                "With max_iterations=1 this plane is found again and again, but a single sample "
+                "hardly ever finds it. The function draws more samples than max_iterations "
+                "allows."
             ),
-            yours=f"found in {found} runs of 48",
-            expected="in 1 or 2, perhaps in none",
+            yours=f"found in {found} of 48 runs",
+            expected="found in about 2 of 48 runs",
         )
 
 
 @visible(
     "ransac_plane",
     weight=3,
-    title="Goes on after samples that are no plane",
-    why="Duplicates and points in a line are common; one of them must not end the drive.",
-    hint="plane_through returns None for them: go on with the next sample. And count that "
-    "round, or the loop may never end.",
+    title="Continues after samples that do not define a plane",
+    why="Duplicate points and points on a line are common, and one of them must not end the drive.",
+    hint="plane_through returns None for them: continue with the next sample. Count that round "
+    "as well, or the loop may never end.",
 )
-def survives_degenerate_samples(ransac_plane: Callable) -> None:
+def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
     for seed in range(4):
         ramp, half_equal = (
             ramp_with_collinear_points(np.random.default_rng(seed)),
             _half_equal_points(40 + seed),
         )
-        for (points, belongs), given in (
+        for (points, on_plane), given in (
             (ramp, "48 points of one plane, 40 of them on one line"),
-            (half_equal, "40 points of one plane, 20 of them at one and the same place"),
+            (half_equal, "40 points of one plane, 20 of them equal"),
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
-            assert_finds(answer, points, 0.2, belongs, given=given)
+            assert_finds(answer, points, 0.2, on_plane, given=given)
 
 
 @visible(
     "ransac_plane",
     weight=2,
-    title="Three points are enough; for fewer the answer is (None, all False)",
-    why="After other filters little may be left, and the car must not stop for that.",
-    hint="Ask for len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
+    title="Works on three points and returns (None, all False) for fewer",
+    why="Earlier filters may leave few points, and the car must not stop for that.",
+    hint="Test len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
 )
-def gives_up_politely(ransac_plane: Callable) -> None:
+def returns_for_too_few_points(ransac_plane: Callable) -> None:
     require_plane_without_outliers(ransac_plane)
     for n in (0, 1, 2):
         for columns in (3, 4):
@@ -292,25 +296,24 @@ def assert_three_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> Non
         if as_pair(answer)[0] is not None:
             return
     raise CheckFailed(
-        "Three points that lie on no line make a plane, and for these there is none, whatever the "
+        "Three points that are not on one line define a plane, but no plane is found with any "
         "seed.",
-        given="three points, and max_iterations=10",
+        given="three points and max_iterations=10",
         yours="None",
         expected="four numbers (a, b, c, d)",
-        hint="Three points are enough for a sample: only fewer than three, len(points) < 3, are "
-        "too few.",
+        hint="Three points are enough for a sample. Return early only if len(points) < 3.",
     )
 
 
 @visible(
     "ransac_plane",
     weight=1,
-    title="Returns (None, all False) where all points lie on one line",
-    why="A single ring of the scanner on a wall is a line: no sample of it is a plane.",
-    hint="Begin with model = None and a mask that is all False: where no sample gives a plane, "
-    "they are the answer.",
+    title="Returns (None, all False) if all points lie on one line",
+    why="On a wall, a single ring of the scanner is a line: no three of its points define a plane.",
+    hint="Begin with model = None and a mask that is all False. If no sample gives a plane, "
+    "return these two.",
 )
-def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
+def returns_none_for_points_on_a_line(ransac_plane: Callable) -> None:
     require_plane_without_outliers(ransac_plane)
     line = np.outer(np.arange(12.0), [1.0, 2.0, 1.0])
     assert_nothing_found(ransac_plane(line.copy(), 20, 0.2, np.random.default_rng(8)), 12)
@@ -319,29 +322,29 @@ def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
 @visible(
     "ransac_plane",
     weight=2,
-    title="Takes three different rows",
-    why="A row that comes up twice makes a sample of two points: a round that is lost.",
-    hint="rng.choice(len(points), 3, replace=False) never takes a row twice.",
+    title="Draws three different rows for each sample",
+    why="If a row is drawn twice, the sample has only two points, and the round is wasted.",
+    hint="rng.choice(len(points), 3, replace=False) never draws a row twice.",
 )
-def draws_three_rows(ransac_plane: Callable) -> None:
+def draws_different_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     assert_rows_differ(ransac_plane, _FIVE_POINTS)
 
 
 def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
-    """Assert that every run finds a plane when any three points make one."""
+    """Assert that every run finds a plane when any three points define one."""
     planes = planes_from_two_rounds(ransac_plane, points)
     n_without_plane = sum(plane is None for plane in planes)
     if n_without_plane:
         raise CheckFailed(
-            "Of these points any three make a plane. In some runs there was none.",
-            given=f"{len(points)} points, and max_iterations=2",
+            "Any three of these points define a plane. In some runs no plane was found.",
+            given=f"{len(points)} points and max_iterations=2",
             yours=f"None in {n_without_plane} of {len(planes)} runs",
-            expected="a plane in each",
+            expected="a plane in every run",
         )
 
 
-# Any three of these points make a plane, and the others are at least 40 cm away from it. None of
+# Any three of these points define a plane, and the others are at least 40 cm away from it. None of
 # the ten planes is steep, because another check covers functions that reject steep planes.
 _FIVE_POINTS = frozen(
     np.array([[9, 3, -2.1], [0, 8, -1.6], [7, -9, -1.1], [1, -8, -1.9], [-6, 5, -1.9]], dtype=float)
@@ -361,58 +364,56 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
     """
     planes = _quick_planes(ransac_plane, points, 2, 0.1, map(np.random.default_rng, range(48)))
     if all(plane is None for plane in planes):
-        raise NotYet(f"{len(points)} points and two rounds give a plane")
+        raise NotYet(f"two rounds find a plane through some of the {len(points)} points")
     return planes
 
 
 @visible(
     "ransac_plane",
     weight=2,
-    title="Draws from all points, the first and the last included",
+    title="Draws from all points, including the first and the last",
     why="A point that is never drawn may be one of the few on the road.",
-    hint="rng.choice(len(points), 3, replace=False) draws from the rows 0 to len(points) - 1, "
-    "which are all there are.",
+    hint="rng.choice(len(points), 3, replace=False) draws from all rows, 0 to len(points) - 1.",
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    planes, drawn, apart = [], np.zeros(len(_FIVE_POINTS), dtype=bool), False
+    planes, drawn, has_distant_rows = [], np.zeros(len(_FIVE_POINTS), dtype=bool), False
     neighbours = {frozenset((row + np.arange(3)) % 5) for row in range(5)}
     for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
             rows = np.flatnonzero(gaps_from(_FIVE_POINTS, plane) < 2e-3)
             drawn[rows] = True
-            apart |= frozenset(rows) not in neighbours
-        if drawn.all() and apart:
+            has_distant_rows |= frozenset(rows) not in neighbours
+        if drawn.all() and has_distant_rows:
             return
     if all(_planes_equal(plane, planes[0]) for plane in planes):
-        return  # another check asks whether different seeds draw different samples
+        return  # another check tests whether different seeds draw different samples
     if drawn.all():
         raise CheckFailed(
-            "Only neighbours in the list of points are drawn together.",
-            given="five points, and max_iterations=2",
-            yours=f"every plane goes through three rows that follow each other, in {len(planes)} "
-            "runs",
-            expected="any three rows",
+            "Only neighbouring rows are drawn together.",
+            given="five points and max_iterations=2",
+            yours=f"every plane passes through three neighbouring rows in {len(planes)} runs",
+            expected="planes through any three rows",
             hint="Draw three different rows, independently of each other: "
             "rng.choice(len(points), 3, replace=False).",
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Of five points the one in row {row} was in no sample.",
-        given="five points, and max_iterations=2",
+        f"Row {row} of the five points was in no sample.",
+        given="five points and max_iterations=2",
         yours=f"no plane through row {row} in {len(planes)} runs",
-        expected="through each row in more than half of the runs",
+        expected="a plane through each row in more than half of the runs",
     )
 
 
 @noted(
     "ransac_plane",
-    title="A point at exactly distance_tolerance is an inlier",
-    why="The docstring calls distance_tolerance the largest distance of an inlier: write <=. "
-    "Measured points hardly ever lie exactly there, so it costs nothing.",
+    title="Counts a point at exactly distance_tolerance as an inlier",
+    why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
+    "Measured points are hardly ever at exactly that distance, so this costs no points.",
 )
-def includes_the_edge(ransac_plane: Callable) -> None:
+def includes_the_threshold(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
     assert_border_is_inlier(ransac_plane, four)
@@ -439,43 +440,43 @@ def assert_border_is_inlier(ransac_plane: Callable, four: np.ndarray) -> None:
             continue
         if not as_mask(answer, 4)[3]:
             raise CheckFailed(
-                "A point at exactly distance_tolerance from the plane is no inlier.",
+                "A point at exactly distance_tolerance from the plane is not marked.",
                 given=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
                 f"{point_text(four[3])}",
                 yours="False",
                 expected="True",
             )
         matching_planes += 1
-        if matching_planes == 3:  # each comparison gives the same result
+        if matching_planes == 3:  # further comparisons give the same result
             return
 
 
 @visible(
     "ransac_plane",
     weight=3,
-    title="The fourth column does not count",
-    why="The intensity is no coordinate.",
+    title="Ignores the fourth column",
+    why="The intensity is not a coordinate.",
     hint="Use points[:, :3] for the sample and for the distances.",
 )
-def searches_without_intensity(ransac_plane: Callable) -> None:
+def ignores_intensity(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    points, belongs = scattered_plane(51, 50, 20, columns=4)
+    points, on_plane = scattered_plane(51, 50, 20, columns=4)
     rng = np.random.default_rng(10)
-    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
+    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
     "ransac_plane",
     weight=2,
     title="Finds a wall as well as a road",
-    why="The largest plane may stand upright; whoever wants roads alone looks at the normal later.",
-    hint="Nothing about roads belongs into the loop: the number of inliers decides.",
+    why="The largest plane may be a wall. A caller who wants only roads checks the normal later.",
+    hint="Do not test for roads in the loop: only the number of inliers decides.",
 )
 def finds_a_wall(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    points, belongs = scattered_plane(52, 50, 20, plane=(0.6, 0.8, 0.0, -4.0))
+    points, on_plane = scattered_plane(52, 50, 20, plane=(0.6, 0.8, 0.0, -4.0))
     rng = np.random.default_rng(11)
-    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
+    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
@@ -483,8 +484,8 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     weight=1,
     title="Leaves its input untouched",
     why="The next search needs the same cloud.",
-    hint="points[i, :3] with a list or array of rows is a copy; points[:, :3] is not: build new "
-    "arrays from it.",
+    hint="points[i, :3] with a list or array of rows is a copy, but points[:, :3] is not: build "
+    "new arrays from it.",
 )
 def leaves_the_cloud(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -495,12 +496,12 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
 @visible(
     "ransac_plane",
     weight=3,
-    title="Follows rng: one seed one answer, other seeds others",
-    why="A result that nobody can repeat cannot be debugged.",
-    hint="rng = np.random.default_rng(rng), then draw with rng.choice, never with "
-    "np.random.choice or a seed of your own.",
+    title="Returns the same plane for the same seed, and other planes for other seeds",
+    why="You cannot debug a result that you cannot repeat.",
+    hint="Begin with rng = np.random.default_rng(rng) and draw with rng.choice, never with "
+    "np.random.choice or a fixed seed.",
 )
-def follows_the_generator(ransac_plane: Callable) -> None:
+def depends_only_on_rng(ransac_plane: Callable) -> None:
     require_plane_without_outliers(ransac_plane)
     # Only one sample in eight is good, so planes differ even if they are refitted to their inliers.
     points, _ = scattered_plane(61, 30, 30, noise=0.05)
@@ -509,18 +510,18 @@ def follows_the_generator(ransac_plane: Callable) -> None:
     for seed, (first, again) in enumerate(zip(planes[::2], planes[1::2], strict=True)):
         if not _planes_equal(first, again):
             raise CheckFailed(
-                "The same seed gave two different planes: not all that is drawn comes from rng.",
-                given=f"twice the same points, max_iterations=2, rng=np.random.default_rng({seed})",
+                "The same seed gave two different planes: not all random numbers come from rng.",
+                given="the same points, max_iterations=2 and "
+                f"rng=np.random.default_rng({seed}), twice",
                 yours=f"{plane_text(first)} and {plane_text(again)}",
-                expected="twice the same",
+                expected="the same plane twice",
             )
     if all(plane is None for plane in planes):
-        raise NotYet("two rounds give a plane")
+        raise NotYet("two rounds find a plane")
     if all(_planes_equal(planes[0], plane) for plane in planes):
         raise CheckFailed(
-            "Twelve seeds gave the very same plane: which samples are drawn does not depend on "
-            "rng.",
-            yours=f"twelve times {plane_text(planes[0])}",
+            "Twelve seeds all gave the same plane: the samples do not depend on rng.",
+            yours=f"always {plane_text(planes[0])}",
             expected="different planes",
         )
 
@@ -551,16 +552,16 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 @visible(
     "ransac_plane",
     weight=3,
-    title="rng may be a whole number, too: a seed",
-    why="A seed fits into a log file; a generator does not.",
-    hint="Begin with rng = np.random.default_rng(rng): it makes a generator of a whole number, "
-    "and leaves a generator as it is.",
+    title="Accepts a whole number, a seed, as rng",
+    why="A seed can be written to a log file; a generator cannot.",
+    hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
+    "and returns a generator unchanged.",
 )
 def takes_a_seed(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     for seed in (1, 2, 3):
-        points, belongs = scattered_plane(70 + seed, 60, 30)
-        assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, belongs)
+        points, on_plane = scattered_plane(70 + seed, 60, 30)
+        assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, on_plane)
     generators, seeds = (
         _quick_planes(ransac_plane, points, 2, 0.2, values)
         for values in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
@@ -568,28 +569,28 @@ def takes_a_seed(ransac_plane: Callable) -> None:
     if _planes_equal(*generators) and not _planes_equal(*seeds):
         raise CheckFailed(
             fixed(
-                "The seed 3, given twice, gave two different planes. Generators of that seed give "
-                "the same plane."
+                "The seed 3, given twice, gave two different planes. Two generators with that "
+                "seed give the same plane."
             ),
             yours=" and ".join(map(plane_text, seeds)),
-            expected="twice the same",
+            expected="the same plane twice",
         )
 
 
-_CROWD_POINTS, _BELONGS = frozen(scattered_plane(1, 60, 30, noise=0.02))
+_POINTS, _ON_PLANE = frozen(scattered_plane(1, 60, 30, noise=0.02))
 common_checks.names(
     Case(
         __name__,
         "ransac_plane",
         {
-            "points": _CROWD_POINTS,
+            "points": _POINTS,
             "max_iterations": 90,
             "distance_tolerance": 0.2,
             "rng": np.random.default_rng(1),
         },
-        expected=_BELONGS,
-        look=lambda answer, points, _, tolerance, __, belongs: assert_finds(
-            answer, points, tolerance, belongs
+        expected=_ON_PLANE,
+        look=lambda answer, points, _, tolerance, __, on_plane: assert_finds(
+            answer, points, tolerance, on_plane
         ),
         basic=require_plane_among_outliers,
     ),
@@ -601,9 +602,9 @@ common_checks.names(
 
 @noted(
     "ransac_plane",
-    title="The mask is a NumPy array",
-    why="The next cells take the points that are left with ~inliers, which a list cannot do. "
-    "np.array(...) makes one.",
+    title="Returns the mask as a NumPy array",
+    why="The next cells select the remaining points with ~inliers, which does not work with a "
+    "list. np.array(...) makes an array.",
 )
 def gives_a_mask_array(ransac_plane: Callable) -> None:
     points, _ = scattered_plane(1, 60, 30)

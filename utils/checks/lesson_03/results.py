@@ -5,15 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, in_shape
-from utils.checks.lesson_03.planes import as_plane, draw_on_edge
+from utils.checks.lesson_03.planes import as_plane, draw_edge_on
 from utils.geometry import best_plane, gaps_from
 
 
 def as_pair(answer: object) -> Sequence:
-    """Return an answer as a pair, without judging its two parts."""
+    """Return an answer as a pair, without checking its two values."""
     if answer is None:
         raise WrongForm(
-            "The function returned None. Does every way through it end with `return`?",
+            "The function returned None. Does every path through it end with `return`?",
             yours="None",
             expected="(model, inliers)",
         )
@@ -27,7 +27,7 @@ def as_pair(answer: object) -> Sequence:
 
 
 def as_model(answer: object, given: str | None = None) -> np.ndarray:
-    """Return the model of an answer for points that have a plane; the mask is ignored.
+    """Return the model of an answer for points that contain a plane; ignore the mask.
 
     Parameters
     ----------
@@ -48,15 +48,15 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
     model, _ = as_pair(answer)
     if model is None:
         raise CheckFailed(
-            "There is a plane, and none was found: the model is None.",
+            "No plane was found, although there is one: the model is None.",
             given=given,
             yours="None",
             expected="four numbers (a, b, c, d)",
         )
     if as_array(model, what="four numbers (a, b, c, d)").dtype.kind == "b":
         raise WrongForm(
-            "The first of the two things that are returned is a mask; the model comes first: "
-            "`return model, inliers`.",
+            "The first returned value is a mask, but the model comes first: `return model, "
+            "inliers`.",
             yours=brief(model),
             expected="four numbers (a, b, c, d)",
         )
@@ -64,7 +64,7 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
 
 
 def as_mask(answer: object, n: int) -> np.ndarray:
-    """Return the mask of an answer; the model is ignored.
+    """Return the mask of an answer; ignore the model.
 
     Parameters
     ----------
@@ -81,9 +81,9 @@ def as_mask(answer: object, n: int) -> np.ndarray:
         return mask.astype(bool)
     if mask.dtype != bool:
         raise WrongForm(
-            "The inliers must be a mask, one True or False per point, not numbers or indices.",
+            "The inliers must be a mask with one True or False per point, not numbers or indices.",
             yours=brief(mask),
-            expected=f"{n} times True or False",
+            expected=f"{n} values, each True or False",
         )
     return in_shape(mask, (n,), "one True or False for each point")
 
@@ -92,11 +92,11 @@ def assert_finds(
     answer: object,
     points: np.ndarray,
     distance_tolerance: float,
-    belongs: np.ndarray,
+    on_plane: np.ndarray,
     share: float = 0.9,
     given: str | None = None,
 ) -> None:
-    """Assert that most points of the right plane are near the model; the mask is ignored.
+    """Assert that most points of the right plane are near the model; ignore the mask.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def assert_finds(
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     distance_tolerance : float
         Largest distance of a point that counts as near, in metres.
-    belongs : numpy.ndarray of bool, shape (n,)
+    on_plane : numpy.ndarray of bool, shape (n,)
         True for the points of the right plane.
     share : float
         Share of these points that must be near the model.
@@ -113,23 +113,23 @@ def assert_finds(
     """
     plane = as_model(answer, given)
     near = gaps_from(points, plane) <= distance_tolerance
-    found, total = np.count_nonzero(near & belongs), np.count_nonzero(belongs)
+    found, total = np.count_nonzero(near & on_plane), np.count_nonzero(on_plane)
     if found < share * total:
         subject = f"{total} of the" if total < len(points) else "all"
         raise CheckFailed(
-            "A plane with many more points near it exists: "
-            f"{subject} {len(points)} points lie on it.",
+            f"There is a plane with many more points near it: {subject} {len(points)} points "
+            "lie on it.",
             given=given,
             yours=f"{np.count_nonzero(near)} points within {distance_tolerance:g} m",
             expected=f"about {total}",
-            draw=lambda: draw_on_edge(
-                points, plane, near, distance_tolerance, best_plane(points[belongs])[0]
+            draw=lambda: draw_edge_on(
+                points, plane, near, distance_tolerance, best_plane(points[on_plane])[0]
             ),
         )
 
 
 def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
-    """Assert that the inliers are the points nearest to the model, up to any distance.
+    """Assert that the inliers are the points nearest to the model, for any threshold.
 
     Parameters
     ----------
@@ -140,19 +140,17 @@ def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
     gaps = gaps_from(points, plane)
     if not mask.any():
         raise CheckFailed(
-            "There is a model, and the mask says that no point is near it.",
+            "There is a model, but the mask marks no point near it.",
             yours="0 inliers",
-            expected=f"at least the 3 points that the plane goes through; the nearest point is "
-            f"{gaps.min():.2g} m away",
+            expected=f"at least 3 inliers; the nearest point is {gaps.min():.2g} m away",
         )
     farthest, nearest = gaps[mask].max(), gaps[~mask].min(initial=np.inf)
     if farthest > nearest + 1e-4:
         raise CheckFailed(
-            "The mask does not belong to the returned model: a point that is "
-            f"{nearest:.3f} m away from that plane is no inlier, and one that is {farthest:.3f} m "
-            "away is.",
+            f"The mask does not belong to the returned model: a point {nearest:.3f} m away from "
+            f"that plane is not an inlier, but one that is {farthest:.3f} m away is.",
             yours=f"{np.count_nonzero(mask)} inliers",
-            draw=lambda: draw_on_edge(points, plane, mask, None),
+            draw=lambda: draw_edge_on(points, plane, mask, None),
         )
 
 
@@ -161,7 +159,7 @@ def assert_inliers_within_tolerance(
 ) -> None:
     """Assert that the inliers are the points within the tolerance of the model.
 
-    Either answer is accepted for points at the border.
+    Both answers are accepted for points at exactly this distance.
 
     Parameters
     ----------
@@ -176,13 +174,13 @@ def assert_inliers_within_tolerance(
     wrong = np.flatnonzero((mask != (gaps <= distance_tolerance)) & clear)
     if len(wrong):
         first = wrong[0]
-        article = "an" if mask[first] else "no"
+        verb = "is" if mask[first] else "is not"
         raise CheckFailed(
-            f"With distance_tolerance={distance_tolerance:g} a point that is {gaps[first]:.3f} m "
-            f"away from the returned plane is {article} inlier.",
+            f"With distance_tolerance={distance_tolerance:g}, a point {gaps[first]:.3f} m away "
+            f"from the returned plane {verb} an inlier.",
             yours=f"{np.count_nonzero(mask)} inliers",
             expected=f"{np.count_nonzero(gaps <= distance_tolerance)} inliers",
-            draw=lambda: draw_on_edge(points, plane, mask, distance_tolerance),
+            draw=lambda: draw_edge_on(points, plane, mask, distance_tolerance),
         )
 
 
