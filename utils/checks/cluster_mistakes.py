@@ -18,7 +18,7 @@ from utils.checks.diagnosis import Mistake
 _DIRECTIONS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
 
 
-# Gaps as multiples of the threshold. Each measure along one or two axes closes others of them.
+# Gaps as multiples of the threshold. Each measure along one or two axes closes other gaps.
 _TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 
@@ -133,7 +133,7 @@ def distance_mistakes() -> tuple[Mistake, ...]:
         Mistake(
             "The height is left out: distances are measured only along x and y.",
             measured_by(lambda steps, limit: length(steps[:, :2]) / limit),
-            "The columns cloud[:, :3] are the coordinates, with z among them.",
+            "The columns cloud[:, :3] are the coordinates, z among them.",
         ),
         *(_measured_along(axes) for axes in ([1, 2], [0, 2], [0], [1], [2])),
     )

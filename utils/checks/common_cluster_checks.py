@@ -54,7 +54,7 @@ def default(case: Case, name: str, *, why: str) -> None:
             )
 
     ask.__name__ = name
-    title = "Uses 0.5 m as the threshold if no other is given"
+    title = "Uses a threshold of 0.5 m by default"
     common_checks.default(case, "threshold=0.5", title=title, why=why)(ask)
 
 

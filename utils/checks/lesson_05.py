@@ -67,7 +67,8 @@ _LABELS_WITH_SINGLES = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
     "euclidean_clustering",
     weight=2,
     title="Puts groups that are far apart into separate clusters",
-    why="A cluster stands for an obstacle. Two cars must not become one, nor one car two.",
+    why="A cluster stands for an obstacle. Two cars must not become one, and one car must not "
+    "become two.",
     hint="Take a point without a label and give it a new label. Then give the same label to every "
     "point that can be reached from it.",
 )
@@ -76,7 +77,7 @@ def separates_groups(euclidean_clustering: Callable) -> None:
 
 
 _JOINED_HINT = (
-    "Let a point join a cluster only if it is closer to one of its points than the threshold."
+    "Let a point join only if its distance to a point of the cluster is below the threshold."
 )
 
 
@@ -106,7 +107,7 @@ def follows_chains(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=5,
-    title="Labels every point, with the whole numbers from 1 to the number of clusters",
+    title="Labels every point with a whole number from 1 to the number of clusters",
     why='Later lessons use 0 for "belongs to no obstacle", and the largest label as the number of '
     "obstacles.",
     hint="Give the first cluster the label 1, and increase the counter only when a new cluster "
@@ -136,8 +137,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     title="Uses the parameter threshold to decide which points are close",
     why="The threshold decides what counts as one object. At 0.5 m, parked cars stay separate; at "
     "2 m, a cyclist and the car next to them become one cluster.",
-    hint="Compare the distance in metres with the parameter threshold. If it is below, the two "
-    "points are close.",
+    hint="Two points are close if their distance in metres is below the parameter threshold.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
     # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins the points of more rows.
@@ -320,7 +320,7 @@ def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.n
 
 
 def _no_cluster_begins_at(row: int) -> Callable:
-    """Return a prediction in which no cluster begins in this row: its point may keep label 0."""
+    """Return a prediction in which an isolated point in this row keeps the label 0."""
 
     def predicts(right: np.ndarray, *case: object) -> np.ndarray:
         if np.count_nonzero(right == right[row]) > 1:
@@ -357,7 +357,7 @@ mistakes(
         "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only the longest of the distances along x, y and z counts; all three should.",
+        "Only the longest of the distances along x, y and z counts; all three should count.",
         measured_by(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
         "The distance is the square root of dx² + dy² + dz².",
     ),

@@ -1,9 +1,9 @@
 """Hidden tests of lesson 04. Titles and hints are shown to students; the code is not.
 
 Tests of `search` build the tree themselves, so that the exercises are independent; each tree is
-sent to the sandbox in one message. Except in the test about the radius, the radius is 1, so that a
-missing square root has no effect. Except in the tests about them, no point is on the circle or in a
-corner of the box around it.
+sent to the sandbox in one message. All tests but one search within the radius 1, so that a missing
+square root does not affect them. Only the tests about the circle and the corners of its box use
+points there.
 """
 
 import functools
@@ -79,7 +79,7 @@ def tree_of(student, points, indices=None):
 @hidden(
     "insert",
     weight=9,
-    title="Puts unseen points in the plane in their places",
+    title="Builds the correct tree of unseen points in the plane",
     hint="At each node, compare one coordinate: x at even depths, y at odd ones.",
 )
 def test_plane(student, seed):
@@ -90,7 +90,7 @@ def test_plane(student, seed):
 @hidden(
     "insert",
     weight=9,
-    title="Puts unseen points in space in their places",
+    title="Builds the correct tree of unseen points in space",
     hint="Compare x, y, z, x, y, z, ... from level to level. The number of axes is len(point).",
 )
 def test_space(student, seed):
@@ -124,7 +124,7 @@ def test_equal_coordinates(student, seed):
 def test_notations(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(12) / 4, 3)
     for kind in (points.tolist(), list(map(tuple, points.tolist())), points.astype(np.float32)):
-        assert_tree(tree_of(student, kind), points, either_way=True)
+        assert_tree(tree_of(student, kind), points, may_be_mirrored=True)
 
 
 @hidden(
@@ -139,7 +139,7 @@ def test_indices(student, seed):
     indices = rng.permutation(1000)[:12].tolist()
     tree = tree_of(student, points, indices)
     with needs("every point is in its place"):
-        assert_tree(tree, points, indices, either_way=True)
+        assert_tree(tree, points, indices, may_be_mirrored=True)
     assert_indices(tree, points, indices)
 
 
@@ -153,19 +153,19 @@ def test_two_trees(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(20) / 4)
     first = tree_of(student, points[:10])
     with needs("every point is in its place"):
-        assert_tree(first, points[:10], either_way=True)
+        assert_tree(first, points[:10], may_be_mirrored=True)
     second = student.KdTree()
     for row in range(10, 20):
         first.insert(points[row].copy(), row)
         second.insert(points[row].copy(), row)
-    assert_tree(first, points, either_way=True)
-    assert_tree(second, points[10:], list(range(10, 20)), either_way=True)
+    assert_tree(first, points, may_be_mirrored=True)
+    assert_tree(second, points[10:], list(range(10, 20)), may_be_mirrored=True)
 
 
 @hidden(
     "insert",
     weight=1,
-    title="Does not change points in space",
+    title="Does not change points with three coordinates",
     hint="Write only to the tree.",
 )
 def test_point(student, seed):
@@ -175,7 +175,7 @@ def test_point(student, seed):
     for index, point in enumerate(points):
         assert_left_alone(observe(tree.insert, point, index), point, index)
     with needs("every point is in its place"):
-        assert_tree(tree, points, either_way=True)
+        assert_tree(tree, points, may_be_mirrored=True)
 
 
 # ---------------------------------------------------------------------------------- search
@@ -184,7 +184,7 @@ RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 
 
 
 def with_targets(rng, points, number):
-    """Draw targets near points; drop points on the circle or in a corner around a target."""
+    """Return points and targets near them; no point is on a target's circle or in its corners."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
@@ -193,7 +193,7 @@ def with_targets(rng, points, number):
 
 
 def require_pruning(KdTree):
-    """Require that the search skips regions; comparing with all points makes no use of the tree."""
+    """Require that the search skips regions; comparing all points would not use the tree."""
     with needs("regions that cannot contain a neighbour are skipped"):
         skips_regions(KdTree)
 
@@ -251,7 +251,7 @@ def street_scenes(seed):
     hint="A point with an equal coordinate is on the right. Search an unbalanced tree in the same "
     "way as a balanced one.",
 )
-def test_search_crooked(student, seed):
+def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
     points, targets = with_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
     assert_searches(student, targets, grown(points))
@@ -340,7 +340,7 @@ def traps_and_decoys(seed):
         target[axis], place = high[axis] - 0.5, target.copy()
         place[axis] = high[axis] + 0.3
         # The trap is to the left of all splits that hide it, or to the right of all of them.
-        hidden_by = hidden_leaves(root, target, 1.2)
+        hidden_by = hiding_sides(root, target, 1.2)
         traps = [leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(cases) % 2]}]
         if not traps:
             continue
@@ -349,8 +349,8 @@ def traps_and_decoys(seed):
     return cases
 
 
-def hidden_leaves(root, target, margin):
-    """Return, by leaf index, the sides of splits on which the target's box misses the leaf."""
+def hiding_sides(root, target, margin):
+    """Return for each leaf, by index, the sides of splits that the target's box does not reach."""
     places = places_of(root)
     hidden_by = {}
     for path, node in places.items():
@@ -367,7 +367,7 @@ def hidden_leaves(root, target, margin):
 def leaves_of(root):
     """Return the regions of the leaves, keyed by their index."""
     regions = regions_of(root)
-    return {index: regions[index] for index in hidden_leaves(root, np.zeros(2), 0.0)}
+    return {index: regions[index] for index in hiding_sides(root, np.zeros(2), 0.0)}
 
 
 @hidden(
@@ -430,7 +430,7 @@ FULL = (3, 7, 15, 31, 127)
 @hidden(
     "median_order",
     weight=3,
-    title="Gives the fewest levels for points in {}",
+    title="Gives the fewest possible levels for points in {}",
     hint="Use the next axis for both halves of a part, the left one and the right one.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])

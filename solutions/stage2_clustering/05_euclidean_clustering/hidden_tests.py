@@ -178,7 +178,7 @@ def test_extremes(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Labels every point from 1 on, even isolated points",
+    title="Gives every point a label from 1 upwards, even isolated points",
     hint="A point without neighbours is a cluster too, even if it is the first or last of the "
     "cloud.",
 )
@@ -193,7 +193,7 @@ def test_every_point(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Does not change a part of the course's scan",
+    title="Does not change a cloud from the course's scan",
     hint="Store the labels in a new array.",
 )
 def test_input(student, seed):

@@ -171,7 +171,7 @@ def keeps_the_index(KdTree: Callable) -> None:
     indices = [30, 10, 50, 20, 0, 40, 60]
     tree = _tree_of(KdTree, _DIAGONAL, indices)
     with needs("every point is in its place"):
-        assert_tree(tree, _DIAGONAL, indices, either_way=True)
+        assert_tree(tree, _DIAGONAL, indices, may_be_mirrored=True)
     assert_indices(tree, _DIAGONAL, indices)
 
 
@@ -189,7 +189,7 @@ def accepts_lists_and_tuples(KdTree: Callable) -> None:
         tree = KdTree()
         points = map(kind, _DIAGONAL.tolist())
         call_each(tree.insert, zip(points, range(len(_DIAGONAL)), strict=True))
-        assert_tree(tree, _DIAGONAL, either_way=True)
+        assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
 @visible(
@@ -201,12 +201,12 @@ def accepts_lists_and_tuples(KdTree: Callable) -> None:
 )
 def keeps_trees_apart(KdTree: Callable) -> None:
     with needs("every point is in its place"):
-        assert_tree(_tree_of(KdTree, _DIAGONAL), _DIAGONAL, either_way=True)
+        assert_tree(_tree_of(KdTree, _DIAGONAL), _DIAGONAL, may_be_mirrored=True)
     trees = KdTree(), KdTree()
     for row, point in enumerate(_DIAGONAL.copy()):
         trees[row % 2].insert(point, row)
     for side, tree in enumerate(trees):
-        assert_tree(tree, _DIAGONAL[side::2], list(range(side, 7, 2)), either_way=True)
+        assert_tree(tree, _DIAGONAL[side::2], list(range(side, 7, 2)), may_be_mirrored=True)
 
 
 @visible(
@@ -222,7 +222,7 @@ def leaves_the_point(KdTree: Callable) -> None:
     for index, point in enumerate(_DIAGONAL.copy()):
         assert_left_alone(observe(tree.insert, point, index), point, index)
     with needs("every point is in its place"):
-        assert_tree(tree, _DIAGONAL, either_way=True)
+        assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
 @noted(
@@ -306,11 +306,13 @@ mistakes(
         "Go left only if the coordinate is strictly smaller.",
     ),
     Mistake(
-        "The sides are swapped: a greater coordinate goes left, and a smaller or equal one right.",
+        "The sides are swapped: a greater coordinate goes left, and a smaller or equal one goes "
+        "right.",
         lambda right, points: _paths(points, goes_left=operator.gt),
     ),
     Mistake(
-        "The sides are swapped: a greater or equal coordinate goes left, and a smaller one right.",
+        "The sides are swapped: a greater or equal coordinate goes left, and a smaller one goes "
+        "right.",
         lambda right, points: _paths(points, goes_left=operator.ge),
     ),
     Mistake(

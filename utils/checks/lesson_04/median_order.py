@@ -137,7 +137,7 @@ def _wrong_parts(
         Takes the number of points in a part; returns the position of the expected first point
         when they are sorted along the axis.
     growths : tuple of int
-        How much deeper the part of the smaller points and the part of the others are.
+        Growth of the depth in the part of the smaller points, and in the part of the others.
 
     Yields
     ------
@@ -170,7 +170,7 @@ _AXIS_RULES = (
 
 
 def assert_halves(answer: object, points: np.ndarray) -> None:
-    """Assert that every part begins with its lower median, for any of the `_AXIS_RULES`.
+    """Assert that every part begins with its lower median, along the axes of any of `_AXIS_RULES`.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def alternates_axes(median_order: Callable) -> None:
     hint="The lower median of m sorted rows is at position (m - 1) // 2. If m is even, m // 2 is "
     "the upper one.",
 )
-def takes_the_lower(median_order: Callable) -> None:
+def takes_the_lower_median(median_order: Callable) -> None:
     _assert_medians(median_order)
     rng = np.random.default_rng(43)
     for n in (2, 4, 6):
@@ -304,10 +304,10 @@ def handles_three_coordinates(median_order: Callable) -> None:
     "median_order",
     weight=3,
     title="Gives a tree with the fewest possible levels",
-    why="Every insertion and every search walks down the levels. For 100,000 points there can be "
+    why="Every insertion and every search walks down the levels. A tree of 100,000 points can have "
     "17 levels, or 100,000.",
-    hint="Print levels(points, median_order(points)) for 3, 7 and 15 points. It should be 2, 3 "
-    "and 4.",
+    hint="Print levels(points, median_order(points)) for 3, 7 and 15 points. The results "
+    "should be 2, 3 and 4.",
 )
 def gives_minimal_depth(median_order: Callable) -> None:
     rng = np.random.default_rng(45)
@@ -321,7 +321,7 @@ def gives_minimal_depth(median_order: Callable) -> None:
     weight=1,
     title="Works on an empty cloud and on a single point",
     why="A filter sometimes removes every point.",
-    hint="Skip a part without rows: it adds nothing to the order.",
+    hint="Skip a part that has no rows. It adds nothing to the order.",
 )
 def takes_the_smallest(median_order: Callable) -> None:
     _assert_halves(median_order)
@@ -392,7 +392,7 @@ mistakes(
         "The axis is depth % points.shape[1], and both halves of a part have depth + 1.",
     ),
     Mistake(
-        "The first median is the one along y; it should be the one along x.",
+        "The first median is along y; it should be along x.",
         _follows(axis_at=lambda depth, k: (depth + 1) % k),
         "The first part has depth 0, so its axis is x.",
     ),

@@ -217,7 +217,7 @@ def returns_each_once(KdTree: Callable) -> None:
     if repeated:
         raise CheckFailed(
             f"Index {repeated[0]} is returned {yours.count(repeated[0])} times.",
-            given="target (-6, 7), tolerance 3",
+            given="target (-6, 7), tolerance 3 m",
             yours=_indices_text(yours),
             expected="each index once",
         )
@@ -326,14 +326,14 @@ def _reaches(node: _Split) -> bool:
 
 
 def _visits_by(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
-    """Return a prediction: the near points that a search with this rule visits."""
+    """Return a function that predicts the near points visited by a search with this rule."""
     return lambda right, points, target, tolerance: (
         right & _visited(points, target, tolerance, rule, axis_at, depth_of)
     )
 
 
 def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-    """Predict the points found by a search, level by level, that ends at a missing child."""
+    """Predict the result of a level-by-level search that ends at the first missing child."""
     places, found, pending = places_of(grown(points)), set(), [""]
     for path in pending:  # the list grows inside the loop
         if path not in places:
@@ -440,7 +440,7 @@ mistakes(
         "right one.",
     ),
     Mistake(
-        "The sides are swapped: the condition of the left child decides about the right one, and "
+        "The sides are swapped: the condition for the left child is applied to the right one, and "
         "vice versa.",
         _visits_by(lambda node: _reaches(node._replace(is_left=not node.is_left))),
         "Smaller coordinates are on the left, so search there if the box begins below the split.",

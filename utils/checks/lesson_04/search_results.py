@@ -64,7 +64,7 @@ def assert_found(
         yours=_indices_text(yours),
         expected=_indices_text(expected),
         draw=_drawing(
-            root, target, tolerance, yours & set(points_by_index), "What your search found"
+            root, target, tolerance, yours & set(points_by_index), "Points that your search found"
         ),
     )
 
@@ -143,7 +143,7 @@ def assert_pruned(
     answer = as_indices(tree.search(copy.copy(target), tolerance))
     if trap in answer:
         raise CheckFailed(
-            "search visited a region that is entirely farther away than the tolerance.",
+            "search visited a region in which every point is farther away than the tolerance.",
             given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
             yours=f"visits node {trap}",
             expected="skips the whole region of this node",

@@ -91,13 +91,13 @@ def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence
     plant = method_of(tree, "plant")
     if not plant or not _uses_plant(KdTree):
         tree = build_tree(KdTree, root)
-        with needs("every point is where it belongs"):
+        with needs("every point is in its place"):
             assert_tree(tree, points, indices)
         if _move_points(tree, root, places):
             return tree
         if not plant:
             raise CheckFailed(
-                "The point of a node cannot be changed, so this check cannot see whether search "
+                "The point of a node cannot be changed, so this check cannot test whether search "
                 "follows the splits.",
                 hint="Make `point` an attribute that can be set, as in the lesson's Node.",
             )
@@ -196,7 +196,7 @@ def assert_tree(
     tree: object,
     points: ArrayLike,
     indices: Sequence[int] | None = None,
-    either_way: bool = False,
+    may_be_mirrored: bool = False,
 ) -> None:
     """Assert that points inserted one after another are in their places; indices are ignored.
 
@@ -206,11 +206,14 @@ def assert_tree(
         Instance of the student's class.
     points, indices
         As for `grown`.
-    either_way : bool
+    may_be_mirrored : bool
         Whether left and right may be swapped in the whole tree, for properties that do not depend
         on the sides.
     """
-    if either_way and not _first_misplaced(tree, grown(points, indices, goes_left=operator.gt))[0]:
+    if (
+        may_be_mirrored
+        and not _first_misplaced(tree, grown(points, indices, goes_left=operator.gt))[0]
+    ):
         return
     root = grown(points, indices)
     message, hint = _first_misplaced(tree, root)
