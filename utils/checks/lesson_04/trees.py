@@ -210,10 +210,8 @@ def assert_tree(
         Whether left and right may be swapped in the whole tree, for properties that do not depend
         on the sides.
     """
-    if (
-        may_be_mirrored
-        and not _first_misplaced(tree, grown(points, indices, goes_left=operator.gt))[0]
-    ):
+    mirrored = grown(points, indices, goes_left=operator.gt)
+    if may_be_mirrored and not _first_misplaced(tree, mirrored)[0]:
         return
     root = grown(points, indices)
     message, hint = _first_misplaced(tree, root)
