@@ -282,7 +282,7 @@ def returns_integer_labels(euclidean_clustering: Callable) -> None:
 @noted(
     "euclidean_clustering",
     title="Numbers the clusters in the order in which they first appear in the cloud",
-    why="The text of the lesson refers to clusters by these numbers; your clusters have others.",
+    why="The text of the lesson refers to clusters by these numbers; yours are different.",
 )
 def numbers_by_appearance(euclidean_clustering: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering)

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre: the whole car is then within 10 m
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre, so that the whole car is within 10 m
 MANY = {"car": 1500, "pedestrian": 150}  # minimum number of returns, with every second azimuth
 SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
-FREE = 1.2  # m to the nearest other object
+FREE = 1.2  # minimum distance to the nearest other object, in metres
 EGO_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 
 
@@ -98,8 +98,8 @@ def crossing(seed: int) -> Frame:
     return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
-CLIMB = 0.04  # metres up per metre ahead, in `climb`
-GAP = 0.85  # metres between the two parked cars of `climb`
+CLIMB = 0.04  # rise of the road in `climb`, in metres per metre
+GAP = 0.85  # distance between the two parked cars in `climb`, in metres
 
 
 @functools.lru_cache(maxsize=64)
@@ -267,7 +267,7 @@ def ego_car_points(seed: int) -> np.ndarray:
 
 
 def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
-    """Insert 3000 lost returns into a cloud: not a number, infinite, or at (0, 0, 0).
+    """Insert 3000 lost returns into a cloud: at (0, 0, 0), or with a NaN or infinite coordinate.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def rain(seed: int) -> np.ndarray:
-    """Return single points in the air over a square, far from its objects and each other.
+    """Return single points in the air above a square, far from its objects and each other.
 
     Parameters
     ----------

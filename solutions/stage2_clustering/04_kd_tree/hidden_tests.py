@@ -350,7 +350,7 @@ def traps_and_decoys(seed):
 
 
 def hiding_sides(root, target, margin):
-    """Return for each leaf, by index, the sides of splits that the target's box does not reach."""
+    """Return, keyed by leaf index, the sides of the splits that the target's box does not reach."""
     places = places_of(root)
     hidden_by = {}
     for path, node in places.items():
@@ -373,7 +373,7 @@ def leaves_of(root):
 @hidden(
     "search",
     weight=2,
-    title="Finds all points, no point or a single one, with any index",
+    title="Finds all points, no points or a single point, whatever their indices",
     hint="Return the index of each node, which may differ from its row.",
 )
 def test_search_extremes(student, seed):
@@ -407,7 +407,7 @@ def test_search_notations(student, seed):
 @hidden(
     "search",
     weight=1,
-    title="Does not change a large tree or its target",
+    title="Does not change the tree or a target far from the origin",
     hint="Only read the tree and the target.",
 )
 def test_search_leaves_the_tree(student, seed):
@@ -484,7 +484,7 @@ def test_lower_medians(student, seed):
 @hidden(
     "median_order",
     weight=3,
-    title="Works on points of an unseen street",
+    title="Works on an unseen street",
     hint="Draw the tree that your order makes for a few points of the lesson's scan: is each part "
     "halved along the axis of its depth?",
 )

@@ -116,8 +116,8 @@ def axes_alternate(KdTree: Callable) -> None:
     weight=6,
     title="Puts each of ten points in its place, down to the eighth level",
     why="A search looks for each point in one place only, so every node must be in its place.",
-    hint="Follow the point in the message down the tree, on paper: which coordinate is compared at "
-    "each node, and where is the first free place?",
+    hint="On paper, follow the point that the message names down the tree: which coordinate is "
+    "compared at each node, and where is the first free place?",
 )
 def places_ten_points(KdTree: Callable) -> None:
     _assert_axes_alternate(KdTree)

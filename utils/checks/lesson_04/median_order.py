@@ -290,7 +290,7 @@ def takes_the_lower_median(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=2,
-    title="Works on points with three coordinates: x, y, z and then x again",
+    title="Works on points with three coordinates: takes x, y, z and then x again",
     why="The points of a scan have three coordinates.",
     hint="Use points.shape[1] for the number of coordinates instead of the number 2.",
 )

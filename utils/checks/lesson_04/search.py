@@ -232,7 +232,7 @@ def _indices_text(indices: list[int]) -> str:
     weight=1,
     title="Accepts targets and points that are lists, tuples or arrays",
     why="Later cells insert points as lists, because search is faster with Python's own numbers.",
-    hint="math.dist(p, q) works for all of them; p - q works for arrays only: np.asarray(p) - q.",
+    hint="math.dist(p, q) works for all of them; p - q needs an array: np.asarray(p) - q.",
 )
 def accepts_any_sequence(KdTree: Callable) -> None:
     root = grown(
