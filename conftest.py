@@ -243,7 +243,7 @@ A_FEW_OF_MANY = {
     "test_the_largest_cloud_crosses_as_a_list_of_rows": (),
     "test_principal_axes_are_what_makes_the_curve_fall": (),
     "test_naive_squares_are_many_on_road_and_on_the_own_car": (),
-    "test_what_six_tenths_gain_is_one_stray_point": (),
+    "test_a_threshold_of_six_tenths_gains_one_stray_point": (),
     "test_the_list_of_all_pairs_against_the_tree": (),
     "test_what_the_two_sweeps_say": (),
     "test_a_lesson_is_added_by_its_two_places": (),

@@ -17,7 +17,7 @@ THE_SAME = {
     "euclidean_clustering": {
         "A": "forgets the height",
         "B": "compares with the first point of the cluster only",
-        "C": "squared distance against plain threshold",
+        "C": "compares the squared distance with the threshold",
     },
     "ransac_line": {"C": "the tolerance is squared"},
     "get_bounding_boxes": {

@@ -176,26 +176,38 @@ WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
         "labels from 0": ("Point 0 gets label 0", "from 1 to 5"),
-        "squared distance against plain threshold": ("Point 6 is asked", "8 and 6 have the same"),
-        "plain distance against squared threshold": ("Point 3 is asked", "Point 7 is 0.71 m away"),
-        "intensity is a coordinate": ("Point 0 is asked", "Point 2 is 0.47 m away"),
+        "compares the squared distance with the threshold": (
+            "Point 6 is asked",
+            "8 and 6 have the same",
+        ),
+        "compares the distance with the squared threshold": (
+            "Point 3 is asked",
+            "Point 7 is 0.71 m away",
+        ),
+        "uses intensity as a coordinate": ("Point 0 is asked", "Point 2 is 0.47 m away"),
         "forgets the height": ("Point 1 is asked", "and 9 have the same label"),
         "the threshold is written into the function": ("Point 3 is asked", "Point 7 is 0.71 m"),
         "a cluster never ends": ("Point 0 is asked", "for the second time"),
         "everything is one cluster": ("Labels of points", "no chain of steps"),
         "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
-        "each point as somebody before it": ("Point 11 gets label 4", "point 10 has 6"),
-        "the counter goes up at every point": ("Point 6 gets label 7", "from 1 to 5"),
+        "each point gets the label of an earlier neighbour": (
+            "Point 11 gets label 4",
+            "point 10 has 6",
+        ),
+        "increases the counter at every point": ("Point 6 gets label 7", "from 1 to 5"),
         "returns after the first cluster": ("Point 5 is asked", "got no label"),
         "distances without an axis": ("Point 2 gets label 3", "point 0 has 1"),
         "distances along the wrong axis": ("Point 0 gets label 1", "raised ValueError"),
-        "append for extend": ("Points 2 and 4 get label 1", "raised ValueError"),
+        "append instead of extend": ("Points 2 and 4 get label 1", "raised ValueError"),
         "no parentheses around the masks": ("Point 0 gets label 1", "raised TypeError"),
-        "the ways along the axes added up": ("Point 3 is asked", "Point 7 is 0.71 m away"),
-        "the longest way along an axis": ("Point 6 is asked", "8 and 6 have the same label"),
+        "adds the distances along the axes": ("Point 3 is asked", "Point 7 is 0.71 m away"),
+        "takes the longest distance along an axis": (
+            "Point 6 is asked",
+            "8 and 6 have the same label",
+        ),
         "forgets to return": ("Point 9 is asked", "returned None"),
-        "a mask in the queue": ("Points 2 and 4 get label 1", "raised ValueError"),
-        "np.where gives a tuple": ("Points 2 and 4 get label 1", "raised ValueError"),
+        "puts a mask into the queue": ("Points 2 and 4 get label 1", "raised ValueError"),
+        "uses np.where, which returns a tuple": ("Points 2 and 4 get label 1", "raised ValueError"),
     },
     "ransac_line": {
         "the last line instead of the best": ("Round 10", "Round 4 has 10 near points"),
@@ -289,7 +301,7 @@ def seeded_task(seed):
 
 def test_a_remark_explains_runs_that_cannot_be_shown():
     union, at_once = (
-        run_of("euclidean_clustering", "union and find"),
+        run_of("euclidean_clustering", "union-find"),
         run_of("ransac_line", "all samples at once"),
     )
     assert "its steps cannot be shown" in union.remark and len(union.steps) == 1
@@ -360,21 +372,21 @@ TREE_POINTS = [[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [
            [-8, 6], [7, -6], [-4, -3], [6, 4], [5, 8], [0, 9]]  # fmt: skip
 WRONG_SEARCHES = {
     "else instead of a second if": (2, "to the right of node 1"),
-    "asks every node": (13, "nothing to its left can be near"),
-    "asks every node but those that stand in the wrong place": (13, "to its left can be near"),
+    "visits every node": (13, "nothing to its left can be near"),
+    "visits every node but ignores those out of place": (13, "to its left can be near"),
     "prunes on one side only": (11, "nothing to its left can be near"),
-    "squared distance against plain tolerance": (6, "has not got it"),
+    "compares the squared distance with the tolerance": (6, "has not got it"),
     "the sides are swapped": (1, "to the right of node 0"),
     "the ends of the box are swapped": (2, "to the right of node 1"),
-    "returns at the first empty place": (3, "to the left of node 2"),
+    "returns at the first missing child": (3, "to the left of node 2"),
     "the first axis is y": (6, "to the left of node 3"),
-    "whoever is met is found": (1, "Node 0 is 8.1 m away"),
-    "notes each index twice": (2, "2 times"),
+    "returns every visited node": (1, "Node 0 is 8.1 m away"),
+    "returns each index twice": (2, "2 times"),
     "forgets to return": (2, "has not got it"),
-    "everybody below a far node is left out": (1, "to the right of node 0"),
-    "finds nobody": (0, "never goes on anywhere"),
-    "one if under the other": (1, "to the right of node 0"),
-    "break for continue": (3, "to the left of node 2"),
+    "skips everything below a distant node": (1, "to the right of node 0"),
+    "finds nothing": (0, "never goes on anywhere"),
+    "one if inside the other": (1, "to the right of node 0"),
+    "break instead of continue": (3, "to the left of node 2"),
     "the depth does not grow on the left": (5, "to the left of node 3"),
 }
 
@@ -399,7 +411,7 @@ def test_a_search_stops_where_it_goes_wrong(one):
     try:
         run = walk_search(function_of("search", one.source))
     except TypeError:
-        assert one.name == "takes arrays only"
+        assert one.name == "works on arrays only"
         return
     if one.name in WRONG_SEARCHES:
         step, reason = WRONG_SEARCHES[one.name]

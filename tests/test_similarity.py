@@ -292,7 +292,7 @@ def renamed(source):
 AS_TAUGHT = {
     "euclidean_clustering": ["a queue and NumPy"],
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
-    "insert": ["single precision, printing and returning the node"],
+    "insert": ["prints, uses single precision and returns the node"],
     "principal_axes": ["eigenvectors of the covariance"],
     "ransac_plane": ["excludes a point at the threshold", "the loop of the lesson"],
     "search": ["a stack of places", "strictly closer than the tolerance"],

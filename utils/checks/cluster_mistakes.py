@@ -1,7 +1,7 @@
-"""Common mistakes of clustering, predicted for points on a straight line.
+"""Common mistakes in clustering, predicted for points on a straight line.
 
-On a line, a cluster ends at each gap that is too wide. The effect of a mistake is therefore a
-formula about neighbours.
+On a line, a cluster ends at each gap that is too wide, so the effect of a mistake follows from the
+distances between adjacent points.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,12 +13,12 @@ from utils.checks.assertions import CheckFailed, as_array, frozen, overlaps
 from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 
-# On such a line, a distance in the plane or along one axis differs from the distance in space, and
-# from line to line the axes change places.
-_WAYS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
+# Directions of lines along which a distance in the plane, or along one axis, differs from the
+# distance in space. The axes change places from one direction to the next.
+_DIRECTIONS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
 
 
-# Gaps in thresholds. Along a line of _WAYS, each measure by one axis or two closes other ones.
+# Gaps as multiples of the threshold. Each measure along one or two axes closes other gaps.
 _TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 
@@ -35,7 +35,7 @@ def same_clusters(answer: object, predicted: np.ndarray) -> bool:
 
 
 def on_a_line(
-    places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAYS[0]
+    places: Sequence[float], brightness: float = 0.0, direction: ArrayLike = _DIRECTIONS[0]
 ) -> np.ndarray:
     """Return points on a straight line through the sensor.
 
@@ -45,26 +45,26 @@ def on_a_line(
         Positions along the line in metres; negative behind the sensor.
     brightness : float
         Intensity per metre; 0 for a cloud without intensities.
-    way : array_like, shape (3,)
-        Direction of the line: a unit vector without negative components.
+    direction : array_like, shape (3,)
+        A unit vector without negative components.
 
     Returns
     -------
     numpy.ndarray, shape (n, 3) or (n, 4)
     """
-    cloud = np.outer(places, way)
+    cloud = np.outer(places, direction)
     return np.column_stack([cloud, brightness * np.array(places)]) if brightness else cloud
 
 
-def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
-    """Label points on a line, with a new cluster wherever two neighbours are not joined.
+def cut_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
+    """Label points on a line; a new cluster begins wherever two adjacent points are not joined.
 
     Parameters
     ----------
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
-    holds : callable
+    joins : callable
         Takes the points in their order along the line, and their rows in the cloud. Returns
-        whether each point joins the next, shape (n - 1,).
+        whether each point is joined to the next, shape (n - 1,).
 
     Returns
     -------
@@ -72,18 +72,18 @@ def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
     """
     order = np.argsort(cloud[:, :3].sum(axis=1))
     labels = np.empty(len(cloud), dtype=int)
-    labels[order] = np.concatenate([[0], np.cumsum(~holds(cloud[order], order))])
+    labels[order] = np.concatenate([[0], np.cumsum(~joins(cloud[order], order))])
     return in_order(labels)
 
 
-def by_steps(measure: Callable) -> Callable:
-    """Return the prediction of a mistake that measures gaps wrongly.
+def measured_by(measure: Callable) -> Callable:
+    """Return the prediction of a function that measures the gaps in a certain way.
 
     Parameters
     ----------
     measure : callable
         Takes the vectors from each point to the next, shape (n - 1, columns), and the threshold.
-        Returns the apparent length of each vector in thresholds, shape (n - 1,).
+        Returns the measured length of each vector as a multiple of the threshold, shape (n - 1,).
 
     Returns
     -------
@@ -92,7 +92,7 @@ def by_steps(measure: Callable) -> Callable:
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-        return parted(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
+        return cut_line(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
 
     return predicts
 
@@ -102,84 +102,83 @@ def length(steps: np.ndarray) -> np.ndarray:
     return np.linalg.norm(steps, axis=1)
 
 
-def right_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Return right labels for points on a line, (n,): gaps below the threshold join points."""
-    gaps = by_steps(lambda steps, limit: length(steps[:, :3]) / limit)
-    return gaps(None, cloud, threshold)
+def labels_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
+    """Return the right labels of points on a line, shape (n,)."""
+    return measured_by(lambda steps, limit: length(steps[:, :3]) / limit)(None, cloud, threshold)
 
 
-def measured_wrongly() -> tuple[Mistake, ...]:
+def distance_mistakes() -> tuple[Mistake, ...]:
     """Return the mistakes about distances that both clustering lessons share."""
     return (
         Mistake(
-            "The distance is compared with threshold ** 2: 0.5 acts as 0.25.",
-            by_steps(lambda steps, limit: length(steps[:, :3]) / limit**2),
-            "np.linalg.norm gives distances; these go with threshold itself.",
+            "The distance is compared with threshold ** 2, so 0.5 acts like 0.25.",
+            measured_by(lambda steps, limit: length(steps[:, :3]) / limit**2),
+            "np.linalg.norm gives distances. Compare them with threshold itself.",
         ),
         Mistake(
-            "The squared distance is compared with threshold itself: 0.5 acts as 0.71.",
-            by_steps(lambda steps, limit: length(steps[:, :3]) ** 2 / limit),
-            "Take the root first, as np.linalg.norm does.",
+            "The squared distance is compared with threshold itself, so 0.5 acts like 0.71.",
+            measured_by(lambda steps, limit: length(steps[:, :3]) ** 2 / limit),
+            "Take the square root first, as np.linalg.norm does.",
         ),
         Mistake(
-            "A fixed threshold of 0.5 decides, whatever is given.",
-            by_steps(lambda steps, limit: length(steps[:, :3]) / 0.5),
+            "A fixed threshold of 0.5 is used instead of the parameter threshold.",
+            measured_by(lambda steps, limit: length(steps[:, :3]) / 0.5),
             "Compare with the parameter threshold.",
         ),
         Mistake(
-            "Intensity counts as a fourth coordinate.",
-            by_steps(lambda steps, limit: length(steps) / limit),
-            "cloud[:, :3] are the coordinates.",
+            "Intensity is used as a fourth coordinate.",
+            measured_by(lambda steps, limit: length(steps) / limit),
+            "The columns cloud[:, :3] are the coordinates.",
         ),
         Mistake(
-            "The height is left out: distances are measured in x and y alone.",
-            by_steps(lambda steps, limit: length(steps[:, :2]) / limit),
-            "cloud[:, :3] are the coordinates, z among them.",
+            "The height is left out: distances are measured only along x and y.",
+            measured_by(lambda steps, limit: length(steps[:, :2]) / limit),
+            "The columns cloud[:, :3] are the coordinates, z among them.",
         ),
-        *(_measured_along(kept) for kept in ([1, 2], [0, 2], [0], [1], [2])),
+        *(_measured_along(axes) for axes in ([1, 2], [0, 2], [0], [1], [2])),
     )
 
 
-def _measured_along(kept: list[int]) -> Mistake:
-    """Return the mistake of measuring distances along some of the axes alone.
+def _measured_along(axes: list[int]) -> Mistake:
+    """Return the mistake of measuring distances along some of the axes only.
 
     Parameters
     ----------
-    kept : list of int
-        Numbers of the axes.
+    axes : list of int
+        Indices of the axes.
     """
-    names = " and ".join("xyz"[axis] for axis in kept)
+    names = " and ".join("xyz"[axis] for axis in axes)
     return Mistake(
-        f"Distances are measured along {names} alone.",
-        by_steps(lambda steps, limit: length(steps[:, kept]) / limit),
-        "cloud[:, :3] are the coordinates: x, y and z.",
+        f"Distances are measured only along {names}.",
+        measured_by(lambda steps, limit: length(steps[:, axes]) / limit),
+        "The columns cloud[:, :3] are the coordinates: x, y and z.",
     )
 
 
-def mixed_up() -> tuple[Mistake, ...]:
+def label_mistakes() -> tuple[Mistake, ...]:
     """Return the mistakes about labels that both clustering lessons share."""
     return (
         Mistake(
-            "The clusters are right, and their labels start from 0.",
+            "The clusters are right, but their labels start from 0.",
             lambda right, *case: right - 1,
-            "Labels start from 1: add 1 to all, or count up before the first cluster.",
+            "Add 1 to all labels, or increase the counter before the first cluster.",
         ),
         Mistake(
-            "Every point has a label of its own: nobody joins anybody.",
+            "Every point has a different label: no points are joined.",
             lambda right, *case: np.arange(len(right)) + 1,
-            "Look at the distances: is there one for each point (axis=1), and do those below the "
-            "threshold get the label?",
+            "Look at the distances: is there one for each point (axis=1), and do the points closer "
+            "than the threshold get the label?",
             is_cheap=True,
         ),
         Mistake(
-            "All points have the same label, however far apart.",
+            "All points have the same label, however far apart they are.",
             lambda right, *case: np.ones(len(right), dtype=int),
             is_cheap=True,
         ),
         Mistake(
-            "What is returned has one number for each cluster.",
+            "The function returns one number for each cluster instead of one label for each point.",
             lambda right, *case: np.unique(right),
-            "There must be one label for each point, in the order of the points.",
+            "Return one label for each point, in the order of the points.",
         ),
     )
 
@@ -193,9 +192,9 @@ def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
         ([1.0, 1.3, 1.5, 1.8, 2.4, 2.8, 0.3, 3.5, 7.0, 0.9, 1.7], 2.0, 0.75),
         ([0.33, 0.44, 0.53, 0.58, 1.1, 0.1, 0.4, 0.7, 0.2, 0.84, 0.55], 0.6, 2.5),
     )
-    for (gaps, threshold, brightness), way in zip(cases, _WAYS, strict=True):
+    for (gaps, threshold, brightness), direction in zip(cases, _DIRECTIONS, strict=True):
         places = rng.permutation(1 + np.cumsum([0, *gaps, *(threshold * _TOO_WIDE)]))
-        found.append((on_a_line(places, brightness, way), threshold))
+        found.append((on_a_line(places, brightness, direction), threshold))
     return frozen_cases(found)
 
 

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
-# Larger clouds are not searched for the pair of points that shows the error: it takes n² distances.
+# The search for a wrong pair of points takes n² distances, so larger clouds are not searched.
 _MOST_COMPARED = 1000
 
 
@@ -62,17 +62,18 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
     return np.vstack(groups)[order], in_order(np.repeat([1, 2, 3], [4, 3, 3])[order])
 
 
-# Groups so tight and far apart that slips about chains, cells or metres still find them.
+# Groups so dense and so far apart that even a function with a mistake about chains, cells or units
+# finds them.
 GROUPS, LABELS = frozen(_three_groups())
 
 
 @once
 def assert_works(euclidean_clustering: Callable) -> None:
-    """Require what makes a clustering; raise `NotYet` otherwise.
+    """Require that the function clusters at all; otherwise raise `NotYet`.
 
-    Groups far apart are separate clusters, and a row of neighbours, from its end, is one.
+    It must separate groups that are far apart, and join a row of neighbours.
     """
-    with needs("groups of points far apart are clusters of their own"):
+    with needs("groups of points that are far apart are separate clusters"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
     with needs("a chain of neighbours is one cluster"):
         row = row_of_points([2.0, 0.0, 0.0], 0.45, 7)
@@ -102,7 +103,7 @@ def assert_clusters(
 
 
 def is_whole(answer: object, expected: np.ndarray) -> bool:
-    """Return whether no cluster of `expected` is torn apart in an answer.
+    """Return whether an answer keeps every cluster of `expected` in one piece.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def _nearest_wrong_pair(
     wrong = (yours[:, None] == yours) != (expected[:, None] == expected)
     gaps = np.linalg.norm(cloud[:, None, :3] - cloud[None, :, :3], axis=2)
     i, j = np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
-    labels = "one label" if yours[i] == yours[j] else "two labels"
+    labels = "the same label" if yours[i] == yours[j] else "different labels"
     return (
         f"points {i} and {j}, at {point_text(cloud[i])} and {point_text(cloud[j])}, "
         f"{gaps[i, j]:.2f} m apart; threshold {threshold:g} m. They have {labels}"
@@ -138,7 +139,7 @@ def _nearest_wrong_pair(
 
 
 def assert_from_one(answer: object, n: int) -> None:
-    """Assert that the labels in use are 1 to N, the number of clusters.
+    """Assert that the labels are the numbers from 1 to the number of clusters.
 
     Parameters
     ----------
@@ -150,26 +151,28 @@ def assert_from_one(answer: object, n: int) -> None:
     wanted = np.arange(1, len(found) + 1)
     if not np.array_equal(found, wanted):
         raise CheckFailed(
-            fixed("The labels in use are not 1 to N, the number of clusters."),
+            fixed("The labels are not 1 to N, where N is the number of clusters."),
             yours=brief(found),
             expected=brief(wanted),
         )
 
 
-def assert_whole(euclidean_clustering: Callable) -> None:
+def assert_integer_labels(euclidean_clustering: Callable) -> None:
     """Assert that labels have an integer type."""
     kind = as_array(euclidean_clustering(GROUPS.copy(), 1.0)).dtype
     if kind.kind not in "iu":
-        raise CheckFailed(f"The labels are of type {kind}.")
+        raise CheckFailed(f"The labels have the type {kind}.")
 
 
 def assert_numbered_by_appearance(euclidean_clustering: Callable) -> None:
     """Assert that clusters are numbered by their first points, beginning with 1."""
-    # The first point is a cluster of its own, so code that starts elsewhere numbers it differently.
+    # The first point is isolated, so code that starts with another point numbers it differently.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS])
     labels = as_labels(euclidean_clustering(cloud.copy(), 1.0), len(cloud))
     if not np.array_equal(labels, in_order(labels)):
-        raise CheckFailed(f"Labels are {brief(labels[:5])}, not {brief(in_order(labels)[:5])}.")
+        raise CheckFailed(
+            f"The first labels are {brief(labels[:5])} instead of {brief(in_order(labels)[:5])}."
+        )
 
 
 def assert_an_array(euclidean_clustering: Callable) -> None:
@@ -179,11 +182,11 @@ def assert_an_array(euclidean_clustering: Callable) -> None:
         raise CheckFailed(f"The labels are a {type(answer).__name__}.")
 
 
-def assert_parts_at_the_threshold(euclidean_clustering: Callable) -> None:
-    """Assert that two points exactly one threshold apart have different labels."""
+def assert_separates_at_the_threshold(euclidean_clustering: Callable) -> None:
+    """Assert that two points at exactly the threshold have different labels."""
     pair = np.array([[2.0, 0.0, 0.0], [2.5, 0.0, 0.0]])
     labels = as_labels(euclidean_clustering(pair, 0.5), 2)
     if labels[0] == labels[1]:
         raise CheckFailed(
-            fixed("Two points 0.5 m apart are in one cluster at the threshold 0.5 m.")
+            fixed("With a threshold of 0.5 m, two points 0.5 m apart are in one cluster.")
         )

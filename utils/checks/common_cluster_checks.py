@@ -19,7 +19,7 @@ from utils.checks.failures import fixed
 
 
 def case_of(lesson: str, exercise: str) -> Case:
-    """Return a case with three groups far apart, for the promises of an exercise.
+    """Return a case with three groups that are far apart, for the promises of an exercise.
 
     Parameters
     ----------
@@ -38,29 +38,29 @@ def case_of(lesson: str, exercise: str) -> Case:
 
 
 def default(case: Case, name: str, *, why: str) -> None:
-    """Check that the default threshold gives the same clusters as 0.5 m, right or wrong."""
+    """Check that omitting the threshold gives the same clusters as 0.5 m, right or wrong."""
 
     def ask(euclidean_clustering: Callable) -> None:
         gaps = np.array([0.05, 0.3, 0.12, 0.65, 0.2, 1.2, 0.4, 0.9, 0.56, 0.48, 0.75, 0.35])
         cloud = np.outer(2.0 + np.cumsum(gaps), [1.0, 0.0, 0.0])
         given = as_labels(euclidean_clustering(cloud.copy(), 0.5), len(cloud))
-        left_out = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
-        if not np.array_equal(in_order(given), in_order(left_out)):
+        omitted = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
+        if not np.array_equal(in_order(given), in_order(omitted)):
             raise CheckFailed(
-                fixed("Without a threshold the clusters are others than at 0.5 m."),
+                fixed("Without a threshold, the clusters differ from those at 0.5 m."),
                 given="twelve points in a row",
-                yours=counted(left_out),
+                yours=counted(omitted),
                 expected=f"{counted(given)}, as your function finds at 0.5 m",
             )
 
     ask.__name__ = name
-    title = "The threshold is 0.5 m unless another one is given"
+    title = "Uses a threshold of 0.5 m by default"
     common_checks.default(case, "threshold=0.5", title=title, why=why)(ask)
 
 
 def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1) -> None:
     """Check that no points give no labels and one point gets label 1, also with intensity."""
-    title = "Takes an empty cloud and one point"
+    title = "Works on an empty cloud and on a single point"
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(euclidean_clustering: Callable) -> None:
@@ -70,11 +70,11 @@ def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1)
                 labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
                 if not (labels == 1).all():
                     raise CheckFailed(
-                        "One point alone is a cluster, too.",
+                        "A single point is a cluster and gets the label 1.",
                         given="a cloud of one point",
                         yours=brief(labels),
                         expected="[1]",
-                        hint="It has no neighbours, and begins a cluster all the same.",
+                        hint="Begin a new cluster even if the point has no neighbours.",
                     )
 
 
@@ -83,9 +83,9 @@ _EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3
 
 def equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
     """Check that identical points share a label."""
-    words = {"why": "Recordings do hold the same point twice.", "hint": hint, "weight": weight}
+    words = {"why": "A recording may contain the same point twice.", "hint": hint, "weight": weight}
 
-    @promise("equal_points", case, name, title="Equal points belong together", **words)
+    @promise("equal_points", case, name, title="Gives equal points the same label", **words)
     def ask(euclidean_clustering: Callable) -> None:
         case.basic(euclidean_clustering)
         answer = euclidean_clustering(_EQUAL.copy(), 0.8)
@@ -98,9 +98,9 @@ def intensity(case: Case, name: str, *, why: str, weight: float = 1) -> None:
         case,
         name,
         np.tile([7.0, 200.0], len(GROUPS) // 2),
-        title="Intensity is not a place",
+        title="Ignores intensity",
         why=why,
-        hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
+        hint="Use only cloud[:, :3], the coordinates. A fourth column contains intensity.",
         weight=weight,
     )
 
@@ -110,6 +110,6 @@ def untouched(case: Case, name: str) -> None:
     common_checks.untouched(
         case,
         name,
-        why="The next step of the pipeline still needs the cloud.",
-        hint="Keep labels in an array of their own; do not write into cloud.",
+        why="The next step of the pipeline still needs the original cloud.",
+        hint="Store the labels in a new array; do not write into cloud.",
     )

@@ -14,7 +14,7 @@ from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, nee
 from utils.checks.boxes import footprint
 from utils.checks.failures import fixed
 from utils.checks.run_cache import answer_to, once
-from utils.checks.scans import OWN_CAR, clear_cars, clear_people
+from utils.checks.scans import EGO_CAR, clear_cars, clear_people
 
 if TYPE_CHECKING:
     from utils.simulator.frames import Frame
@@ -239,7 +239,7 @@ def assert_own_car_free(answer: object, frame: Frame) -> None:
     """Assert that no box is centred on the ego car."""
     boxes = as_boxes(answer)
     middles = boxes[:, :, :2].mean(axis=1)
-    inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
+    inside = ((middles > EGO_CAR[0]) & (middles < EGO_CAR[1])).all(axis=1)
     if inside.any():
         raise CheckFailed(
             "A box stands where the own car is.",

@@ -1,7 +1,8 @@
 """Visible checks of lesson 05: `euclidean_clustering`.
 
-The clouds are chosen so that one mistake fails few checks. A fixed threshold of 0.5, or a square
-too many or too few, fails only one. Balls instead of chains pass all checks that use pairs.
+The clouds are chosen so that one mistake fails only a few checks. A fixed threshold of 0.5, or a
+missing or superfluous square, fails a single check. Balls instead of chains pass all checks that
+use pairs of points.
 """
 
 import sys
@@ -17,14 +18,14 @@ from utils.checks.assertions import (
     frozen,
 )
 from utils.checks.cluster_mistakes import (
-    by_steps,
+    distance_mistakes,
     frozen_cases,
+    label_mistakes,
+    labels_on_a_line,
     length,
     lines_of_points,
-    measured_wrongly,
-    mixed_up,
+    measured_by,
     on_a_line,
-    right_on_a_line,
     same_clusters,
 )
 from utils.checks.clusters import (
@@ -33,9 +34,9 @@ from utils.checks.clusters import (
     assert_an_array,
     assert_clusters,
     assert_from_one,
+    assert_integer_labels,
     assert_numbered_by_appearance,
-    assert_parts_at_the_threshold,
-    assert_whole,
+    assert_separates_at_the_threshold,
     assert_works,
     is_whole,
     row_of_points,
@@ -43,11 +44,11 @@ from utils.checks.clusters import (
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 
-# With this step and threshold each point of a row has one neighbour on either side, even if a
-# function squares one of the two.
+# With this step and threshold, each point of a row has one neighbour on either side, even if a
+# function squares the distance or the threshold.
 _STEP, _THRESHOLD = 0.45, 0.8
 
-# The seven points of the lesson, in space. Squaring has no effect on their clusters, either.
+# The seven points of the lesson, with z = 0. Squaring does not change their clusters either.
 _SEVEN_POINTS = frozen(
     np.column_stack(
         [
@@ -65,10 +66,11 @@ _LABELS_WITH_SINGLES = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 @visible(
     "euclidean_clustering",
     weight=2,
-    title="Groups far apart are clusters of their own",
-    why="A cluster is an obstacle: two cars must not become one, nor one car two.",
-    hint="Take a point without a label, give it a new label, then give the same label to "
-    "everything that can be reached from it.",
+    title="Puts groups that are far apart into separate clusters",
+    why="A cluster stands for an obstacle. Two cars must not become one, and one car must not "
+    "become two.",
+    hint="Take a point without a label and give it a new label. Then give the same label to every "
+    "point that can be reached from it.",
 )
 def separates_groups(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
@@ -82,10 +84,10 @@ _JOINED_HINT = (
 @visible(
     "euclidean_clustering",
     weight=13,
-    title="A chain of neighbours is one cluster, however long",
-    why="A wall is metres long and its ends are far apart, but it is one obstacle.",
-    hint="Each point that you label must itself be asked for its neighbours: let it wait in the "
-    "queue.",
+    title="Joins a chain of neighbours into one cluster, however long it is",
+    why="The ends of a wall are metres apart, but it is one obstacle.",
+    hint="Put each point that you label into the queue, so that your code searches for its "
+    "neighbours too.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
     answer = euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD)
@@ -105,23 +107,23 @@ def follows_chains(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=5,
-    title="Labels are the whole numbers 1 to N, and every point has one",
-    why='Later lessons use 0 for "belongs to no obstacle" and count obstacles by the '
-    "largest label.",
-    hint="The first cluster gets 1. The counter goes up where a new cluster begins, and only "
-    "there; a point that stands alone begins one, too, be it the first of the cloud or the last.",
+    title="Labels every point with a whole number from 1 to the number of clusters",
+    why='Later lessons use 0 for "belongs to no obstacle", and the largest label as the number of '
+    "obstacles.",
+    hint="Give the first cluster the label 1, and increase the counter only when a new cluster "
+    "begins. An isolated point is a cluster too, even if it is the first or last of the cloud.",
 )
 def counts_from_one(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
     assert_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
-    # The first point is a cluster of its own, and so is the last.
+    # The first and the last point are isolated.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS, [-9.0, 4.0, 0.5]])
     answer = euclidean_clustering(cloud.copy(), 1.0)
     try:
         assert_from_one(answer, len(cloud))
     except CheckFailed as failure:
         if failure.is_about_the_check:
-            failure.given = "three groups of points, and one point alone before and behind them"
+            failure.given = "an isolated point, then three groups, then another isolated point"
             failure.yours, failure.expected = (
                 brief(as_labels(answer, len(cloud))),
                 _LABELS_WITH_SINGLES,
@@ -132,13 +134,13 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=5,
-    title="The parameter threshold decides which points are close",
-    why="The threshold decides what counts as one object: at half a metre parked cars stay "
-    "apart, at two metres a cyclist melts into the car beside.",
-    hint="Two points are close where their distance in metres is below the parameter threshold.",
+    title="Uses the parameter threshold to decide which points are close",
+    why="The threshold decides what counts as one object. At 0.5 m, parked cars stay separate; at "
+    "2 m, a cyclist and the car next to them become one cluster.",
+    hint="Two points are close if their distance in metres is below the parameter threshold.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
-    # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins a different number of them.
+    # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins the points of more rows.
     rows = np.arange(4)[:, None] * 9.0 + np.outer([0.2, 0.45, 0.6, 0.9], [0, 1, 2])
     cloud = np.outer(rows.ravel(), [1.0, 0.0, 0.0])
     for threshold, labels in (
@@ -155,24 +157,24 @@ _CASE = common_cluster_checks.case_of(__name__, "euclidean_clustering")
 common_cluster_checks.default(
     _CASE,
     "keeps_the_default",
-    why="Later cells call euclidean_clustering(obstacles) and rely on it.",
+    why="Later cells call euclidean_clustering(obstacles) without a threshold.",
 )
 common_checks.names(
-    _CASE, "keeps_the_names", why="Somebody may call euclidean_clustering(cloud, threshold=0.3)."
+    _CASE, "keeps_the_names", why="Other code may call euclidean_clustering(cloud, threshold=0.3)."
 )
 
 
 @visible(
     "euclidean_clustering",
     weight=3,
-    title="Measures the straight distance in space, alike in every direction",
-    why="A bridge is above the road, not on it; and a car that turns keeps its size.",
-    hint="The distance is the root of dx² + dy² + dz²: np.linalg.norm(..., axis=1) over three "
-    "columns.",
+    title="Measures the distance in the same way in every direction of space",
+    why="A bridge is above the road, not on it, and a car that turns keeps its size.",
+    hint="The distance is the square root of dx² + dy² + dz²: np.linalg.norm(..., axis=1) over "
+    "three columns.",
 )
-def measures_alike(euclidean_clustering: Callable) -> None:
+def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
-    # Pairs in five directions. Right or wrong, a measure of distance must treat them alike.
+    # Pairs of points in five directions. Even a wrong threshold must treat all directions alike.
     directions = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, -1, 0]], dtype=float)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     places = np.outer(np.arange(5), [20.0, 0.0, 0.0])
@@ -186,7 +188,7 @@ def measures_alike(euclidean_clustering: Callable) -> None:
                 for is_close in (True, False)
             ]
             raise CheckFailed(
-                f"{gap:.2f} m are close along {parts[0]} and not close along {parts[1]}.",
+                f"Points {gap:.2f} m apart are close along {parts[0]} but not along {parts[1]}.",
                 given=f"pairs of points, {gap:.2f} m apart, in different directions; threshold 1 m",
             )
 
@@ -200,22 +202,21 @@ def _direction_text(direction: np.ndarray) -> str:
 common_cluster_checks.intensity(
     _CASE,
     "ignores_intensity",
-    why="A white stripe on a black bumper is bright, not far away. Many recordings count "
-    "intensity from 0 to 255.",
+    why="A white stripe on a black bumper is brighter, not farther away. In many recordings, "
+    "intensity goes from 0 to 255.",
     weight=7,
 )
 common_cluster_checks.few_points(
     _CASE,
     "takes_the_smallest",
-    why="After filtering nothing may be left.",
-    hint="A loop over the points does nothing when there are none: an array of length 0 is "
-    "the answer.",
+    why="A filter sometimes removes every point.",
+    hint="A loop over the points of an empty cloud does nothing. Return an array of length 0.",
     weight=2,
 )
 common_cluster_checks.equal_points(
     _CASE,
     "joins_equal_points",
-    hint="Equal points are at distance 0, which is below every threshold.",
+    hint="Equal points are at distance 0, which is below any threshold.",
 )
 common_cluster_checks.untouched(_CASE, "leaves_its_input")
 
@@ -223,14 +224,14 @@ common_cluster_checks.untouched(_CASE, "leaves_its_input")
 @visible(
     "euclidean_clustering",
     weight=3,
-    title="A wall of thousands of points needs no recursion",
-    why="A function that calls itself for each neighbour ends at Python's limit of nested calls: "
-    "at the first wall of a full scan.",
-    hint="Let points wait in a queue, and work in a loop until it is empty.",
+    title="Labels a wall that is longer than Python's recursion limit",
+    why="A function that calls itself for each neighbour reaches the recursion limit at the first "
+    "wall of a full scan.",
+    hint="Put points into a queue, and work in a loop until the queue is empty.",
 )
-def takes_a_long_wall(euclidean_clustering: Callable) -> None:
+def labels_a_long_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
-    # Python allows 1000 nested calls, and 3000 if something in the notebook has raised the limit.
+    # Python allows 1000 nested calls by default, and 3000 in a notebook.
     n = min(sys.getrecursionlimit(), 3000) + 100
     wall = row_of_points([-n * _STEP / 2, 5.0, 0.0], _STEP, n)
     assert_clusters(
@@ -241,27 +242,27 @@ def takes_a_long_wall(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=3,
-    title="No point waits in the queue twice: a dense wall is done at once",
-    why="On a wall close by, a point has dozens of neighbours. If it gets its label on leaving the "
-    "queue, and not on entering it, it enters dozens of times, and lets others in as often.",
-    hint="Label new neighbours before, or when, they join the queue.",
-    slow="points enter the queue over and over. Label new neighbours before, or when, they join "
-    "it: a point that gets its label on leaving enters again and again.",
+    title="Labels a dense wall without putting points into the queue again and again",
+    why="On a nearby wall, a point has dozens of neighbours. If it gets its label when it leaves "
+    "the queue, it enters the queue dozens of times and adds its own neighbours each time.",
+    hint="Label new neighbours when they enter the queue, not when they leave it.",
+    slow="points enter the queue again and again. Label new neighbours when they enter it, not "
+    "when they leave it.",
 )
-def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
+def labels_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
     wall = np.stack(np.meshgrid(np.arange(20) * 0.1, [3.0], np.arange(20) * 0.1), axis=-1)
     cloud = wall.reshape(-1, 3)
     assert_clusters(euclidean_clustering(cloud.copy(), 0.8), np.ones(400, int), cloud, 0.8)
 
 
-# ---- notes, which cost no points ---------------------------------------------------------------
+# ---- notes, which do not affect the score ------------------------------------------------------
 
 
 @noted(
     "euclidean_clustering",
-    title="The labels are an array, not a list",
-    why="The next cells ask for labels.max() and labels == 3, which a list does not answer: return "
+    title="Returns an array, not a list",
+    why="The next cells use labels.max() and labels == 3, which only work with an array. Return "
     "np.array(labels).",
 )
 def returns_an_array(euclidean_clustering: Callable) -> None:
@@ -270,18 +271,18 @@ def returns_an_array(euclidean_clustering: Callable) -> None:
 
 @noted(
     "euclidean_clustering",
-    title="Labels are whole numbers by type",
-    why="np.bincount(labels), in the next cell, takes no floating point numbers: let the array of "
-    "labels begin as np.zeros(n, dtype=int).",
+    title="Returns labels of an integer type",
+    why="A later cell calls np.bincount(labels), which does not accept floating-point numbers. "
+    "Create the array of labels with np.zeros(n, dtype=int).",
 )
-def has_whole_labels(euclidean_clustering: Callable) -> None:
-    assert_whole(euclidean_clustering)
+def returns_integer_labels(euclidean_clustering: Callable) -> None:
+    assert_integer_labels(euclidean_clustering)
 
 
 @noted(
     "euclidean_clustering",
-    title="Clusters are numbered as they first appear in the cloud",
-    why="The text speaks of clusters by these numbers; yours have others there.",
+    title="Numbers the clusters in the order in which they first appear in the cloud",
+    why="The text of the lesson refers to clusters by these numbers; yours are different.",
 )
 def numbers_by_appearance(euclidean_clustering: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering)
@@ -289,12 +290,12 @@ def numbers_by_appearance(euclidean_clustering: Callable) -> None:
 
 @noted(
     "euclidean_clustering",
-    title="Two points exactly at the threshold are not close",
-    why='The docstring says "closer than", which is <; on measured points it hardly ever matters, '
-    "on a regular grid it does.",
+    title="Keeps two points at exactly the threshold separate",
+    why='The docstring says "closer than", which means <. This hardly ever matters for measured '
+    "points, but it does for a regular grid.",
 )
-def parts_at_the_threshold(euclidean_clustering: Callable) -> None:
-    assert_parts_at_the_threshold(euclidean_clustering)
+def separates_at_the_threshold(euclidean_clustering: Callable) -> None:
+    assert_separates_at_the_threshold(euclidean_clustering)
 
 
 # ---- common mistakes ---------------------------------------------------------------------------
@@ -310,7 +311,7 @@ def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float)
 
 
 def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Give each point the label of the first point before it that is near."""
+    """Give each point the label of the first earlier point that is near."""
     labels = []
     for place in cloud[:, :3]:
         near = np.flatnonzero(length(cloud[: len(labels), :3] - place) < threshold)
@@ -319,7 +320,7 @@ def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.n
 
 
 def _no_cluster_begins_at(row: int) -> Callable:
-    """Return a prediction in which no cluster begins in this row: a point alone keeps label 0."""
+    """Return a prediction in which an isolated point in this row keeps the label 0."""
 
     def predicts(right: np.ndarray, *case: object) -> np.ndarray:
         if np.count_nonzero(right == right[row]) > 1:
@@ -335,7 +336,7 @@ def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
     return np.array([right.tolist().index(label) + 1 for label in right])
 
 
-# Points on a line. The first point of the cloud, the last, or both are clusters of their own.
+# Points on a line. The first point of the cloud, the last, or both are isolated.
 _SINGLES_AT_THE_ENDS = frozen_cases(
     [
         (on_a_line(places), 0.6)
@@ -349,51 +350,51 @@ _SINGLES_AT_THE_ENDS = frozen_cases(
 
 mistakes(
     "euclidean_clustering",
-    *measured_wrongly(),
+    *distance_mistakes(),
     Mistake(
-        "The ways along x, y and z are added up: that is longer than the straight distance.",
-        by_steps(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
-        "The distance is the root of dx² + dy² + dz².",
+        "The distances along x, y and z are added up, which is more than the straight distance.",
+        measured_by(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
+        "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only the longest of the ways along x, y and z counts.",
-        by_steps(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
-        "The distance is the root of dx² + dy² + dz².",
+        "Only the longest of the distances along x, y and z counts; all three should count.",
+        measured_by(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
+        "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only points close to the first one of a cluster join: balls instead of chains.",
+        "Only points close to the first point of a cluster join it: balls instead of chains.",
         _around_first_points,
-        "Put each point that joins into the queue, and ask it for its own neighbours.",
+        "Put each point that joins into the queue, and search for its own neighbours.",
         is_cheap=True,
     ),
     Mistake(
-        "Each point takes the label of a neighbour before it, and clusters that meet later keep "
-        "two labels.",
+        "Each point takes the label of an earlier neighbour, and clusters that meet later keep two "
+        "labels.",
         _in_one_pass,
-        "Make one cluster complete, with a queue, before the next begins.",
+        "Complete one cluster, with a queue, before you begin the next.",
     ),
     Mistake(
-        "Only the cluster of the first point is made; all other points keep the label 0.",
+        "Only the cluster of the first point is labelled; all other points keep the label 0.",
         lambda right, *case: (right == 1).astype(int),
-        "The loop over the points ends too early: `return` belongs behind it, not into it.",
+        "The loop over the points ends too early: `return` belongs after it, not inside it.",
     ),
     Mistake(
-        "The counter goes up at every point; it should only where a new cluster begins.",
+        "The counter goes up at every point; it should go up only when a new cluster begins.",
         _first_rows,
-        "Count after you know that the point has no label yet.",
+        "First make sure that the point has no label, then increase the counter.",
     ),
     Mistake(
-        "No cluster begins at the first point: where it stands alone, it keeps the label 0.",
+        "No cluster begins at the first point; if it is isolated, it keeps the label 0.",
         _no_cluster_begins_at(0),
-        "Let the loop over the points begin at 0: range(len(cloud)).",
+        "Start the loop over the points at 0: range(len(cloud)).",
     ),
     Mistake(
-        "No cluster begins at the last point: where it stands alone, it keeps the label 0.",
+        "No cluster begins at the last point; if it is isolated, it keeps the label 0.",
         _no_cluster_begins_at(-1),
-        "Let the loop over the points go to the last: range(len(cloud)).",
+        "Let the loop run to the last point: range(len(cloud)).",
     ),
-    *mixed_up(),
+    *label_mistakes(),
     cases=(*lines_of_points(), *_SINGLES_AT_THE_ENDS),
-    right=right_on_a_line,
+    right=labels_on_a_line,
     same=same_clusters,
 )

@@ -1,8 +1,8 @@
 """Simulated scans, with their true boxes, for the checks of detectors.
 
-Detectors differ in their region, in how they thin the cloud and in where they cut the ground. The
-checks therefore rely on obstacles that every sensible detector finds: cars and people near the
-sensor and clear of other things.
+Detectors differ in the region that they keep, in how they thin the cloud and in the height at which
+they cut the ground. The checks therefore rely on obstacles that every sensible detector finds: cars
+and people near the sensor, with nothing close to them.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre: all of a car is then within 10 m
-MANY = {"car": 1500, "pedestrian": 150}  # least returns, with every second azimuth
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre, so that the whole car is within 10 m
+MANY = {"car": 1500, "pedestrian": 150}  # minimum number of returns, with every second azimuth
 SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
-FREE = 1.2  # m to the nearest other thing
-OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
+FREE = 1.2  # minimum distance to the nearest other object, in metres
+EGO_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 
 
 def half_sensor() -> Sensor:
@@ -41,12 +41,12 @@ def half_sensor() -> Sensor:
 
 @functools.cache
 def street(further: float = 0.0) -> Frame:
-    """Return a scan of the street of `data/cloud.txt`, from that place or further along the road.
+    """Return a scan of the street in `data/cloud.txt`, from that place or another on the road.
 
     Parameters
     ----------
     further : float
-        Metres along the road.
+        Distance along the road from the place of that scan, in metres.
     """
     from utils.scenes import ROAD
     from utils.simulator.frames import observe
@@ -59,13 +59,13 @@ def street(further: float = 0.0) -> Frame:
 
 
 def street_before() -> Frame:
-    """Return the street from 4 m further back; its clear cars are where `street` has none."""
+    """Return the street from 4 m further back. Its clear cars are where `street` has none."""
     return street(-4.0)
 
 
 @functools.lru_cache(maxsize=64)
 def square(seed: int) -> Frame:
-    """Return a scan of three cars around the sensor, at an angle, between two rows of houses.
+    """Return a scan of three cars around the sensor, not parallel to x or y, between houses.
 
     Most checks of detectors use these scans. To save time, they omit returns farther away than
     the cars.
@@ -77,7 +77,7 @@ def square(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def walk(seed: int) -> Frame:
-    """Return a scan of a car and three people around the sensor, all clear; else as `square`."""
+    """Return a scan as in `square`, but of one car and three people, all clear of others."""
     frames = (_some_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
         frame for frame in frames if len(clear_cars(frame)) == 1 and len(clear_people(frame)) == 3
@@ -86,7 +86,7 @@ def walk(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def crossing(seed: int) -> Frame:
-    """Return a scan of a small car across the road ahead, at 8 to 10 m; else as `square`."""
+    """Return a scan as in `square`, but of one small car across the road, 8 to 10 m ahead."""
     from utils.simulator.streets import placed
     from utils.simulator.traffic import car
 
@@ -98,16 +98,16 @@ def crossing(seed: int) -> Frame:
     return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
-CLIMB = 0.04  # metres up per metre ahead, in `climb`
-GAP = 0.85  # metres between the two parked cars of `climb`
+CLIMB = 0.04  # rise of the road in `climb`, in metres per metre
+GAP = 0.85  # distance between the two parked cars in `climb`, in metres
 
 
 @functools.lru_cache(maxsize=64)
 def climb(seed: int) -> Frame:
-    """Return a scan of a road that climbs, with things that simple detectors leave out.
+    """Return a scan of a road that climbs, with obstacles that simple detectors miss.
 
-    A person stands just next to the bumper, a lorry on the same side, and two cars are parked close
-    behind each other on the other side, at the edge of the road.
+    A person stands right next to the bumper. A lorry is on the same side. On the other side, two
+    cars are parked close behind each other, at the edge of the road.
     """
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
@@ -120,13 +120,13 @@ def climb(seed: int) -> Frame:
     x, y = rng.uniform(1.5, 2.5), 4.9 * side
     gap = (first.size[0] + second.size[0]) / 2 + GAP
     person = (rng.uniform(3.2, 3.4), -side * rng.uniform(2.15, 2.35))
-    things = [
+    obstacles = [
         placed(some_walker(rng), *person),
         placed(truck(rng.uniform(11.5, 12.5)), rng.uniform(5.0, 6.0), -5.2 * side, 0.0),
         placed(first, x, y, 0.0),
         placed(second, x + gap, y, 0.0),
     ]
-    return observe(world_of(Ground(slope=CLIMB), things), half_sensor(), seed)
+    return observe(world_of(Ground(slope=CLIMB), obstacles), half_sensor(), seed)
 
 
 def car_across(frame: Frame) -> Box:
@@ -141,49 +141,49 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
     from utils.simulator.streets import placed, some_car, some_walker
 
     rng = np.random.default_rng(seed)
-    things = []
+    obstacles = []
     for _ in range(200):
-        # Diagonal, so that a box along the axes is much too large; ahead or behind, not next to
+        # Diagonal, so that a box along the axes is much too large. Ahead or behind, not next to
         # the ego car.
         yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
         x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
-        thing = placed(some_car(rng) if len(things) < cars else some_walker(rng), x, y, yaw)
-        if len(things) < cars + people and _has_room(thing, things):
-            things.append(thing)
-    return _on_a_square(things, rng, seed)
+        obstacle = placed(some_car(rng) if len(obstacles) < cars else some_walker(rng), x, y, yaw)
+        if len(obstacles) < cars + people and _has_room(obstacle, obstacles):
+            obstacles.append(obstacle)
+    return _on_a_square(obstacles, rng, seed)
 
 
 def _on_a_square(
-    things: list[Obstacle], rng: np.random.Generator, seed: int | Sequence[int]
+    obstacles: list[Obstacle], rng: np.random.Generator, seed: int | Sequence[int]
 ) -> Frame:
-    """Return a scan of things around the sensor, two passing pedestrians and houses."""
+    """Return a scan of obstacles around the sensor, two walking pedestrians and houses."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
     from utils.simulator.streets import StreetPlan, placed, some_walker, street, world_of
 
-    things = list(things)
-    things += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
+    obstacles = list(obstacles)
+    obstacles += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
     empty = float("inf")
     houses = StreetPlan(
         ((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0
     )
     ground = Ground(slope=0.02 * rng.uniform(-1, 1), width=10.0, crown=0.01, kerb=0.1)
-    return observe(world_of(ground, [*things, *street(rng, houses)]), half_sensor(), seed)
+    return observe(world_of(ground, [*obstacles, *street(rng, houses)]), half_sensor(), seed)
 
 
-def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
-    """Return whether a thing is near the sensor, and clear of the ego car and other things."""
-    if not 4.0 < math.hypot(thing.pose.x, thing.pose.y) < 0.98 * NEAR[thing.kind]:
+def _has_room(obstacle: Obstacle, others: Sequence[Obstacle]) -> bool:
+    """Return whether an obstacle is near the sensor, and clear of the ego car and the others."""
+    if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * NEAR[obstacle.kind]:
         return False
-    rim = _rim(thing)
-    if ((rim > OWN_CAR[0] - FREE) & (rim < OWN_CAR[1] + FREE)).all(axis=1).any():
+    rim = _rim(obstacle)
+    if ((rim > EGO_CAR[0] - FREE) & (rim < EGO_CAR[1] + FREE)).all(axis=1).any():
         return False
     gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others)
     return all(gap > 1.2 * FREE for gap in gaps)
 
 
-def _rim(thing: Obstacle) -> np.ndarray:
-    """Return points (m, 2) along the outline of an obstacle's footprint."""
+def _rim(obstacle: Obstacle) -> np.ndarray:
+    """Return points along the outline of an obstacle's footprint; shape (n, 2)."""
     side = np.linspace(-0.5, 0.5, 20)
     half = np.full(20, 0.5)
     rim = (
@@ -193,11 +193,11 @@ def _rim(thing: Obstacle) -> np.ndarray:
                 for pair in ((side, half), (side, -half), (half, side), (-half, side))
             ]
         )
-        * thing.size[:2]
+        * obstacle.size[:2]
     )
-    cosine, sine = math.cos(thing.pose.yaw), math.sin(thing.pose.yaw)
+    cosine, sine = math.cos(obstacle.pose.yaw), math.sin(obstacle.pose.yaw)
     turn = np.array([[cosine, sine], [-sine, cosine]])
-    return rim @ turn + [thing.pose.x, thing.pose.y]
+    return rim @ turn + [obstacle.pose.x, obstacle.pose.y]
 
 
 @functools.lru_cache(maxsize=64)
@@ -247,17 +247,17 @@ def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
     return dataclasses.replace(frame, scan=dataclasses.replace(frame.scan, **columns))
 
 
-def own_car(seed: int) -> np.ndarray:
-    """Return returns of an ego car whose bonnet and roof the beams hit everywhere.
+def ego_car_points(seed: int) -> np.ndarray:
+    """Return points all over the bonnet and roof of the ego car.
 
-    They are inside the ego car's box of lesson 07, and still dense after thinning.
+    They are inside the ego car's box in lesson 07, and still dense after thinning.
 
     Returns
     -------
     numpy.ndarray, shape (n, 4)
     """
     rng = np.random.default_rng(seed)
-    (back, right), (front, left) = OWN_CAR
+    (back, right), (front, left) = EGO_CAR
     x, y = np.mgrid[back + 0.04 : front - 0.04 : 0.08, right + 0.04 : left - 0.04 : 0.08]
     bonnet, roof = rng.uniform((-0.95, -0.65), (-0.8, -0.5))
     z = np.where(x > 0.8, bonnet, roof)
@@ -267,7 +267,7 @@ def own_car(seed: int) -> np.ndarray:
 
 
 def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
-    """Insert 3000 lost returns into a cloud: not a number, infinite, or at (0, 0, 0).
+    """Insert 3000 lost returns into a cloud: at (0, 0, 0), or with a NaN or infinite coordinate.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def rain(seed: int) -> np.ndarray:
-    """Return single returns in the air over a square, away from its things and each other.
+    """Return single points in the air above a square, far from its objects and each other.
 
     Parameters
     ----------
@@ -305,8 +305,8 @@ def rain(seed: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
     frame = square(seed)
     places = rng.uniform((-11, -5.5), (18, 5.5), (400, 2))
-    things = cKDTree(frame.cloud[frame.scan.objects > 0, :2])
-    places = places[(things.query(places)[0] > 1.5) & (np.hypot(*places.T) > 3.5)]
+    obstacles = cKDTree(frame.cloud[frame.scan.objects > 0, :2])
+    places = places[(obstacles.query(places)[0] > 1.5) & (np.hypot(*places.T) > 3.5)]
     drops = []
     for place in places:
         if all(np.hypot(*(place - other)) > 2.0 for other in drops):

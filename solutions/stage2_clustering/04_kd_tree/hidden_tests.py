@@ -1,8 +1,9 @@
 """Hidden tests of lesson 04. Titles and hints are shown to students; the code is not.
 
-Tests of `search` build the tree themselves, so that the exercises are independent; a tree crosses
-the pipe in one message. Unless a test is about the radius, it is 1, which equals its square. Unless
-a test is about these places, no point is on the rim or in a corner of the box around the circle.
+Tests of `search` build the tree themselves, so that the exercises are independent; each tree is
+sent to the sandbox in one message. All tests but one search within the radius 1, so that a missing
+square root does not affect them. Only the tests about the circle and the corners of its box use
+points there.
 """
 
 import functools
@@ -23,13 +24,17 @@ from utils.checks.assertions import (
 from utils.checks.lesson_04.cases import (
     diagonal_points,
     distinct_points,
+    is_off_circle,
     is_off_corners,
-    is_off_rim,
     nested_points,
 )
 from utils.checks.lesson_04.insert import require_root
-from utils.checks.lesson_04.median_order import assert_halves, assert_lower_medians, assert_shallow
-from utils.checks.lesson_04.search import finds_the_rim, leaves_regions_out, looks_on_both_sides
+from utils.checks.lesson_04.median_order import (
+    assert_halves,
+    assert_lower_medians,
+    assert_minimal_depth,
+)
+from utils.checks.lesson_04.search import finds_the_border, searches_both_sides, skips_regions
 from utils.checks.lesson_04.search_results import assert_found, assert_pruned, assert_same_tree
 from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree
 from utils.geometry import grown, places_of, regions_of
@@ -50,15 +55,21 @@ def order_of_medians(points):
 
 
 def balanced(points):
-    """Return a right tree of minimal depth."""
+    """Return a correct tree with the fewest levels."""
     order = order_of_medians(points)
     return grown(np.asarray(points)[order], order)
+
+
+def without_equal_coordinates(points):
+    """Return points of a cloud, shape (n, 3), no two of which share a coordinate."""
+    first = [np.unique(points[:, axis], return_index=True)[1] for axis in range(3)]
+    return points[sorted(set(first[0]) & set(first[1]) & set(first[2]))]
 
 
 # ---------------------------------------------------------------------------------- insert
 
 
-def inserted(student, points, indices=None):
+def tree_of(student, points, indices=None):
     require_root(student.KdTree)
     tree = student.KdTree()
     call_each(tree.insert, zip(points, indices or range(len(points)), strict=True))
@@ -68,96 +79,94 @@ def inserted(student, points, indices=None):
 @hidden(
     "insert",
     weight=9,
-    title="Right in the plane, for points you have not seen",
-    hint="At each node compare one coordinate: x at even depths, y at odd ones.",
+    title="Builds the correct tree of unseen points in the plane",
+    hint="At each node, compare one coordinate: x at even depths, y at odd ones.",
 )
 def test_plane(student, seed):
     points = distinct_points(np.random.default_rng(seed), 40, 2)
-    assert_tree(inserted(student, points), points)
+    assert_tree(tree_of(student, points), points)
 
 
 @hidden(
     "insert",
     weight=9,
-    title="Right in space: x, y, z, x, y, z, ...",
-    hint="The number of axes is len(point).",
+    title="Builds the correct tree of unseen points in space",
+    hint="Compare x, y, z, x, y, z, ... from level to level. The number of axes is len(point).",
 )
 def test_space(student, seed):
-    # float32 values compare alike even if an answer stores points in single precision.
+    # With float32 values, an answer that stores points in single precision builds the same tree.
     street = samples.obstacles_of_street(seed, 80)[:, :3].astype(np.float32)
-    alone = [np.unique(street[:, axis], return_index=True)[1] for axis in range(3)]
-    points = street[sorted(set(alone[0]) & set(alone[1]) & set(alone[2]))][:40].astype(float)
-    assert_tree(inserted(student, points), points)
+    points = without_equal_coordinates(street)[:40].astype(float)
+    assert_tree(tree_of(student, points), points)
 
 
 @hidden(
     "insert",
     weight=7,
-    title="Right where coordinates are equal and points repeat",
-    hint="Equal is not smaller, so it goes right, at every depth.",
+    title="Works on equal coordinates and repeated points",
+    hint="An equal coordinate is not smaller, so the point goes right, at every depth.",
 )
 def test_equal_coordinates(student, seed):
     rng = np.random.default_rng(seed)
     points = diagonal_points(rng.integers(0, 6, 30), 2 + seed % 2)
-    assert_tree(inserted(student, points), points)
+    assert_tree(tree_of(student, points), points)
     for y in (-2.0, 2.0):
         points = np.array([[1.0, 4.0], [1.0, 4.0 + y], [-3.0, 4.0 + y]])
-        assert_tree(inserted(student, points), points)
+        assert_tree(tree_of(student, points), points)
 
 
 @hidden(
     "insert",
     weight=1,
-    title="Right for lists, tuples and single precision",
-    hint="Take the coordinates as they are given, one by one.",
+    title="Works on lists, tuples and single precision",
+    hint="Use the coordinates one by one, as they are given.",
 )
 def test_notations(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(12) / 4, 3)
     for kind in (points.tolist(), list(map(tuple, points.tolist())), points.astype(np.float32)):
-        assert_tree(inserted(student, kind), points, either_way=True)
+        assert_tree(tree_of(student, kind), points, may_be_mirrored=True)
 
 
 @hidden(
     "insert",
     weight=8,
-    title="Keeps whatever index comes with a point",
-    hint="Pass it on to Node.",
+    title="Stores any index with its point",
+    hint="Pass index to Node unchanged.",
 )
 def test_indices(student, seed):
     rng = np.random.default_rng(seed)
     points = diagonal_points(rng.permutation(12) / 4)
     indices = rng.permutation(1000)[:12].tolist()
-    tree = inserted(student, points, indices)
-    with needs("every point is where it belongs"):
-        assert_tree(tree, points, indices, either_way=True)
+    tree = tree_of(student, points, indices)
+    with needs("every point is in its place"):
+        assert_tree(tree, points, indices, may_be_mirrored=True)
     assert_indices(tree, points, indices)
 
 
 @hidden(
     "insert",
     weight=2,
-    title="Goes on with a tree that exists, and trees do not share nodes",
-    hint="The walk begins at the root of the tree that was passed, and all that is known about "
-    "a tree hangs on that.",
+    title="Adds points to an existing tree without affecting another tree",
+    hint="Start every walk at tree.root, and do not store nodes in global variables.",
 )
 def test_two_trees(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(20) / 4)
-    first = inserted(student, points[:10])
-    with needs("every point is where it belongs"):
-        assert_tree(first, points[:10], either_way=True)
+    first = tree_of(student, points[:10])
+    with needs("every point is in its place"):
+        assert_tree(first, points[:10], may_be_mirrored=True)
     second = student.KdTree()
     for row in range(10, 20):
         first.insert(points[row].copy(), row)
         second.insert(points[row].copy(), row)
-    assert_tree(first, points, either_way=True)
-    assert_tree(second, points[10:], list(range(10, 20)), either_way=True)
+    assert_tree(first, points, may_be_mirrored=True)
+    assert_tree(second, points[10:], list(range(10, 20)), may_be_mirrored=True)
 
 
 @hidden(
     "insert",
     weight=1,
-    title="Never writes into the point that it is given",
-    hint="Only the tree changes.",
+    title="Does not change points with three coordinates",
+    hint="Write only to the tree.",
 )
 def test_point(student, seed):
     require_root(student.KdTree)
@@ -165,8 +174,8 @@ def test_point(student, seed):
     tree = student.KdTree()
     for index, point in enumerate(points):
         assert_left_alone(observe(tree.insert, point, index), point, index)
-    with needs("every point is where it belongs"):
-        assert_tree(tree, points, either_way=True)
+    with needs("every point is in its place"):
+        assert_tree(tree, points, may_be_mirrored=True)
 
 
 # ---------------------------------------------------------------------------------- search
@@ -174,8 +183,8 @@ def test_point(student, seed):
 RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 
 
-def clear(rng, points, number):
-    """Return points and targets, without points on the rim or in a corner around a target."""
+def with_targets(rng, points, number):
+    """Return points and targets near them; no point is on a target's circle or in its corners."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
@@ -184,9 +193,9 @@ def clear(rng, points, number):
 
 
 def require_pruning(KdTree):
-    """Require that regions are left out: comparing with all points makes no use of the tree."""
-    with needs("regions that cannot hold a neighbour are left out"):
-        leaves_regions_out(KdTree)
+    """Require that the search skips regions; comparing all points would not use the tree."""
+    with needs("regions that cannot contain a neighbour are skipped"):
+        skips_regions(KdTree)
 
 
 def assert_searches(student, targets, root):
@@ -198,77 +207,78 @@ def assert_searches(student, targets, root):
 @hidden(
     "search",
     weight=5,
-    title="Right in the plane, for trees and targets you have not seen",
-    hint="Compare with a search that leaves nothing out: which point is missing, and at which "
-    "node was it cut off?",
+    title="Finds the neighbours of unseen targets in the plane",
+    hint="Compare your result with a search that skips nothing: which point is missing, and at "
+    "which node did your search skip it?",
 )
 def test_search_plane(student, seed):
     require_pruning(student.KdTree)
-    for targets, root in planes(seed):
+    for targets, root in plane_scenes(seed):
         assert_searches(student, targets, root)
 
 
 @functools.cache
-def planes(seed):
+def plane_scenes(seed):
     rng = np.random.default_rng(seed)
-    scenes = [clear(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
+    scenes = [with_targets(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
     return [(targets, balanced(points)) for points, targets in scenes]
 
 
 @hidden(
     "search",
     weight=8,
-    title="Right in space, on a street you have not seen",
+    title="Finds the neighbours of targets on an unseen street",
     hint="The axis at a node is depth % len(target).",
 )
 def test_search_street(student, seed):
     require_pruning(student.KdTree)
-    for targets, root in streets(seed):
+    for targets, root in street_scenes(seed):
         assert_searches(student, targets, root)
 
 
 @functools.cache
-def streets(seed):
+def street_scenes(seed):
     rng = np.random.default_rng(seed)
     street = samples.obstacles_of_street(seed, 300)[:, :3].astype(float)
-    scenes = [clear(rng, street * scale, 8) for scale in (1.0, 0.4)]
+    scenes = [with_targets(rng, street * scale, 8) for scale in (1.0, 0.4)]
     return [(targets, balanced(points)) for points, targets in scenes]
 
 
 @hidden(
     "search",
     weight=3,
-    title="Right in crooked trees, with equal coordinates and equal points",
-    hint="Equal stands on the right. A tree that is not balanced is searched in the same way.",
+    title="Works on unbalanced trees with equal coordinates and equal points",
+    hint="A point with an equal coordinate is on the right. Search an unbalanced tree in the same "
+    "way as a balanced one.",
 )
-def test_search_crooked(student, seed):
+def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
-    points, targets = clear(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
+    points, targets = with_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
     assert_searches(student, targets, grown(points))
-    points, targets = clear(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
+    points, targets = with_targets(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
     assert_searches(student, targets, grown(points))
 
 
 @hidden(
     "search",
     weight=3,
-    title="Leaves out what is in the corners of the box, in {}",
-    hint="A point counts when its distance is at most the tolerance, wherever the box ends.",
+    title="Leaves out points in the corners of the box, in {}",
+    hint="A point is found if its distance is at most the tolerance; the box does not matter.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_search_circle(student, seed, k):
     require_pruning(student.KdTree)
     rng = np.random.default_rng(seed + k)
     for _ in range(3):
-        points = nested_points(rng, np.linspace(0.97, 0.6, 16), k, is_off_rim, -1)
+        points = nested_points(rng, np.linspace(0.97, 0.6, 16), k, is_off_circle, -1)
         assert_searches(student, [np.zeros(k)], grown(points))
 
 
 @hidden(
     "search",
     weight=8,
-    title="Right for small and for large tolerances",
-    hint="Compare a distance with the tolerance, not its square.",
+    title="Works for small and large tolerances",
+    hint="Compare the distance itself with the tolerance, not its square.",
 )
 def test_search_radius(student, seed):
     require_pruning(student.KdTree)
@@ -282,14 +292,14 @@ def test_search_radius(student, seed):
 @hidden(
     "search",
     weight=2,
-    title="Goes right wherever the box ends exactly at the split",
-    hint="Right, when the box reaches the split (>=).",
+    title="Searches the right side whenever the box ends exactly at the split",
+    hint="Search the right side if target[axis] + tolerance >= split.",
 )
 def test_search_split(student, seed):
-    # The point at distance 1 along an axis is to the right of a far node with the same coordinate.
-    with needs("both sides are searched where the circle crosses the split"):
-        looks_on_both_sides(student.KdTree)
-    if not finds_the_rim(student.KdTree):
+    # The point at distance 1 along an axis is to the right of a distant node with its coordinate.
+    with needs("both sides are searched if the circle crosses the split"):
+        searches_both_sides(student.KdTree)
+    if not finds_the_border(student.KdTree):
         return
     rng = np.random.default_rng(seed)
     for k in (2, 3):
@@ -304,20 +314,20 @@ def test_search_split(student, seed):
 @hidden(
     "search",
     weight=10,
-    title="Leaves out what lies beyond the box, at every level",
-    hint="Both children need a condition of their own before they are looked at.",
+    title="Skips regions beyond the box at every level",
+    hint="Test a separate condition for each child before you visit it.",
 )
 def test_search_prunes(student, seed):
-    for question in traps_and_decoys(seed):
-        assert_pruned(student.KdTree, *question)
+    for case in traps_and_decoys(seed):
+        assert_pruned(student.KdTree, *case)
 
 
 @functools.cache
 def traps_and_decoys(seed):
     """Return arguments of `assert_pruned`: tree, target, tolerance, trap, decoy and its place."""
     rng = np.random.default_rng(seed)
-    questions = []
-    while len(questions) < 6:
+    cases = []
+    while len(cases) < 6:
         root = balanced(rng.uniform(-10, 10, (50, 2)))
         regions = {leaf: np.clip(region, -12, 12) for leaf, region in leaves_of(root).items()}
         decoy = sorted(regions)[rng.integers(len(regions))]
@@ -329,26 +339,24 @@ def traps_and_decoys(seed):
         target = rng.uniform(low + 1.05, high - 0.1)
         target[axis], place = high[axis] - 0.5, target.copy()
         place[axis] = high[axis] + 0.3
-        # The trap is hidden only by splits to its left, or only by splits to its right.
-        hidden_by = hidden_leaves(root, target, 1.2)
-        traps = [
-            leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(questions) % 2]}
-        ]
+        # The trap is to the left of all splits that hide it, or to the right of all of them.
+        hidden_by = hiding_sides(root, target, 1.2)
+        traps = [leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(cases) % 2]}]
         if not traps:
             continue
         trap = traps[rng.integers(len(traps))]
-        questions.append((root, target, 1.0, trap, decoy, place))
-    return questions
+        cases.append((root, target, 1.0, trap, decoy, place))
+    return cases
 
 
-def hidden_leaves(root, target, margin):
-    """Return by leaf index the sides on which the box around a target does not reach the leaf."""
+def hiding_sides(root, target, margin):
+    """Return, keyed by leaf index, the sides of the splits that the target's box does not reach."""
     places = places_of(root)
     hidden_by = {}
-    for way, node in places.items():
+    for path, node in places.items():
         letters = set()
-        for depth, letter in enumerate(way):
-            gap = target[depth % 2] - places[way[:depth]].point[depth % 2]
+        for depth, letter in enumerate(path):
+            gap = target[depth % 2] - places[path[:depth]].point[depth % 2]
             if (gap if letter == "l" else -gap) > margin:
                 letters.add(letter)
         if node.left is None and node.right is None:
@@ -357,16 +365,16 @@ def hidden_leaves(root, target, margin):
 
 
 def leaves_of(root):
-    """Return the regions of the leaves by their index."""
+    """Return the regions of the leaves, keyed by their index."""
     regions = regions_of(root)
-    return {index: regions[index] for index in hidden_leaves(root, np.zeros(2), 0.0)}
+    return {index: regions[index] for index in hiding_sides(root, np.zeros(2), 0.0)}
 
 
 @hidden(
     "search",
     weight=2,
-    title="Right for one point, for all points, and for any index",
-    hint="The result holds the index of each node, which need not be its row.",
+    title="Finds all points, no points or a single point, whatever their indices",
+    hint="Return the index of each node, which may differ from its row.",
 )
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
@@ -382,8 +390,8 @@ def test_search_extremes(student, seed):
 @hidden(
     "search",
     weight=1,
-    title="Takes lists, tuples and single precision",
-    hint="Take the coordinates as they are given, one by one, or make arrays of both.",
+    title="Works on lists, tuples and single precision",
+    hint="Use the coordinates one by one, or convert both points to arrays.",
 )
 def test_search_notations(student, seed):
     points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners)
@@ -399,8 +407,8 @@ def test_search_notations(student, seed):
 @hidden(
     "search",
     weight=1,
-    title="Never writes into the tree or the target",
-    hint="Look, and leave both as they are.",
+    title="Does not change the tree or a target far from the origin",
+    hint="Only read the tree and the target.",
 )
 def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])
@@ -422,22 +430,22 @@ FULL = (3, 7, 15, 31, 127)
 @hidden(
     "median_order",
     weight=3,
-    title="The least depth for points in {}",
-    hint="Does each part go on with the next axis, also when it came from the right?",
+    title="Gives the fewest possible levels for points in {}",
+    hint="Use the next axis for both halves of a part, the left one and the right one.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_depth(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for n in (2, 3, 5, 8, 16, 31, 32, 77, 200):
         points = distinct_points(rng, n, k)
-        assert_shallow(student.median_order(points.copy()), points)
+        assert_minimal_depth(student.median_order(points.copy()), points)
 
 
 @hidden(
     "median_order",
     weight=5,
     title="Halves every part",
-    hint="The median comes before both halves, and each half is a part of its own.",
+    hint="Put the median before both halves, and treat each half as a new part.",
 )
 def test_halves(student, seed):
     rng = np.random.default_rng(seed + 30)
@@ -449,7 +457,7 @@ def test_halves(student, seed):
 @hidden(
     "median_order",
     weight=3,
-    title="The median along {} in turn",
+    title="Takes medians along {} in turn",
     hint="The axis of a part is its depth modulo the number of columns.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["two axes", "three axes"])
@@ -463,8 +471,8 @@ def test_medians(student, seed, k):
 @hidden(
     "median_order",
     weight=4,
-    title="The lower one of two in the middle, in every part",
-    hint="Of m sorted rows the lower median is number (m - 1) // 2, for odd and even m.",
+    title="Takes the lower of two middle points in every part",
+    hint="The lower median of m sorted rows is at position (m - 1) // 2, for odd and even m.",
 )
 def test_lower_medians(student, seed):
     rng = np.random.default_rng(seed + 20)
@@ -476,25 +484,24 @@ def test_lower_medians(student, seed):
 @hidden(
     "median_order",
     weight=3,
-    title="Right on a street you have not seen",
-    hint="Draw the tree of your order for a few points of the lesson's own scan: is each part "
-    "halved along its own axis?",
+    title="Works on an unseen street",
+    hint="Draw the tree that your order makes for a few points of the lesson's scan: is each part "
+    "halved along the axis of its depth?",
 )
 def test_medians_of_street(student, seed):
     points = samples.obstacles_of_street(seed, 500)[:, :3]
-    alone = [np.unique(points[:, axis], return_index=True)[1] for axis in range(3)]
-    points = points[sorted(set(alone[0]) & set(alone[1]) & set(alone[2]))]
+    points = without_equal_coordinates(points)
     points = points[: 2 ** (len(points) + 1).bit_length() // 2 - 1]
     order = student.median_order(points.copy())
-    assert_shallow(order, points)
+    assert_minimal_depth(order, points)
     assert_lower_medians(order, points)
 
 
 @hidden(
     "median_order",
     weight=2,
-    title="Right for single precision, far from the origin, and however the array is stored",
-    hint="Return row numbers of the array that came in.",
+    title="Works on single precision, another memory order and points far from the origin",
+    hint="Return row numbers of the array as it was passed to the function.",
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)
@@ -507,11 +514,11 @@ def test_median_extremes(student, seed):
 @hidden(
     "median_order",
     weight=1,
-    title="Never sorts the array that it is given",
-    hint="Sort row numbers.",
+    title="Does not sort the given array",
+    hint="Sort row numbers instead.",
 )
 def test_median_input(student, seed):
     points = distinct_points(np.random.default_rng(seed), 15, 2)
-    with needs("the median comes first in every part"):
+    with needs("every part begins with its median"):
         assert_halves(student.median_order(points.copy()), points)
     assert_untouched(student.median_order, points)

@@ -1,4 +1,4 @@
-"""The statements of lesson 04 are true for the answers that its hints describe."""
+"""The statements of lesson 04 are true for answers that follow its hints."""
 
 import functools
 import math
@@ -21,7 +21,7 @@ NAMES = (
 
 
 def notebook_with(**answers):
-    """Return the names of a notebook whose answers are those with the given names."""
+    """Return the names that the lesson defines, with some answers replaced by kept ones."""
     return names_of(LESSON.name, *NAMES, **answers)
 
 
@@ -43,8 +43,8 @@ def test_a_strip_along_one_axis_contains_far_too_many_points():
     near = space["is_near"].sum()
     assert "a cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
     truth = np.load(DATA / "cloud_truth.npz")
-    own_car = np.hypot(*space["cloud"][:, :2].T) < 2
-    kinds = truth["classes"][(space["cloud"][:, 2] > -1.2) & ~own_car]
+    ego_car = np.hypot(*space["cloud"][:, :2].T) < 2
+    kinds = truth["classes"][(space["cloud"][:, 2] > -1.2) & ~ego_car]
     in_strip = np.abs(space["obstacles"][:, 0] - space["post"][0]) <= space["half_a_metre"]
     seen = in_strip & (np.abs(space["obstacles"][:, 1]) < 12)
     names = truth["class_names"][np.unique(kinds[seen])].tolist()
@@ -67,14 +67,14 @@ def test_ready_made_trees_equal_those_of_insert():
     assert tiny == {0: "the root", 1: "left of 0", 2: "right of 0"}
 
 
-def test_the_first_puzzle():
+def test_the_first_puzzle_has_the_stated_answer():
     space = taught()
     assert places(space["first_of"](8))[7] == "left of 5"
     equal_left = notebook_with(insert="equal goes left")
-    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"  # also an option
+    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"  # one of the choices
 
 
-def test_the_second_puzzle_and_its_table():
+def test_the_second_puzzle_matches_its_table():
     space = taught()
     visited, found = space["trace"](space["better"], space["target"], space["radius"])
     assert sorted(visited) == sorted(space["looked_at"]) and found == [0, 4]
@@ -91,7 +91,7 @@ def test_the_second_puzzle_and_its_table():
     assert table in prose()
 
 
-def test_the_search_step_by_step():
+def test_the_search_step_by_step_prunes_four_branches():
     space = taught()
     yard = space["grow"](space["fifteen"])
     visited, found = space["trace"](yard, [2, -1], 4)
@@ -116,7 +116,7 @@ def test_a_search_without_result_visits_some_nodes():
     assert everything == sorted(everything) and everything[-1] == len(space["flat"])
 
 
-def test_levels_by_order_of_insertion():
+def test_levels_depend_on_the_order_of_insertion():
     space = taught()
     assert space["levels"](space["wall"]) == 1000
     assert 10 <= space["levels"](space["thousand"]) < 40
@@ -127,7 +127,7 @@ def test_levels_by_order_of_insertion():
         recursive["levels"](space["wall"])
 
 
-def test_the_third_puzzle_and_its_picture():
+def test_the_third_puzzle_matches_its_picture():
     seven, levels = taught()["seven"], taught()["levels"]
     assert np.argsort(seven[:, 0])[3] == 3 and np.argsort(seven[:, 1])[3] == 0
     assert seven[:, 0].argmax() == 6
@@ -138,14 +138,14 @@ def test_the_third_puzzle_and_its_picture():
     assert tree.root.index == 6 and tree.root.right is None
 
 
-def test_medians_of_four_and_of_fifteen():
+def test_medians_of_four_and_fifteen_points_are_as_stated():
     space = taught()
     assert list(space["median_order"](space["four"])) in ([1, 0, 2, 3], [1, 2, 0, 3], [1, 2, 3, 0])
     tree = space["grow"](space["fifteen"], space["median_order"](space["fifteen"]))
     assert (tree.root.index, depth_of(tree.root)) == (4, 4)
 
 
-def test_search_costs():
+def test_search_costs_grow_as_stated():
     cost_of = taught()["cost_of"]
     costs = {
         name: np.array([cost_of(name, n) for n in (125, 250, 500, 1000)])
@@ -163,7 +163,7 @@ def test_search_costs():
 
 
 @pytest.mark.slow
-def test_the_search_around_the_lamp_post():
+def test_the_search_around_the_lamp_post_visits_few_nodes():
     space = taught()
     levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])
     assert found == space["is_near"].sum()
@@ -183,7 +183,7 @@ def test_common_mistakes_find_the_points_in_the_drawing():
         "the box decides": "the box decides",
         "if ... else": "else instead of a second if",
         "> instead of >=": "strictly greater on the right",
-        "no condition": "asks every node",
+        "no condition": "visits every node",
     }
     for title, points, tree, centre, radius, finds, visited in taught()["cases"]:
         space = notebook_with(search=wrong[title])

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 05. Titles and hints are shown to students; the code is not.
 
-Each tests one property. A squared distance, or 0.5 instead of the threshold, fails only on scans;
-in the other tests any threshold between 0.25 m and 2 m is right.
+Each test covers one property. A squared distance, or a fixed threshold of 0.5, fails only on scans.
+In the other tests, any threshold between 0.25 m and 2 m gives the right clusters.
 """
 
 import numpy as np
@@ -35,8 +35,8 @@ def objects(seed):
 @hidden(
     "euclidean_clustering",
     weight=5,
-    title="Right on obstacles of the course's own scan",
-    hint="Draw your labels with plots.clusters: does one object carry two colours, or do two "
+    title="Finds the clusters in the course's scan",
+    hint="Draw your labels with plots.clusters. Does one object have two colours, or do two "
     "objects share one?",
 )
 def test_course_cloud(student, seed):
@@ -47,8 +47,8 @@ def test_course_cloud(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=8,
-    title="Right on streets you have not seen",
-    hint="In every street the same holds: all that a chain of neighbours joins is one cluster.",
+    title="Finds the clusters on unseen streets",
+    hint="The rule is the same on every street: a chain of neighbours is one cluster.",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -58,8 +58,8 @@ def test_fresh_streets(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=4,
-    title="Right at thresholds you have not seen",
-    hint="Neighbours are two points whose distance in metres is below threshold.",
+    title="Finds the clusters for unseen thresholds",
+    hint="Two points are neighbours if their distance in metres is below threshold.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 350)[:, :3]
@@ -70,8 +70,9 @@ def test_other_thresholds(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=7,
-    title="Long winding chains stay whole",
-    hint="A cluster is all that can be reached from neighbour to neighbour, however far.",
+    title="Keeps long winding chains in one piece",
+    hint="A cluster contains every point that can be reached from neighbour to neighbour, however "
+    "far away it is.",
 )
 def test_long_chain(student, seed):
     # A spiral of 400 points, 0.45 m apart, with turns 1.5 m apart, and a shorter one above it.
@@ -88,7 +89,7 @@ def test_long_chain(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=3,
-    title="A chain of thousands of points, beginning at its end",
+    title="Follows a chain of more than a thousand points from its end",
     hint="A queue follows a chain to its end, however long it is.",
 )
 def test_deep_chain(student, seed):
@@ -100,8 +101,8 @@ def test_deep_chain(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="The order of the points does not matter",
-    hint="Which points belong together is the same whichever comes first.",
+    title="Finds the same clusters in any order of the points",
+    hint="Points that are close belong together, whichever comes first.",
 )
 def test_order(student, seed):
     cloud, labels = objects(seed)
@@ -113,10 +114,10 @@ def test_order(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Place and turn of the cloud do not matter",
-    hint="A distance, the root of dx² + dy² + dz², is the same in every direction.",
+    title="Finds the same clusters after the cloud is moved and rotated",
+    hint="Use the square root of dx² + dy² + dz², which is the same in every direction.",
 )
-def test_place_and_turn(student, seed):
+def test_pose(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = objects(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
@@ -127,8 +128,8 @@ def test_place_and_turn(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=7,
-    title="Right with intensities, small ones and large ones",
-    hint="The coordinates are cloud[:, :3]; whatever the intensity is, the clusters are the same.",
+    title="Ignores small and large intensities",
+    hint="Use only the coordinates, cloud[:, :3]. Intensity does not change the clusters.",
 )
 def test_intensity(student, seed):
     cloud, labels = objects(seed)
@@ -141,8 +142,8 @@ def test_intensity(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Takes single precision, and columns first in memory",
-    hint="The same lines serve every kind of array.",
+    title="Works on single precision and another memory order",
+    hint="Do not rely on the type or the memory order of the array.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = objects(seed)
@@ -153,8 +154,8 @@ def test_kinds_of_arrays(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=3,
-    title="Right for hundreds of clusters",
-    hint="Labels go as high as there are clusters, and each cluster has its own.",
+    title="Gives hundreds of clusters different labels",
+    hint="Store labels as int: a type such as np.uint8 ends at 255.",
 )
 def test_many_clusters(student, seed):
     assert_works(student.euclidean_clustering)
@@ -164,8 +165,8 @@ def test_many_clusters(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Right where all points are one cluster, and where many are equal",
-    hint="Equal points are at distance 0 and belong together.",
+    title="Works if all points are one cluster, and if many points are equal",
+    hint="Equal points are at distance 0, so they get the same label.",
 )
 def test_extremes(student, seed):
     assert_works(student.euclidean_clustering)
@@ -177,9 +178,9 @@ def test_extremes(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Every point has a label above 0, wherever it stands in the cloud",
-    hint="A point without neighbours is a cluster of its own: the first of the cloud, any, the "
-    "last.",
+    title="Gives every point a label from 1 upwards, even isolated points",
+    hint="A point without neighbours is a cluster too, even if it is the first or last of the "
+    "cloud.",
 )
 def test_every_point(student, seed):
     assert_works(student.euclidean_clustering)
@@ -192,8 +193,8 @@ def test_every_point(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Never writes into the cloud that it is given",
-    hint="Labels stand in an array of their own.",
+    title="Does not change a cloud from the course's scan",
+    hint="Store the labels in a new array.",
 )
 def test_input(student, seed):
     assert_works(student.euclidean_clustering)

@@ -1,4 +1,4 @@
-"""The statements of lesson 05 are true for the answer that its hints describe."""
+"""The statements of lesson 05 are true for an answer that follows its hints."""
 
 from collections import deque
 
@@ -78,7 +78,7 @@ def test_the_seven_points_match_the_table(street, cluster):
 
 
 def labelled_on_leaving(points, threshold, most):
-    """Label points when they leave the queue; return its entries and the number of labels."""
+    """Label points when they leave the queue; return its entries and the number of points done."""
     labelled, entries = np.zeros(len(points), dtype=bool), [0]
     queue = deque(entries)
     while queue and len(entries) < most:
@@ -145,7 +145,7 @@ def test_no_threshold_is_right_for_both(street):
 
 
 @pytest.mark.slow
-def test_both_errors_are_never_zero(street):
+def test_one_of_the_two_errors_always_remains(street):
     torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
     assert (torn + joined > 0).all()
     assert (np.diff(torn) <= 0).all() and (np.diff(joined) >= 0).all()
@@ -153,7 +153,7 @@ def test_both_errors_are_never_zero(street):
 
 
 @pytest.mark.slow
-def test_what_six_tenths_gain_is_one_stray_point(street, cluster):
+def test_a_threshold_of_six_tenths_gains_one_stray_point(street, cluster):
     torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65]))
     assert np.round(18 * torn).tolist() == [5, 4, 2]
     assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair
@@ -183,7 +183,7 @@ def test_common_mistakes_match_the_table(street, cluster, labels):
     ]
     assert together
     assert not any(set(labels[objects == a]) & set(labels[objects == b]) for a, b in together)
-    # Distances in four columns change nothing here, but give many clusters for intensities to 255.
+    # Distances over four columns change the clusters only if intensities go up to 255.
     for scale, same in ((1, True), (255, False)):
         four = obstacles * [1, 1, 1, scale]
         found = DBSCAN(eps=0.5, min_samples=1).fit_predict(four)
@@ -196,7 +196,7 @@ def test_scikit_learn_gives_the_same_clusters(street, labels):
     assert same_partition(found, labels) and found.min() == 1
 
 
-def test_the_spacing_of_the_beams(street):
+def test_the_beams_are_a_third_of_a_degree_apart(street):
     cloud, beams = street["cloud"], street["truth"]["beams"]
     far = np.hypot(cloud[:, 0], cloud[:, 1]) > 5
     up = np.degrees(np.arctan2(cloud[:, 2], np.hypot(cloud[:, 0], cloud[:, 1])))

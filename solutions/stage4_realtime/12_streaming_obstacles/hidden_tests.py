@@ -42,8 +42,8 @@ from utils.checks.scans import (
     clear_cars,
     climb,
     crossing,
+    ego_car_points,
     half_sensor,
-    own_car,
     rain,
     square,
     walk,
@@ -224,7 +224,7 @@ def test_turned_cars(student, seed):
 )
 def test_own_car(student, seed):
     frame = square(seed + 1)
-    cloud = np.random.default_rng(seed).permutation(np.vstack([frame.cloud, own_car(seed)]))
+    cloud = np.random.default_rng(seed).permutation(np.vstack([frame.cloud, ego_car_points(seed)]))
     assert_own_car_free(answer_for(student, cloud, frame), frame)
 
 

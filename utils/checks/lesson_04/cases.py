@@ -1,4 +1,4 @@
-"""Points and right trees for the checks of lesson 04."""
+"""Points and correct trees for the checks of lesson 04."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 from utils.checks.assertions import frozen
 from utils.geometry import TreeNode, grown
 
-# The eleven points of the lesson.
-QUIZ = frozen(
+ELEVEN_POINTS = frozen(
     np.array(
         [
             [-6.2, 7.0],
@@ -26,17 +25,17 @@ QUIZ = frozen(
         ]
     )
 )
-# Inserted in this order they make a balanced tree.
+# Inserted in this order, the eleven points make a balanced tree.
 BALANCED_ORDER = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 
 def balanced_tree() -> TreeNode:
-    """Return the right tree of the eleven points, four levels deep."""
-    return grown(QUIZ[list(BALANCED_ORDER)], BALANCED_ORDER)
+    """Return a balanced tree of the eleven points, four levels deep."""
+    return grown(ELEVEN_POINTS[list(BALANCED_ORDER)], BALANCED_ORDER)
 
 
 def chain_tree(count: int) -> TreeNode:
-    """Return a tree of points that arrived in sorted order; no node has a left child."""
+    """Return the tree of points inserted in sorted order, in which no node has a left child."""
     root = last = TreeNode([0.0, 0.0], 0)
     for row in range(1, count):
         last.right = last = TreeNode([float(row), float(row)], row)
@@ -44,7 +43,7 @@ def chain_tree(count: int) -> TreeNode:
 
 
 def distinct_points(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
-    """Return points in random order, of which no two share a coordinate.
+    """Return points in random order, no two of which share a coordinate.
 
     Returns
     -------
@@ -54,7 +53,7 @@ def distinct_points(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
 
 
 def diagonal_points(values: ArrayLike, k: int = 2) -> np.ndarray:
-    """Return points whose coordinates are all equal, so that any axis gives the same tree.
+    """Return points on the diagonal, so that the tree does not depend on the order of the axes.
 
     Parameters
     ----------
@@ -75,11 +74,11 @@ def nested_points(
     allowed: Callable[[np.ndarray], bool],
     lowest: float = -1.5,
 ) -> np.ndarray:
-    """Return points around the origin, each of which cuts closer to the origin than the last.
+    """Return points around the origin, each of which cuts closer to it than the point before.
 
-    Inserted in this order, they make a tree without branches: the origin and all later points are
-    to the left of each point. A search around the origin that follows only one side finds all of
-    them.
+    Inserted in this order, they make a tree without branches, because the origin and all later
+    points are to the left of each point. Even a search around the origin that follows only one
+    side finds them all.
 
     Parameters
     ----------
@@ -108,11 +107,11 @@ def nested_points(
 
 
 def is_off_corners(points: np.ndarray) -> np.ndarray:
-    """Return whether points are off the rim of the unit circle and the corners of its square."""
+    """Return which points are clearly inside the unit circle or outside the square around it."""
     distances = np.linalg.norm(points, axis=-1)
     return (distances < 0.99) | (np.abs(points).max(axis=-1) > 1.01)
 
 
-def is_off_rim(point: np.ndarray) -> bool:
-    """Return whether a point is off the rim of the unit circle and the sides of its square."""
+def is_off_circle(point: np.ndarray) -> bool:
+    """Return whether a point is clearly off the unit circle and the sides of its square."""
     return abs(np.linalg.norm(point) - 1) > 0.02 and abs(np.abs(point).max() - 1) > 0.01

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_04.cases import QUIZ, chain_tree, diagonal_points
+from utils.checks.lesson_04.cases import ELEVEN_POINTS, chain_tree, diagonal_points
 from utils.checks.lesson_04.trees import (
     MAX_NODES,
     assert_indices,
@@ -30,16 +30,16 @@ from utils.checks.lesson_04.trees import (
 from utils.checks.run_cache import once
 from utils.geometry import grown, places_of
 
-# Points that x puts to other sides of the root than y would.
-_SIDEWAYS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
-# One level more. Comparing x again on the second level puts the last points elsewhere.
+# Comparing y at the root would put the second and third points on the other sides.
+_TWO_LEVELS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
+# Comparing x again on the second level would misplace the last four points.
 _THREE_LEVELS = frozen(
     np.array([[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]])
 )
 _DIAGONAL = frozen(diagonal_points([4, 2, 6, 1, 3, 5, 7]))
 
 
-def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
+def _tree_of(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
     require_root(KdTree)
     tree = KdTree()
     indices = indices or range(len(points))
@@ -49,9 +49,9 @@ def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None
 
 @once
 def require_root(KdTree: Callable) -> None:
-    """Assert that the first point becomes the root; raise `NotYet` if not.
+    """Assert that the first point becomes the root; otherwise raise `NotYet`.
 
-    Without a right root, a walk down the tree may never end.
+    If the root is wrong, a walk down the tree may never end.
     """
     with needs("the first point becomes the root"):
         first_is_root(KdTree)
@@ -59,28 +59,28 @@ def require_root(KdTree: Callable) -> None:
 
 @once
 def _assert_sides(KdTree: Callable) -> None:
-    with needs("at the root, smaller x goes left and greater x right"):
-        assert_tree(_inserted(KdTree, _SIDEWAYS), _SIDEWAYS)
+    with needs("at the root, a smaller x goes left and a greater x goes right"):
+        assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
 @once
-def _assert_turns(KdTree: Callable) -> None:
+def _assert_axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
-    with needs("x decides at the root and y one level below"):
-        assert_tree(_inserted(KdTree, _THREE_LEVELS), _THREE_LEVELS)
+    with needs("x is compared at the root and y one level below"):
+        assert_tree(_tree_of(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
 @visible(
     "insert",
     weight=2,
     title="The first point becomes the root",
-    why="Every search begins at the root: a tree without one is empty.",
-    hint="While tree.root is None there is nowhere to walk: tree.root = Node(point, index).",
+    why="Every search starts at the root. A search of a tree without a root finds nothing.",
+    hint="If tree.root is None, set tree.root = Node(point, index).",
 )
 def first_is_root(KdTree: Callable) -> None:
     tree = KdTree()
     if tree.root is not None:
-        raise CheckFailed("A new tree is empty: its root is None.", yours=brief(tree.root))
+        raise CheckFailed("The root of a new tree must be None.", yours=brief(tree.root))
     tree.insert(np.array([3.0, 1.0]), 7)
     assert_tree(tree, [[3.0, 1.0]], [7])
 
@@ -88,66 +88,66 @@ def first_is_root(KdTree: Callable) -> None:
 @visible(
     "insert",
     weight=2,
-    title="At the root, smaller x goes left and greater x right",
-    why="A search trusts this order when it leaves half of the street out.",
-    hint="The root has depth 0, and number 0 of a point is x.",
-    slow="does the walk end once the point is hung into the tree? `return`, or `break`, ends a "
+    title="At the root, a smaller x goes left and a greater x goes right",
+    why="A search relies on this order when it skips half of the street.",
+    hint="The root has depth 0, so compare point[0] with tree.root.point[0]: coordinate 0 is x.",
+    slow="does the loop end once the point is attached to the tree? `return` or `break` ends a "
     "`while True:` loop.",
 )
 def compares_x_first(KdTree: Callable) -> None:
-    assert_tree(_inserted(KdTree, _SIDEWAYS), _SIDEWAYS)
+    assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
 @visible(
     "insert",
     weight=10,
-    title="One level below the root, y decides",
-    why="Cuts along x alone are strips, and a strip crosses the whole street.",
-    hint="Compare only one coordinate at each node: number depth % len(point), with depth 0 "
-    "at the root and one more at each step down.",
+    title="One level below the root, y is compared",
+    why="Cuts along x alone give strips, and each strip crosses the whole street.",
+    hint="At each node, compare one coordinate only: point[depth % len(point)]. The depth is 0 at "
+    "the root and grows by 1 with each step down.",
 )
 def axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
-    assert_tree(_inserted(KdTree, _THREE_LEVELS), _THREE_LEVELS)
+    assert_tree(_tree_of(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
 @visible(
     "insert",
     weight=6,
-    title="Grows a tree of ten points, eight levels deep",
-    why="Every node must end up in the one place where a search will look for it.",
-    hint="Follow the point that is named, with a pencil: which coordinate is compared at each "
-    "node, and where is the first free place?",
+    title="Puts each of ten points in its place, down to the eighth level",
+    why="A search looks for each point in one place only, so every node must be in its place.",
+    hint="On paper, follow the point that the message names down the tree: which coordinate is "
+    "compared at each node, and where is the first free place?",
 )
-def grows_the_quiz(KdTree: Callable) -> None:
-    _assert_turns(KdTree)
+def places_ten_points(KdTree: Callable) -> None:
+    _assert_axes_alternate(KdTree)
     # Point 6 is left out because it shares a coordinate; a later check covers equal coordinates.
     rows = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10]
-    assert_tree(_inserted(KdTree, QUIZ[rows], rows), QUIZ[rows], rows)
+    assert_tree(_tree_of(KdTree, ELEVEN_POINTS[rows], rows), ELEVEN_POINTS[rows], rows)
 
 
 @visible(
     "insert",
     weight=5,
-    title="Equal goes right",
-    why="Walls and kerbs have many points with the very same coordinate. They need one rule, "
-    "and search relies on the same one.",
-    hint="Only strictly smaller (<) goes left; everything else goes right.",
+    title="Sends a point with an equal coordinate to the right",
+    why="Walls and kerbs have many points with the same coordinate, and search relies on finding "
+    "all of them on the right.",
+    hint="Go left only if the coordinate is strictly smaller (<). Otherwise go right.",
 )
 def equal_goes_right(KdTree: Callable) -> None:
     points = diagonal_points([4, 4, 2, 2, 6, 4])
-    assert_tree(_inserted(KdTree, points), points)
+    assert_tree(_tree_of(KdTree, points), points)
 
 
 @visible(
     "insert",
     weight=4,
-    title="Takes points with three coordinates: x, y, z and x again",
-    why="A street is three-dimensional.",
-    hint="Count the coordinates with len(point) and do not write 2 into the function.",
+    title="Works on points with three coordinates: compares x, y, z and then x again",
+    why="The points of a scan have three coordinates.",
+    hint="Use len(point) for the number of coordinates instead of the number 2.",
 )
-def takes_three(KdTree: Callable) -> None:
-    _assert_turns(KdTree)
+def handles_three_coordinates(KdTree: Callable) -> None:
+    _assert_axes_alternate(KdTree)
     points = [
         [5.0, 5.0, 5.0],
         [4.0, 1.0, 9.0],
@@ -156,80 +156,82 @@ def takes_three(KdTree: Callable) -> None:
         [1.0, -1.0, 8.5],
         [4.5, 0.5, 1.0],
     ]
-    assert_tree(_inserted(KdTree, points), points)
+    assert_tree(_tree_of(KdTree, points), points)
 
 
 @visible(
     "insert",
     weight=4,
-    title="Keeps the index that comes with each point",
-    why="The index says which row of the cloud was found; points may arrive in any order.",
-    hint="Pass index on to Node as it is.",
+    title="Stores the index of each point in its node",
+    why="The index tells you which row of the cloud a search has found. Points may be inserted in "
+    "any order.",
+    hint="Pass index to Node unchanged: Node(point, index).",
 )
 def keeps_the_index(KdTree: Callable) -> None:
     indices = [30, 10, 50, 20, 0, 40, 60]
-    tree = _inserted(KdTree, _DIAGONAL, indices)
-    with needs("every point is where it belongs"):
-        assert_tree(tree, _DIAGONAL, indices, either_way=True)
+    tree = _tree_of(KdTree, _DIAGONAL, indices)
+    with needs("every point is in its place"):
+        assert_tree(tree, _DIAGONAL, indices, may_be_mirrored=True)
     assert_indices(tree, _DIAGONAL, indices)
 
 
 @visible(
     "insert",
     weight=1,
-    title="Takes points as lists and as tuples, too",
-    why="Later cells insert the rows of an array, and lists where speed counts.",
-    hint="point[axis] and len(point) serve every kind; .shape, .size and .tolist() are an array's.",
+    title="Accepts points as lists and tuples as well as arrays",
+    why="Later cells insert lists, because insert is faster with Python's own numbers.",
+    hint="Use point[axis] and len(point), which work for lists, tuples and arrays. Lists and "
+    "tuples have no .shape, .size or .tolist().",
 )
-def takes_any_notation(KdTree: Callable) -> None:
+def accepts_lists_and_tuples(KdTree: Callable) -> None:
     require_root(KdTree)
     for kind in (list, tuple):
         tree = KdTree()
         points = map(kind, _DIAGONAL.tolist())
         call_each(tree.insert, zip(points, range(len(_DIAGONAL)), strict=True))
-        assert_tree(tree, _DIAGONAL, either_way=True)
+        assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
 @visible(
     "insert",
     weight=1,
-    title="Two trees at the same time stay apart",
-    why="A car with two scanners keeps a tree for each.",
-    hint="All that is known about a tree hangs on its root: keep nothing outside.",
+    title="Keeps two trees separate",
+    why="A car with two scanners needs a separate tree for each.",
+    hint="Start every walk at tree.root, and do not store nodes in global variables.",
 )
 def keeps_trees_apart(KdTree: Callable) -> None:
-    with needs("every point is where it belongs"):
-        assert_tree(_inserted(KdTree, _DIAGONAL), _DIAGONAL, either_way=True)
+    with needs("every point is in its place"):
+        assert_tree(_tree_of(KdTree, _DIAGONAL), _DIAGONAL, may_be_mirrored=True)
     trees = KdTree(), KdTree()
     for row, point in enumerate(_DIAGONAL.copy()):
         trees[row % 2].insert(point, row)
     for side, tree in enumerate(trees):
-        assert_tree(tree, _DIAGONAL[side::2], list(range(side, 7, 2)), either_way=True)
+        assert_tree(tree, _DIAGONAL[side::2], list(range(side, 7, 2)), may_be_mirrored=True)
 
 
 @visible(
     "insert",
     weight=1,
-    title="Leaves the point as it is",
-    why="The point is a row of the cloud: changing it moves an obstacle.",
-    hint="Read point[axis], and write to the tree only.",
+    title="Does not change the point",
+    why="The point is a row of the cloud. Changing it moves an obstacle.",
+    hint="Only read point[axis]; write only to the tree.",
 )
 def leaves_the_point(KdTree: Callable) -> None:
     require_root(KdTree)
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
         assert_left_alone(observe(tree.insert, point, index), point, index)
-    with needs("every point is where it belongs"):
-        assert_tree(tree, _DIAGONAL, either_way=True)
+    with needs("every point is in its place"):
+        assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
 @noted(
     "insert",
-    title="Copes with a tree of a thousand levels",
-    why="The sorted wall below makes a tree as deep as it has points. A function that calls itself "
-    "once per level ends there in a RecursionError; a loop does not.",
+    title="Works on a tree with more than a thousand levels",
+    why="The sorted wall later in this lesson gives a tree with one level per point. A function "
+    "that calls itself once per level stops there with a RecursionError; a loop does not.",
 )
-def copes_with_depth(KdTree: Callable) -> None:
+def inserts_into_deep_trees(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     try:
         tree = build_tree(KdTree, chain_tree(1200), as_lists=True)
@@ -239,8 +241,8 @@ def copes_with_depth(KdTree: Callable) -> None:
             raise
         raise CheckFailed(
             fixed(
-                "The tree has 1200 levels, and a function called itself for each of them until "
-                "Python stopped it (RecursionError)."
+                "The tree has 1200 levels. A function called itself once per level until Python "
+                "stopped it with a RecursionError."
             )
         ) from None
     try:
@@ -248,11 +250,11 @@ def copes_with_depth(KdTree: Callable) -> None:
     except Exception as error:
         if "AttributeError" not in error_names(error):
             raise
-        last = None  # the path ends earlier
+        last = None  # the path is shorter
     if last is None:
         raise CheckFailed(
-            fixed("A point that belongs below the last of 1200 levels is not there."),
-            hint="Begin at tree.root, and walk until there is no child.",
+            fixed("A point that belongs below the last of 1200 levels is missing."),
+            hint="Start at tree.root and walk down until there is no child.",
         )
 
 
@@ -262,7 +264,7 @@ def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
     for index, point in enumerate(points):
         tree.insert(point, index)
         if index == 0 and tree.root is not None:
-            assert_tree(tree, points[:1])  # a node below itself would be endless
+            assert_tree(tree, points[:1])  # a node below itself would make the loop endless
     found, pending = {}, [("", tree.root)]
     for path, node in pending:  # the list grows inside the loop
         if node is not None and len(found) < MAX_NODES:
@@ -272,11 +274,12 @@ def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
 
 
 def _paths(points: np.ndarray, **rule: Callable) -> dict[str, int]:
+    """Return the indices of a tree built by a right or wrong rule, keyed by path."""
     return {path: node.index for path, node in places_of(grown(points, **rule)).items()}
 
 
 def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict[str, int]:
-    """Return the tree in which each point replaces a child of the root."""
+    """Predict the tree in which each point replaces a child of the root."""
     sides = {"l" if x < points[0, 0] else "r": row for row, x in enumerate(points[:, 0]) if row}
     return {**sides, "": 0}
 
@@ -284,45 +287,47 @@ def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict
 mistakes(
     "insert",
     Mistake(
-        "x is compared at every level: the axis does not change on the way down.",
+        "x is compared at every level; the axis should change at each step down.",
         lambda right, points: _paths(points, axis_at=lambda depth, k: 0),
-        "The axis is depth % len(point), and depth grows by 1 at each step down.",
+        "The axis is depth % len(point), and depth grows by 1 with each step down.",
     ),
     Mistake(
-        "The turns begin with y: the root is treated as if it had depth 1.",
+        "y is compared at the root, as if the root had depth 1; it should be x.",
         lambda right, points: _paths(points, axis_at=lambda depth, k: (depth + 1) % k),
-        "The root has depth 0.",
+        "The root has depth 0, so its axis is x.",
     ),
     Mistake(
-        "x and y take turns and z is never compared: 2 is written where len(point) is needed.",
+        "z is never compared, because the function uses 2 instead of len(point).",
         lambda right, points: _paths(points, axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
-        "`<=` stands where `<` is asked for: an equal coordinate goes left.",
+        "The function uses `<=` instead of `<`, so an equal coordinate goes left.",
         lambda right, points: _paths(points, goes_left=operator.le),
-        "Only strictly smaller goes left.",
+        "Go left only if the coordinate is strictly smaller.",
     ),
     Mistake(
-        "The sides are swapped: greater goes left, and smaller or equal right.",
+        "The sides are swapped: a greater coordinate goes left, and a smaller or equal one goes "
+        "right.",
         lambda right, points: _paths(points, goes_left=operator.gt),
     ),
     Mistake(
-        "The sides are swapped: greater or equal goes left, and smaller right.",
+        "The sides are swapped: a greater or equal coordinate goes left, and a smaller one goes "
+        "right.",
         lambda right, points: _paths(points, goes_left=operator.ge),
     ),
     Mistake(
-        "Each point is hung below the root, in the place of the one that hung there before.",
+        "Each point becomes a child of the root and replaces the child that was there before.",
         _replace_children_of_root,
-        "Is there a child on that side already? Then go on from the child.",
+        "If there is already a child on that side, continue from that child.",
     ),
     Mistake(
-        "Nothing is ever hung into the tree: it stays empty.",
+        "No point is ever attached to the tree, so it stays empty.",
         lambda right, points: {},
-        "A local variable that gets a Node is not part of the tree: set tree.root, node.left or "
+        "Assigning a Node to a local variable does not attach it. Set tree.root, node.left or "
         "node.right.",
     ),
     cases=(
-        (QUIZ[:7].copy(),),
+        (ELEVEN_POINTS[:7].copy(),),
         (np.array([[3.0, 2.0], [3.0, 1.0], [1.0, 4.0], [1.0, 4.0], [5.0, 1.0], [0.0, 4.0]]),),
         (np.array([[2.0, 2.0], [0.0, 1.0], [0.0, 1.0], [2.0, 5.0], [2.0, 5.0], [1.0, 0.0]]),),
         (np.array([[4, 4, 4], [3, 3, 5], [2, 2, 6], [1, 1, 5], [1.5, 1, 7], [3.5, 0, 1.0]]),),

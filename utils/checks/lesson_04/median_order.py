@@ -18,16 +18,16 @@ from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_04.cases import QUIZ, distinct_points
+from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
 from utils.checks.lesson_04.trees import few_points_text
 from utils.checks.run_cache import once
 from utils.geometry import grown, in_turn, places_of
 
 _SHORT_HINT = (
-    "All rows before the median and all rows after it wait as parts, and each part that waits has "
-    "its turn: one without rows is skipped, and ends nothing."
+    "Put the rows before the median and the rows after it on the list of parts, and process every "
+    "part on the list. An empty part is skipped; it must not end the loop."
 )
-# With 7 or 15 points every part has a single middle point.
+# With seven points, every part has a single middle point.
 _SEVEN_POINTS = frozen(distinct_points(np.random.default_rng(51), 7, 2))
 
 
@@ -43,7 +43,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
         order = order.astype(int).ravel()
     if order.ndim != 1 or order.dtype.kind not in "iu":
         raise WrongForm(
-            "The order is a flat list of row numbers (whole numbers), not of points.",
+            "The order must be a flat list of row numbers (whole numbers), not of points.",
             yours=brief(order),
             expected=f"the numbers 0 to {n - 1}",
         )
@@ -51,7 +51,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
     missing = [row for row in range(n) if row not in set(order.tolist())]
     if invalid or missing or len(order) != n:
         problem = (
-            f"{invalid[0]} is no row number" if invalid else "some rows are there more than once"
+            f"{invalid[0]} is not a row number" if invalid else "some rows occur more than once"
         )
         text = f"row {missing[0]} is missing" if missing else problem
         is_short = not invalid and len(order) == n - len(missing)
@@ -65,12 +65,12 @@ def as_order(answer: object, n: int) -> np.ndarray:
 
 
 def _order_of(answer: object, points: np.ndarray) -> np.ndarray:
-    with needs("each row is named exactly once"):
+    with needs("each row number occurs exactly once"):
         return as_order(answer, len(points))
 
 
-def assert_shallow(answer: object, points: np.ndarray) -> None:
-    """Assert that inserting points in this order gives a tree of the least depth.
+def assert_minimal_depth(answer: object, points: np.ndarray) -> None:
+    """Assert that inserting the points in this order gives a tree with the fewest levels.
 
     Parameters
     ----------
@@ -82,17 +82,17 @@ def assert_shallow(answer: object, points: np.ndarray) -> None:
     depth, least = max(map(len, places_of(root)), default=-1) + 1, len(points).bit_length()
     if depth > least:
         raise CheckFailed(
-            f"Inserted in this order, {len(points)} points give a tree of depth "
-            f"{depth}; medians give {least}.",
+            f"Inserted in this order, {len(points)} points make a tree of {depth} levels; "
+            f"with medians first, {least} levels are enough.",
             given=few_points_text(points),
-            yours=f"depth {depth}",
-            expected=f"depth {least}",
+            yours=f"{depth} levels",
+            expected=f"{least} levels",
             draw=_draw_tree(order, points),
         )
 
 
 def assert_lower_medians(answer: object, points: np.ndarray) -> None:
-    """Assert that the lower median along its axis comes first in every part.
+    """Assert that every part begins with its lower median along the current axis.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
     letter = "xyz"[axis]
     point = "The first point of the order"
     if depth:
-        point = f"In a part at depth {depth}, the point that comes first"
+        point = f"In a part at depth {depth}, the first point"
     raise CheckFailed(
         f"{point} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
         f"along {letter}.",
@@ -123,7 +123,7 @@ def _wrong_parts(
     order: np.ndarray,
     axis_at: Callable[[int, int], int] = in_turn,
     place: Callable[[int], int] = lambda m: (m - 1) // 2,
-    deeper: tuple[int, int] = (1, 1),
+    growths: tuple[int, int] = (1, 1),
 ) -> Iterator[tuple]:
     """Yield every part whose first point is not the expected one.
 
@@ -134,16 +134,16 @@ def _wrong_parts(
     axis_at : callable
         Takes a depth and the number of coordinates; returns the axis.
     place : callable
-        Takes the number of points in a part; returns the place of the expected one among them,
-        sorted along the axis.
-    deeper : tuple of int
-        Growth of the depth for the smaller points and for the others.
+        Takes the number of points in a part; returns the position of the expected first point
+        when they are sorted along the axis.
+    growths : tuple of int
+        Growth of the depth in the part of the smaller points, and in the part of the others.
 
     Yields
     ------
     tuple
-        The coordinates of the part along the axis in the order of the rows, its depth, the axis,
-        and the coordinate that should come first.
+        The coordinates of the part along its axis, in the given order; its depth; its axis; and
+        the coordinate that should come first.
     """
     pending = [(order, 0)] if len(order) else []
     for rows, depth in pending:  # the list grows inside the loop
@@ -155,11 +155,11 @@ def _wrong_parts(
         smaller = values[1:] < values[0]
         parts = rows[1:][smaller], rows[1:][~smaller]
         pending += [
-            (part, depth + growth) for part, growth in zip(parts, deeper, strict=True) if len(part)
+            (part, depth + growth) for part, growth in zip(parts, growths, strict=True) if len(part)
         ]
 
 
-# The right sequence of axes, and wrong ones along which a function may still halve every part.
+# The correct sequence of axes, and wrong ones that still allow a function to halve every part.
 _AXIS_RULES = (
     in_turn,
     lambda depth, k: 0,
@@ -170,7 +170,7 @@ _AXIS_RULES = (
 
 
 def assert_halves(answer: object, points: np.ndarray) -> None:
-    """Assert that the lower median comes first in every part, along any sequence of axes.
+    """Assert that every part begins with its lower median, along the axes of any of `_AXIS_RULES`.
 
     Parameters
     ----------
@@ -188,31 +188,31 @@ def _list_text(values: np.ndarray) -> str:
 
 def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
     root = grown(points[order], order.tolist())
-    return lambda: utils.plots.kd_tree(root, title="The tree of your order")
+    return lambda: utils.plots.kd_tree(root, title="The tree that your order makes")
 
 
 @once
 def _assert_medians(median_order: Callable) -> None:
-    with needs("the median of x, then of y comes first in every part"):
+    with needs("every part begins with its median, along x and y in turn"):
         assert_lower_medians(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
 @once
 def _assert_halves(median_order: Callable) -> None:
-    with needs("the median comes first in every part"):
+    with needs("every part begins with its median"):
         assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
 @visible(
     "median_order",
     weight=2,
-    title="Names every row exactly once",
-    why="A point that is left out is an obstacle that no search will find.",
-    hint="np.argsort of a part gives places within the part: rows[np.argsort(...)] leads back to "
-    "row numbers. The median goes into the order, and into neither of the two parts that wait.",
+    title="Returns every row number exactly once",
+    why="If a row is missing, no search will ever find its point.",
+    hint="np.argsort of a part gives positions within that part; rows[np.argsort(...)] turns them "
+    "into row numbers. Append the median to the order, and put it into neither of the two halves.",
 )
-def names_every_row(median_order: Callable) -> None:
-    for points in (QUIZ[:5], _SEVEN_POINTS):
+def returns_every_row(median_order: Callable) -> None:
+    for points in (ELEVEN_POINTS[:5], _SEVEN_POINTS):
         as_order(median_order(points.copy()), len(points))
 
 
@@ -220,11 +220,16 @@ def names_every_row(median_order: Callable) -> None:
     "median_order",
     weight=3,
     title="Starts with the median along x",
-    why="Only a median halves: any other first point leaves more on one side.",
-    hint="Sort the rows by x. Of m rows, the one in the middle stands at place (m - 1) // 2.",
+    why="Only the median leaves equally many points on both sides.",
+    hint="Sort the rows by x. The middle one of m rows is at position (m - 1) // 2.",
 )
 def starts_with_the_median(median_order: Callable) -> None:
-    for points in (QUIZ[[5, 0, 8]], QUIZ[:3], QUIZ[[6, 9, 1, 7, 3]], _SEVEN_POINTS):
+    for points in (
+        ELEVEN_POINTS[[5, 0, 8]],
+        ELEVEN_POINTS[:3],
+        ELEVEN_POINTS[[6, 9, 1, 7, 3]],
+        _SEVEN_POINTS,
+    ):
         order = _order_of(median_order(points.copy()), points)
         x, median = points[order[0], 0], np.median(points[:, 0])
         if x != median:
@@ -239,10 +244,10 @@ def starts_with_the_median(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=4,
-    title="The median comes first in every part, before both halves",
-    why="One bad split near the root doubles the work of every search below it.",
-    hint="A part gives its median to the order and two parts that wait: the rows before it and "
-    "the rows after it.",
+    title="Puts the median first in every part, before both halves",
+    why="One uneven split near the root slows down every search below it.",
+    hint="For each part, append its median to the order and put two new parts on the list: the "
+    "rows before the median and the rows after it.",
 )
 def halves_every_part(median_order: Callable) -> None:
     rng = np.random.default_rng(47)
@@ -254,11 +259,11 @@ def halves_every_part(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=3,
-    title="The median is that of x at first, then of y, then of x again",
-    why="insert compares x and y in turn. A median of the other one halves nothing.",
-    hint="The parts of one level are sorted along another axis: depth % points.shape[1].",
+    title="Takes the median along x first, then along y, then along x again",
+    why="insert compares x and y in turn. A median along the wrong axis does not halve a part.",
+    hint="Sort each part along the axis of its depth: depth % points.shape[1].",
 )
-def takes_turns(median_order: Callable) -> None:
+def alternates_axes(median_order: Callable) -> None:
     _assert_halves(median_order)
     rng = np.random.default_rng(42)
     for n in (3, 7, 15):
@@ -269,12 +274,12 @@ def takes_turns(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=2,
-    title="Of two in the middle, the lower one comes first",
-    why="The same points should make the same tree for everyone.",
-    hint="Of m sorted rows the lower median stands at place (m - 1) // 2; m // 2 is the upper "
-    "one when m is even.",
+    title="Takes the lower of two middle points",
+    why="With this rule, the same points always make the same tree.",
+    hint="The lower median of m sorted rows is at position (m - 1) // 2. If m is even, m // 2 is "
+    "the upper one.",
 )
-def takes_the_lower(median_order: Callable) -> None:
+def takes_the_lower_median(median_order: Callable) -> None:
     _assert_medians(median_order)
     rng = np.random.default_rng(43)
     for n in (2, 4, 6):
@@ -285,11 +290,11 @@ def takes_the_lower(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=2,
-    title="Takes points with three coordinates: x, y, z and x again",
-    why="A street is three-dimensional.",
-    hint="Count the coordinates with points.shape[1] and do not write 2 into the function.",
+    title="Works on points with three coordinates: takes x, y, z and then x again",
+    why="The points of a scan have three coordinates.",
+    hint="Use points.shape[1] for the number of coordinates instead of the number 2.",
 )
-def takes_three_axes(median_order: Callable) -> None:
+def handles_three_coordinates(median_order: Callable) -> None:
     _assert_medians(median_order)
     points = distinct_points(np.random.default_rng(44), 31, 3)
     assert_lower_medians(median_order(points.copy()), points)
@@ -298,25 +303,25 @@ def takes_three_axes(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=3,
-    title="The tree has the least depth possible",
-    why="Depth is the price of every insertion and every search: 17 levels for a hundred "
-    "thousand points, or a hundred thousand.",
-    hint="Print the depth of the tree of your order for 3, 7 and 15 points: it should be 2, 3 "
-    "and 4.",
+    title="Gives a tree with the fewest possible levels",
+    why="Every insertion and every search walks down the levels. A tree of 100,000 points can have "
+    "17 levels, or 100,000.",
+    hint="Print levels(points, median_order(points)) for 3, 7 and 15 points. The results "
+    "should be 2, 3 and 4.",
 )
-def least_depth(median_order: Callable) -> None:
+def gives_minimal_depth(median_order: Callable) -> None:
     rng = np.random.default_rng(45)
     for n in (3, 7, 15, 40, 64):
         points = distinct_points(rng, n, 2)
-        assert_shallow(median_order(points.copy()), points)
+        assert_minimal_depth(median_order(points.copy()), points)
 
 
 @visible(
     "median_order",
     weight=1,
-    title="Takes no points, and one point",
-    why="Filters leave nothing now and then.",
-    hint="A part without rows adds nothing to the order.",
+    title="Works on an empty cloud and on a single point",
+    why="A filter sometimes removes every point.",
+    hint="Skip a part that has no rows. It adds nothing to the order.",
 )
 def takes_the_smallest(median_order: Callable) -> None:
     _assert_halves(median_order)
@@ -327,14 +332,14 @@ def takes_the_smallest(median_order: Callable) -> None:
 @visible(
     "median_order",
     weight=1,
-    title="Takes points with equal coordinates",
-    why="Recordings hold the same point twice, and walls the same coordinate many times.",
-    hint="Part the sorted rows by their place, before and after the median, not by comparing "
-    "coordinates.",
+    title="Works on points with equal coordinates",
+    why="A recording may contain the same point twice, and the points of a wall share coordinates.",
+    hint="Split the sorted rows by position, into those before and those after the median, instead "
+    "of comparing coordinates.",
 )
-def takes_equal_points(median_order: Callable) -> None:
+def handles_equal_points(median_order: Callable) -> None:
     _assert_halves(median_order)
-    for points in (np.ones((5, 2)), np.repeat(QUIZ[:4], 3, axis=0)):
+    for points in (np.ones((5, 2)), np.repeat(ELEVEN_POINTS[:4], 3, axis=0)):
         as_order(median_order(points.copy()), len(points))
 
 
@@ -342,24 +347,25 @@ common_checks.untouched(
     Case(
         __name__,
         "median_order",
-        {"points": QUIZ},
+        {"points": ELEVEN_POINTS},
         expected=None,  # `assert_halves` computes it
         look=lambda answer, points, _: assert_halves(answer, points),
         basic=_assert_halves,
     ),
     "leaves_its_input",
-    why="The order names rows of the cloud as it was: sorting the cloud makes it a lie.",
-    hint="Sort row numbers, not points.",
+    why="The order refers to the rows of the original cloud. If the cloud is sorted, it refers to "
+    "the wrong points.",
+    hint="Sort the row numbers, not the points.",
 )
 
 
-def _begins_every_part(**rule: Callable) -> Callable:
-    """Return a prediction: every part of the order begins with the point that a rule names."""
+def _follows(**rule: object) -> Callable:
+    """Return a prediction that every part begins with the point that a wrong rule selects."""
     return lambda *_: lambda points, order: next(_wrong_parts(points, order, **rule), None) is None
 
 
 def _median_between_parts(points: np.ndarray, order: np.ndarray) -> bool:
-    """Return whether the median is between its two parts, in every part."""
+    """Return whether the median is between its two halves, in every part."""
     pending = [(order, 0)]
     for rows, depth in pending:  # the list grows inside the loop
         middle = (len(rows) - 1) // 2
@@ -375,63 +381,63 @@ def _median_between_parts(points: np.ndarray, order: np.ndarray) -> bool:
 mistakes(
     "median_order",
     Mistake(
-        "Of two points in the middle, the upper one comes first.",
-        _begins_every_part(place=lambda m: m // 2),
-        "The lower one stands at place (number of rows - 1) // 2 of the rows from the smallest to "
-        "the largest.",
+        "The upper of two middle points comes first; it should be the lower one.",
+        _follows(place=lambda m: m // 2),
+        "The lower one is at position (number of rows - 1) // 2 when the rows are sorted from the "
+        "smallest to the largest.",
     ),
     Mistake(
-        "x decides in every part: the axis does not change from level to level.",
-        _begins_every_part(axis_at=lambda depth, k: 0),
-        "The axis is depth % points.shape[1], and a part's parts have depth + 1.",
+        "Every part is sorted by x; the axis should change from level to level.",
+        _follows(axis_at=lambda depth, k: 0),
+        "The axis is depth % points.shape[1], and both halves of a part have depth + 1.",
     ),
     Mistake(
-        "The turns begin with y.",
-        _begins_every_part(axis_at=lambda depth, k: (depth + 1) % k),
-        "The first part has depth 0: x.",
+        "The first median is along y; it should be along x.",
+        _follows(axis_at=lambda depth, k: (depth + 1) % k),
+        "The first part has depth 0, so its axis is x.",
     ),
     Mistake(
-        "x and y take turns and z is left out: 2 is written where points.shape[1] is needed.",
-        _begins_every_part(axis_at=lambda depth, k: depth % 2),
+        "z is never used, because the function uses 2 instead of points.shape[1].",
+        _follows(axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
-        "The rows before a median are sorted along the axis of the median itself: their depth "
+        "The rows before a median are sorted along the same axis as the median, because their "
+        "depth does not grow.",
+        _follows(growths=(0, 1)),
+        "Give both halves depth + 1.",
+    ),
+    Mistake(
+        "The rows after a median are sorted along the same axis as the median, because their depth "
         "does not grow.",
-        _begins_every_part(deeper=(0, 1)),
-        "Both parts wait with depth + 1.",
+        _follows(growths=(1, 0)),
+        "Give both halves depth + 1.",
     ),
     Mistake(
-        "The rows after a median are sorted along the axis of the median itself: their depth does "
-        "not grow.",
-        _begins_every_part(deeper=(1, 0)),
-        "Both parts wait with depth + 1.",
-    ),
-    Mistake(
-        "The rows are sorted by x, and that is all.",
-        _begins_every_part(axis_at=lambda depth, k: 0, place=lambda m: 0),
-        "A sorted order makes a tree that is a list. Take the median first, then go on with each "
-        "half.",
+        "The rows are only sorted by x.",
+        _follows(axis_at=lambda depth, k: 0, place=lambda m: 0),
+        "A sorted order makes a tree with one level per point. Take the median first, then do the "
+        "same with each half.",
         is_cheap=True,
     ),
     Mistake(
-        "The rows are sorted by x, the largest first.",
-        _begins_every_part(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
-        "The median is the one in the middle, not the largest.",
+        "The rows are sorted by x, with the largest first.",
+        _follows(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
+        "Take the point in the middle first, not the largest.",
     ),
     Mistake(
-        "The rows stay in the order in which they came.",
+        "The rows stay in their original order.",
         lambda *_: lambda points, order: bool((np.diff(order) == 1).all()),
         is_cheap=True,
     ),
     Mistake(
-        "Each median stands between its two parts; it should come before both.",
+        "Each median is placed between its two halves; it should come before both.",
         lambda *_: _median_between_parts,
-        "What comes first is on top: [median] + smaller ones + others.",
+        "Return [median] + smaller rows + other rows, in this order.",
     ),
     Mistake(
-        "Each median stands after its two parts; it should come before both.",
+        "Each median is placed after its two halves; it should come before both.",
         lambda *_: lambda points, order: next(_wrong_parts(points, order[::-1]), None) is None,
-        "What comes first is on top: [median] + smaller ones + others.",
+        "Return [median] + smaller rows + other rows, in this order.",
     ),
     cases=tuple(
         (distinct_points(np.random.default_rng(50), len(order), k), np.array(order))

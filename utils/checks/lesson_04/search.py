@@ -11,12 +11,12 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_04.cases import (
     BALANCED_ORDER,
-    QUIZ,
+    ELEVEN_POINTS,
     balanced_tree,
     chain_tree,
     distinct_points,
+    is_off_circle,
     is_off_corners,
-    is_off_rim,
     nested_points,
 )
 from utils.checks.lesson_04.search_results import (
@@ -29,7 +29,7 @@ from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
 from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
 
-# Distances from the target at which nodes cut, from 8 times the radius of the circle to a tenth.
+# Distances from the target at which nodes cut, from 8 times down to a tenth of the radius.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 # Any two of these points are at least a quarter of a metre apart along x and along y.
 _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
@@ -44,10 +44,10 @@ def _assert_at_target(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=3,
-    title="Finds the point at the target, wherever in the tree it stands",
-    why="What is near? Clustering asks that a hundred thousand times per scan.",
-    hint="At each node do two things: compare the distance of its point with the tolerance, "
-    "and decide for each side whether to go on there.",
+    title="Finds the point at the target, wherever it is in the tree",
+    why="Clustering searches for the neighbours of every point, 100,000 times per scan.",
+    hint="At each node, do two things: compare the distance of its point with the tolerance, and "
+    "decide for each side whether to search there.",
 )
 def finds_the_target(KdTree: Callable) -> None:
     root = grown(_SCATTERED_POINTS)
@@ -59,13 +59,13 @@ def finds_the_target(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=5,
-    title="Looks on both sides where the circle crosses the split",
-    why="A pedestrian may stand exactly where the tree was cut in two. A search of "
-    "the target's own side alone sees half of them.",
-    hint="Left and right are two separate questions (two ifs, no else): does the box reach "
-    "below the split? Does it reach the split or beyond it?",
+    title="Searches both sides if the circle crosses the split",
+    why="A split may run through a pedestrian. A search of the target's own side alone finds only "
+    "half of the points.",
+    hint="Ask two separate questions, with two ifs and no else: does the box reach below the "
+    "split? Does it reach the split or beyond it?",
 )
-def looks_on_both_sides(KdTree: Callable) -> None:
+def searches_both_sides(KdTree: Callable) -> None:
     # The root is far from the target, but its cut is between two neighbours of the target.
     root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
@@ -79,15 +79,17 @@ def looks_on_both_sides(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=3,
-    title="Measures a circle, not a square",
-    why="The corner of a box is 1.4 times as far away as its side (1.7 times in space): "
-    "points that are not neighbours join two obstacles into one.",
-    hint="The box only decides where to look. A point counts when its distance, the square "
-    "root of the sum of squares, is at most tolerance.",
+    title="Finds points in the circle only, not in the corners of the box",
+    why="The corners of the box are 1.4 times as far away as its sides (1.7 times in space). "
+    "Points there are not neighbours and would join two obstacles into one.",
+    hint="The box only decides where to search. A point is found if its distance, the square root "
+    "of the sum of squares, is at most tolerance.",
 )
 def measures_a_circle(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    points = nested_points(np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, is_off_rim, -1)
+    points = nested_points(
+        np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, is_off_circle, -1
+    )
     root = grown(points)
     assert_found(build_tree(KdTree, root), root, np.zeros(2), 1.0)
 
@@ -95,12 +97,11 @@ def measures_a_circle(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=6,
-    title="The tolerance is the radius itself, whether small or large",
-    why="Half a metre for a pedestrian, five metres for a lorry: a distance is compared with a "
-    "distance.",
-    hint="The sum of squares is not yet the distance: take its root, or math.dist.",
+    title="Uses the tolerance as the radius, whether small or large",
+    why="If the squared distance is compared with 0.5, points up to 0.71 m away are found.",
+    hint="The sum of squares is not yet the distance: take its square root, or use math.dist.",
 )
-def takes_the_radius(KdTree: Callable) -> None:
+def follows_the_tolerance(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     points = nested_points(
         np.random.default_rng(4), [2.2, 1.6, 1.3, 0.9, 0.8, 0.7, 0.6, 0.3], 2, is_off_corners, -1
@@ -112,9 +113,9 @@ def takes_the_radius(KdTree: Callable) -> None:
 
 @noted(
     "search",
-    title="A point at exactly the tolerance is found",
-    why="Within means up to and including: write <=. Measured points hardly ever lie exactly "
-    "there, so it costs nothing.",
+    title="Finds a point at exactly the tolerance",
+    why="A distance equal to the tolerance is still within it, so write <=. Measured points are "
+    "hardly ever at exactly this distance, so your score does not depend on it.",
 )
 def includes_the_border(KdTree: Callable) -> None:
     points = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
@@ -122,10 +123,10 @@ def includes_the_border(KdTree: Callable) -> None:
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
-def finds_the_rim(KdTree: Callable) -> bool:
+def finds_the_border(KdTree: Callable) -> bool:
     """Return whether a search finds points at exactly the tolerance.
 
-    A search that leaves them out does not show what it does where the box ends at a split.
+    If it does not, its results do not show what it does when the box ends exactly at a split.
     """
     try:
         includes_the_border(KdTree)
@@ -137,15 +138,15 @@ def finds_the_rim(KdTree: Callable) -> bool:
 @visible(
     "search",
     weight=2,
-    title="Goes right also where the box ends exactly at the split",
-    why="A point with the coordinate of the split itself stands on the right. The search of a "
-    "well-known course loses it, and only in some directions.",
-    hint="Go right when target[axis] + tolerance >= split, with the equals sign.",
+    title="Searches the right side even if the box ends exactly at the split",
+    why="A point whose coordinate equals the split is on the right. The search of a well-known "
+    "course misses it, but only in some directions.",
+    hint="Search the right side if target[axis] + tolerance >= split, with the equals sign.",
 )
 def reaches_the_split(KdTree: Callable) -> None:
-    with needs("both sides are searched where the circle crosses the split"):
-        looks_on_both_sides(KdTree)
-    if not finds_the_rim(KdTree):
+    with needs("both sides are searched if the circle crosses the split"):
+        searches_both_sides(KdTree)
+    if not finds_the_border(KdTree):
         return
     points = np.array([[2.0, 9.0], [-3.0, 3.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
     root = grown(points)
@@ -155,13 +156,14 @@ def reaches_the_split(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=6,
-    title="Takes three coordinates",
-    why="Scans are three-dimensional: the axes go x, y, z, x, y, z, ... down the tree.",
+    title="Works on points with three coordinates",
+    why="The points of a scan have three coordinates, so the axes are x, y, z, x, y, z, ... from "
+    "level to level.",
     hint="The axis is depth % len(target), as in insert.",
 )
 def searches_space(KdTree: Callable) -> None:
     points = nested_points(np.random.default_rng(5), _SIZES, 3, is_off_corners)
-    # Two of the last three are near the target as seen from above, and far above or below it.
+    # Seen from above, all three are near the target; two of them are far above or below it.
     above = np.array([[0.3, 0.2, 5.0], [0.1, 0.4, 0.2], [0.6, -0.3, -4.0]])
     for root in (grown(points), grown(above)):
         assert_found(build_tree(KdTree, root), root, np.zeros(3), 1.0)
@@ -170,13 +172,12 @@ def searches_space(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=8,
-    title="Leaves regions out that cannot hold a neighbour",
-    why="This is what a tree is for. A search that looks at every node is a slow way of "
-    "comparing with all.",
-    hint="Before you go on to a child, compare the split, node.point[axis], with the ends of "
-    "the box, target[axis] - tolerance and target[axis] + tolerance.",
+    title="Skips regions that cannot contain a neighbour",
+    why="Skipping regions is the purpose of a tree. A search that visits every node saves nothing.",
+    hint="Before you go to a child, compare the split, node.point[axis], with the ends of the box, "
+    "target[axis] - tolerance and target[axis] + tolerance.",
 )
-def leaves_regions_out(KdTree: Callable) -> None:
+def skips_regions(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     for target, decoy, place, traps in (
         ([-0.3, 9.0], 2, [0.5, 9.0], (9, 10)),
@@ -189,12 +190,12 @@ def leaves_regions_out(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=1,
-    title="Takes an empty tree, and finds nothing where nothing is",
-    why="After filtering, a scan may hold no point at all.",
-    hint="With root None the answer is an empty list. With a list of places still to visit, "
-    "skip those that are None.",
+    title="Works on an empty tree and on a tree with a single node",
+    why="A filter sometimes removes every point of a scan.",
+    hint="If tree.root is None, return an empty list. If you keep a list of nodes to visit, skip "
+    "those that are None.",
 )
-def takes_an_empty_tree(KdTree: Callable) -> None:
+def handles_an_empty_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     assert_found(build_tree(KdTree, None), None, np.zeros(2), 1.0)
     root = grown([[1.0, 2.0]])
@@ -205,18 +206,18 @@ def takes_an_empty_tree(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=1,
-    title="Names each point once",
-    why="Where neighbours are counted, a point that is named twice counts twice.",
-    hint="Note the index at one place only: when you come to its node.",
+    title="Returns each index once",
+    why="When neighbours are counted, an index that is returned twice counts twice.",
+    hint="Append the index in one place only, where your code visits the node.",
 )
-def names_each_once(KdTree: Callable) -> None:
+def returns_each_once(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     yours = as_indices(build_tree(KdTree, balanced_tree()).search(np.array([-6.0, 7.0]), 3.0))
     repeated = sorted({index for index in yours if yours.count(index) > 1})
     if repeated:
         raise CheckFailed(
-            f"Index {repeated[0]} is there {yours.count(repeated[0])} times.",
-            given="target (-6, 7), tolerance 3",
+            f"Index {repeated[0]} is returned {yours.count(repeated[0])} times.",
+            given="target (-6, 7), tolerance 3 m",
             yours=_indices_text(yours),
             expected="each index once",
         )
@@ -229,11 +230,11 @@ def _indices_text(indices: list[int]) -> str:
 @visible(
     "search",
     weight=1,
-    title="Takes targets and points as lists, tuples and arrays",
-    why="Later cells grow trees of lists, where Python's own numbers are quicker.",
-    hint="math.dist(p, q) serves every kind; p - q wants arrays: np.asarray(p) - q.",
+    title="Accepts targets and points that are lists, tuples or arrays",
+    why="Later cells insert points as lists, because search is faster with Python's own numbers.",
+    hint="math.dist(p, q) works for all of them; p - q needs an array: np.asarray(p) - q.",
 )
-def takes_any_target(KdTree: Callable) -> None:
+def accepts_any_sequence(KdTree: Callable) -> None:
     root = grown(
         nested_points(np.random.default_rng(6), [3.0, 2.0, 0.8, 0.5, 0.3], 2, is_off_corners, -1)
     )
@@ -244,23 +245,23 @@ def takes_any_target(KdTree: Callable) -> None:
 @visible(
     "search",
     weight=1,
-    title="Leaves the tree and the target as they are",
-    why="The same tree is asked again and again, and the target is a row of the cloud.",
-    hint="Look, and write nothing: neither to a node nor to the target.",
+    title="Does not change the tree or the target",
+    why="The same tree is searched again and again, and the target may be a row of the cloud.",
+    hint="Do not assign to a node or to the target; only read them.",
 )
 def leaves_the_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     order = list(BALANCED_ORDER)
     tree = build_tree(KdTree, balanced_tree())
     assert_untouched(tree.search, np.array([-6.0, 7.0]), 3.0)
-    assert_same_tree(tree, QUIZ[order], order)
+    assert_same_tree(tree, ELEVEN_POINTS[order], order)
 
 
 @noted(
     "search",
-    title="Copes with a tree of a thousand levels",
+    title="Works on a tree with more than a thousand levels",
     why="The last part of this lesson searches the tree of a sorted wall. A function that calls "
-    "itself ends there in a RecursionError; a list of places that wait does not.",
+    "itself stops there with a RecursionError; a loop with a list of nodes to visit does not.",
 )
 def searches_deep_trees(KdTree: Callable) -> None:
     root = chain_tree(1200)
@@ -273,7 +274,7 @@ class _Split(NamedTuple):
     Attributes
     ----------
     low, at, high : float
-        Start of the box, target and end of the box along the axis of the split.
+        The start of the box, the target and the end of the box, along the axis of the split.
     split : float
         Coordinate of the node along this axis.
     is_near : bool
@@ -320,19 +321,19 @@ def _split(
 
 
 def _reaches(node: _Split) -> bool:
-    """Return whether at least a part of the box is on that side."""
+    """Return whether the box reaches the side of the other node."""
     return node.low < node.split if node.is_left else node.high >= node.split
 
 
 def _visits_by(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
-    """Return a prediction: the right points that a search with this rule visits."""
+    """Return a function that predicts the near points visited by a search with this rule."""
     return lambda right, points, target, tolerance: (
         right & _visited(points, target, tolerance, rule, axis_at, depth_of)
     )
 
 
 def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-    """Predict the points found level by level before the first place without a node."""
+    """Predict the result of a level-by-level search that ends at the first missing child."""
     places, found, pending = places_of(grown(points)), set(), [""]
     for path in pending:  # the list grows inside the loop
         if path not in places:
@@ -347,16 +348,16 @@ def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, toleran
     return right & found
 
 
-# Either of two slips leads along a single path: an `else`, or an end at the first place without a
-# node in a search that takes the newest place first.
+# Two different slips make a search follow a single path: an `else`, and an end at the first missing
+# child if the search visits the newest entry of its list first.
 _ONE_PATH = (
-    "Write two ifs, one for each child, and no `else` or `elif`. Where no node is, `continue` "
-    "with the next place: `break` and `return` end the whole search."
+    "Write two ifs, one for each child, without `else` or `elif`. If a node is None, `continue` "
+    "with the next one: `break` and `return` end the whole search."
 )
 
 
 def _judged_by(is_near: Callable) -> Callable:
-    """Return the prediction of a search that decides with `is_near` which points are near.
+    """Return the prediction of a search that uses `is_near` to decide which points are near.
 
     `is_near` takes the absolute differences from the target, shape (k,), the tolerance and the
     depth.
@@ -381,134 +382,135 @@ def _same_indices(answer: object, predicted: set[int]) -> bool:
 
 
 def _grid_points(seed: int, k: int) -> np.ndarray:
-    """Return points with whole-numbered coordinates, many of them equal and many on the rim."""
+    """Return points with whole-number coordinates, many equal and many at exactly the tolerance."""
     return np.random.default_rng(seed).integers(-3, 4, (24, k)).astype(float)
 
 
 mistakes(
     "search",
     Mistake(
-        "Only the side on which the target itself lies is searched.",
+        "Only the side that contains the target is searched.",
         _visits_by(lambda node: (node.at < node.split) == node.is_left),
-        "Where the circle crosses the split, both sides must be: two ifs, no else.",
+        "If the circle crosses the split, search both sides: write two ifs and no else.",
     ),
     Mistake(
-        "The search follows a single path: where the box reaches both sides, only the left one is "
+        "The search follows a single path: if the box reaches both sides, only the left one is "
         "searched.",
         _visits_by(lambda node: (node.low < node.split) == node.is_left),
         _ONE_PATH,
     ),
     Mistake(
-        "The search follows a single path: where the box reaches both sides, only the right one "
-        "is searched.",
+        "The search follows a single path: if the box reaches both sides, only the right one is "
+        "searched.",
         _visits_by(lambda node: (node.high >= node.split) != node.is_left),
         _ONE_PATH,
     ),
     Mistake(
-        "The search ends at the first empty place that it comes to, though others still wait.",
+        "The search ends at the first missing child, before it has visited the remaining nodes.",
         _until_first_gap,
-        "`break` and `return` end the whole search; `continue` takes the next place.",
+        "`break` and `return` end the whole search; `continue` takes the next node.",
     ),
     Mistake(
-        "The right side is asked only where the left one was taken.",
+        "The right side is searched only if the left side is searched too.",
         _visits_by(lambda node: _reaches(node) and (node.is_left or node.low < node.split)),
-        "Is the second `if` indented under the first? Both belong on the same level.",
+        "Is the second `if` inside the first one? Both need the same indentation.",
     ),
     Mistake(
-        "The left side is asked only where the right one was taken.",
+        "The left side is searched only if the right side is searched too.",
         _visits_by(lambda node: _reaches(node) and (not node.is_left or node.high >= node.split)),
-        "Is the second `if` indented under the first? Both belong on the same level.",
+        "Is the second `if` inside the first one? Both need the same indentation.",
     ),
     Mistake(
-        "The depth stays as it is on the way to a left child: it cuts along the same axis as its "
-        "parent.",
+        "The depth does not grow on the way to a left child, so the child splits along the same "
+        "axis as its parent.",
         _visits_by(_reaches, depth_of=lambda path: path.count("r")),
-        "Both children wait with depth + 1.",
+        "Give both children depth + 1.",
     ),
     Mistake(
-        "The depth stays as it is on the way to a right child: it cuts along the same axis as its "
-        "parent.",
+        "The depth does not grow on the way to a right child, so the child splits along the same "
+        "axis as its parent.",
         _visits_by(_reaches, depth_of=lambda path: path.count("l")),
-        "Both children wait with depth + 1.",
+        "Give both children depth + 1.",
     ),
     Mistake(
-        "The ends of the box are swapped: plus stands where minus is asked for, so that a side is "
-        "searched only where the whole box lies on it.",
+        "The ends of the box are swapped: the function adds the tolerance where it should subtract "
+        "it, so a side is searched only if it contains the whole box.",
         _visits_by(lambda node: node.high < node.split if node.is_left else node.low >= node.split),
-        "The box begins at target[axis] - tolerance, which decides about the left child; it ends "
-        "at target[axis] + tolerance.",
+        "Use target[axis] - tolerance for the left child and target[axis] + tolerance for the "
+        "right one.",
     ),
     Mistake(
-        "The sides are swapped: what decides about the left child is asked for the right one, and "
-        "the other way round.",
+        "The sides are swapped: the condition for the left child is applied to the right one, and "
+        "vice versa.",
         _visits_by(lambda node: _reaches(node._replace(is_left=not node.is_left))),
-        "Smaller coordinates stand on the left: go there when the box begins below the split.",
+        "Smaller coordinates are on the left, so search there if the box begins below the split.",
     ),
     Mistake(
-        "`>` stands where `>=` is asked for: where the box ends exactly at the split, the right "
-        "side is left out.",
+        "The function uses `>` instead of `>=`: if the box ends exactly at the split, it skips the "
+        "right side.",
         _visits_by(lambda node: _reaches(node) and (node.is_left or node.high > node.split)),
-        "What stands at the split itself stands on the right.",
+        "Points exactly at the split are on the right.",
     ),
     Mistake(
         "Both sides are searched below nodes that are near, and only the target's own side below "
         "all others.",
         _visits_by(lambda node: node.is_near or (node.at < node.split) == node.is_left),
-        "Whether the node is near says nothing about its sides: ask whether the box reaches them.",
+        "Test whether the box reaches a side, not whether the node is near.",
     ),
     Mistake(
-        "The search ends at each node that is not near: nothing below it is looked at.",
+        "The search stops at each node that is not near and skips everything below it.",
         _visits_by(lambda node: node.is_near and _reaches(node)),
-        "A node may be far and have neighbours of the target below it: ask about its sides in any "
-        "case.",
+        "A neighbour of the target may be below a node that is not near, so test both sides of "
+        "every node.",
     ),
     Mistake(
-        "The tolerance is left out on the left: only what the target itself is below is searched.",
+        "The tolerance is left out on the left: the left side is searched only if the target "
+        "itself is on it.",
         _visits_by(lambda node: _reaches(node) and (not node.is_left or node.at < node.split)),
-        "The box begins at target[axis] - tolerance.",
+        "Compare target[axis] - tolerance with the split.",
     ),
     Mistake(
-        "The tolerance is left out on the right: only what the target itself is beyond is "
-        "searched.",
+        "The tolerance is left out on the right: the right side is searched only if the target "
+        "itself is on it.",
         _visits_by(lambda node: _reaches(node) and (node.is_left or node.at >= node.split)),
-        "The box ends at target[axis] + tolerance.",
+        "Compare target[axis] + tolerance with the split.",
     ),
     Mistake(
-        "x and y take turns and z is never compared: 2 is written where len(target) is needed.",
+        "z is never compared, because the function uses 2 instead of len(target).",
         _visits_by(_reaches, lambda depth, k: depth % 2),
     ),
     Mistake(
-        "x is compared at every level: the axis does not change on the way down.",
+        "x is compared at every level; the axis should change at each step down.",
         _visits_by(_reaches, lambda depth, k: 0),
-        "The axis is depth % len(target), and a child waits with depth + 1.",
+        "The axis is depth % len(target), and a child has depth + 1.",
     ),
     Mistake(
-        "The turns begin with y: the root is treated as if it had depth 1.",
+        "y is compared at the root, as if the root had depth 1; it should be x.",
         _visits_by(_reaches, lambda depth, k: (depth + 1) % k),
-        "The root has depth 0.",
+        "The root has depth 0, so its axis is x.",
     ),
     Mistake(
-        "The box decides, not the circle: points in its corners are found, too.",
+        "The function finds all points in the box, even those in its corners outside the circle.",
         _judged_by(lambda step, tolerance, depth: step.max() <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
-        "The height is left out: points are near as seen from above, however high they are.",
+        "The height is left out: the function measures the distance as seen from above.",
         _judged_by(lambda step, tolerance, depth: np.linalg.norm(step[:2]) <= tolerance),
-        "Compare the distance of all coordinates, math.dist(node.point, target).",
+        "Use all coordinates: math.dist(node.point, target).",
     ),
     Mistake(
-        "The square of the distance is compared with the tolerance itself.",
+        "The squared distance is compared with the tolerance, instead of the distance itself.",
         _judged_by(lambda step, tolerance, depth: step @ step <= tolerance),
-        "Take the square root of the sum of squares, or math.dist.",
+        "Take the square root of the sum of squares, or use math.dist.",
     ),
     Mistake(
-        "One coordinate decides whether a point is near, the one that its node cuts.",
+        "A single coordinate, the one of the split, decides whether a point is near.",
         _judged_by(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
-        "Every node that the search comes to is found, whatever its distance.",
+        "The search returns every node that it visits, whatever its distance.",
         _judged_by(lambda step, tolerance, depth: True),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),

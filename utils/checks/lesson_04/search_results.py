@@ -17,7 +17,7 @@ def as_indices(answer: object) -> list[int]:
     array = as_array(list(answer) if isinstance(answer, set) else answer, what="a list of indices")
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise WrongForm(
-            "search returns the indices of the points it found, in one flat list.",
+            "search must return the indices of the points it finds, in one flat list.",
             yours=brief(answer),
             expected="whole numbers, such as [0, 3]",
         )
@@ -27,14 +27,14 @@ def as_indices(answer: object) -> list[int]:
 def assert_found(
     tree: object, root: TreeNode | None, target: Sequence[float], tolerance: float
 ) -> None:
-    """Assert that a search finds exactly the points of a right tree within the tolerance.
+    """Assert that a search finds exactly the points of a correct tree within the tolerance.
 
     Parameters
     ----------
     tree : object
-        Instance of the student's class, with the nodes of the right tree.
+        Instance of the student's class, with the nodes of the correct tree.
     root : node or None
-        The right tree.
+        The correct tree.
     target : sequence of float
     tolerance : float
     """
@@ -52,18 +52,19 @@ def assert_found(
     if missing:
         parts.append(f"Not found: {_first_text(missing, points_by_index, target)}")
     if unknown:
-        parts.append(f"Found: index {unknown[0]}, which the tree does not hold")
+        parts.append(f"Found: index {unknown[0]}, which is not in the tree")
     elif extra:
         parts.append(
-            f"Found, but farther than {tolerance:g}: {_first_text(extra, points_by_index, target)}"
+            f"Found, but farther away than {tolerance:g} m: "
+            f"{_first_text(extra, points_by_index, target)}"
         )
     raise CheckFailed(
         f"{'. '.join(parts)}.",
-        given=f"target {exact_text(target)}, tolerance {tolerance:g}",
+        given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
         yours=_indices_text(yours),
         expected=_indices_text(expected),
         draw=_drawing(
-            root, target, tolerance, yours & set(points_by_index), "What your search found"
+            root, target, tolerance, yours & set(points_by_index), "Points that your search found"
         ),
     )
 
@@ -72,7 +73,8 @@ def _first_text(indices: list[int], points: dict[int, list[float]], target: Sequ
     index = indices[0]
     text = f"{len(indices)} points, for example point " if len(indices) > 1 else "point "
     return (
-        f"{text}{index} at {exact_text(points[index])}, {math.dist(points[index], target):.3g} away"
+        f"{text}{index} at {exact_text(points[index])}, "
+        f"{math.dist(points[index], target):.3g} m from the target"
     )
 
 
@@ -83,7 +85,7 @@ def _indices_text(found: set[int]) -> str:
 def _drawing(
     root: TreeNode | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
-    """Return a function that draws a search in the plane; None in space or without points."""
+    """Return a function that draws a search; None for an empty tree or points in space."""
     if root is None or len(target) != 2:
         return None
     points, _, _, indices = table_of(root)
@@ -112,24 +114,24 @@ def assert_pruned(
     decoy: int,
     place: Sequence[float],
 ) -> None:
-    """Assert that a search follows the splits and skips a region that cannot hold a neighbour.
+    """Assert that a search follows the splits and skips a region that cannot contain a neighbour.
 
-    Two leaves are moved to places where no right tree has them. Other points that the search finds
-    are ignored.
+    Two leaves are moved to places where they would not be in a correct tree. Other points that the
+    search finds are ignored.
 
     Parameters
     ----------
     KdTree : callable
     root : node
-        A right tree.
+        A correct tree.
     target : sequence of float
     tolerance : float
     trap : int
-        Index of a leaf in a region beyond the tolerance. It is moved to the target, so that only a
-        search that enters the region finds it.
+        Index of a leaf in a region farther away than the tolerance. It is moved to the target, so
+        that only a search that enters the region finds it.
     decoy : int
         Index of the leaf in whose region the target is. Every search that follows the splits finds
-        it. A search that drops nodes in wrong places and compares all others does not.
+        it. A search that visits every node, and ignores those that are out of place, does not.
     place : sequence of float
         New place of the decoy, within the tolerance and beyond a split.
     """
@@ -141,17 +143,17 @@ def assert_pruned(
     answer = as_indices(tree.search(copy.copy(target), tolerance))
     if trap in answer:
         raise CheckFailed(
-            "search looked into a region that lies entirely beyond the tolerance.",
-            given=f"target {exact_text(target)}, tolerance {tolerance:g}",
-            yours=f"asks node {trap}",
-            expected="leaves its whole region out",
+            "search visited a region in which every point is farther away than the tolerance.",
+            given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
+            yours=f"visits node {trap}",
+            expected="skips the whole region of this node",
             draw=_drawing(root, target, tolerance, {trap}, f"Node {trap} is beyond the box"),
         )
     if decoy not in answer:
         raise CheckFailed(
-            "A node was left out that a search meets when it goes by the splits, on the target's "
-            "own side of each.",
-            hint="The splits alone decide where to go: no other test may leave nodes out.",
+            "search skipped a node that is on the target's own side of every split.",
+            hint="Let only the splits decide which nodes to visit, and only the distance which "
+            "points to return.",
         )
 
 
@@ -169,6 +171,4 @@ def assert_same_tree(tree: object, points: np.ndarray, indices: list[int]) -> No
         assert_tree(tree, points, indices)
         assert_indices(tree, points, indices)
     except CheckFailed as error:
-        raise CheckFailed(
-            f"The tree is another one after the search. {error.marked}", draw=error.draw
-        ) from None
+        raise CheckFailed(f"The search changed the tree. {error.marked}", draw=error.draw) from None

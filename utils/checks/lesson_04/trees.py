@@ -1,4 +1,4 @@
-"""A student's tree: creating it from given nodes, and assertions about the places of points."""
+"""Build a student's tree from given nodes, and assert that points are in their places."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ from utils.checks.size_limits import MOST_OF_A_POINT
 from utils.geometry import SIDES, TreeNode, grown, places_of, table_of
 from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
-# Limit on the nodes of a wrong tree that are visited, because the tree may be endless.
+# At most this many nodes of a wrong tree are visited, because it may be endless.
 MAX_NODES = 200
 # Points in the plane and in space. No point occurs twice, but many coordinates are equal.
 _SAMPLES = frozen(
@@ -34,17 +34,17 @@ _SAMPLES = frozen(
 
 
 def build_tree(KdTree: Callable, root: TreeNode | None, as_lists: bool = False) -> object:
-    """Return a tree of the student's class with the same nodes as a right one.
+    """Return a tree of the student's class with the same nodes as a correct tree.
 
-    The class of the lesson gets its nodes ready-made, so that a mistake in `insert` does not affect
-    `search`. A class whose trees store more than the lesson's has its points inserted.
+    The lesson's class receives its nodes ready-made, so that a mistake in `insert` does not affect
+    `search`. If a student's class stores more than the lesson's, the points are inserted.
 
     Parameters
     ----------
     KdTree : callable
         The student's class.
     root : node or None
-        A right tree.
+        A correct tree.
     as_lists : bool
         Whether points are lists instead of arrays.
 
@@ -65,14 +65,14 @@ def build_tree(KdTree: Callable, root: TreeNode | None, as_lists: bool = False) 
 
 
 def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence[float]]) -> object:
-    """Return a tree of the student's class with some points where no right tree has them.
+    """Return a tree of the student's class in which some points are out of place.
 
     Parameters
     ----------
     KdTree : callable
         The student's class.
     root : node
-        A right tree.
+        A correct tree.
     places : dict of int to sequence of float
         New points of some nodes, keyed by the index of the node.
 
@@ -91,15 +91,15 @@ def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence
     plant = method_of(tree, "plant")
     if not plant or not _uses_plant(KdTree):
         tree = build_tree(KdTree, root)
-        with needs("every point is where it belongs"):
+        with needs("every point is in its place"):
             assert_tree(tree, points, indices)
         if _move_points(tree, root, places):
             return tree
         if not plant:
             raise CheckFailed(
-                "The point of a node cannot be changed, so nobody can see whether search goes by "
-                "it.",
-                hint="Let `point` be an attribute that can be set, as the lesson's Node does.",
+                "The point of a node cannot be changed, so this check cannot test whether search "
+                "follows the splits.",
+                hint="Make `point` an attribute that can be set, as in the lesson's Node.",
             )
         tree = KdTree()
         plant = tree.plant
@@ -138,20 +138,20 @@ def _uses_plant(KdTree: Callable) -> bool:
 
 @once
 def _assert_stores_more(KdTree: Callable) -> None:
-    """Assert that a tree or its node stores more than the lesson's, or is of another class."""
+    """Assert that a tree or its nodes store more than the lesson's, or have another class."""
     try:
         tree, ready_made = KdTree(), KdTree()
         tree.insert(np.zeros(2), 0)
         root_class = _root_class(tree)
         if root_class == "NoneType" or type(root_class) is not str:
-            raise CheckFailed("Nothing is at the root.")
+            raise CheckFailed("The root is missing.")
         ready_made.plant(np.zeros((1, 2)), [-1], [-1], [0])
         same_class = root_class == _root_class(ready_made)
         field_counts = [reach(tree, [*owner, "__dict__", "__len__"])() for owner in ([], ["root"])]
     except _student_errors(KdTree):
         return
     if same_class and field_counts == [1, 4]:
-        raise CheckFailed("A tree knows its root, and a node the four things of the lesson.")
+        raise CheckFailed("The tree and its nodes store only what the lesson's do.")
 
 
 def _root_class(tree: object) -> object:
@@ -162,18 +162,18 @@ def _root_class(tree: object) -> object:
 def _assert_inserts(KdTree: Callable) -> None:
     """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:
-        indices = list(range(len(points)))[::-1]  # reversed, so that a counter gives other indices
+        indices = list(range(len(points)))[::-1]  # reversed, so that counting gives other indices
         try:
             tree = KdTree()
             call_each(tree.insert, zip(points.copy(), indices, strict=True))
             assert_tree(tree, points, indices)
             assert_indices(tree, points, indices)
         except _student_errors(KdTree):
-            raise CheckFailed("Nothing can be inserted.") from None
+            raise CheckFailed("Points cannot be inserted.") from None
 
 
 def _student_errors(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
-    """Return the exceptions that a call of the student's code may cause, here or in the sandbox."""
+    """Return the exceptions that a student's code may raise, here or in the sandbox."""
     return (RemoteError, RemoteStopped) if isinstance(KdTree, Remote) else Exception
 
 
@@ -196,7 +196,7 @@ def assert_tree(
     tree: object,
     points: ArrayLike,
     indices: Sequence[int] | None = None,
-    either_way: bool = False,
+    may_be_mirrored: bool = False,
 ) -> None:
     """Assert that points inserted one after another are in their places; indices are ignored.
 
@@ -206,11 +206,12 @@ def assert_tree(
         Instance of the student's class.
     points, indices
         As for `grown`.
-    either_way : bool
+    may_be_mirrored : bool
         Whether left and right may be swapped in the whole tree, for properties that do not depend
         on the sides.
     """
-    if either_way and not _first_misplaced(tree, grown(points, indices, goes_left=operator.gt))[0]:
+    mirrored = grown(points, indices, goes_left=operator.gt)
+    if may_be_mirrored and not _first_misplaced(tree, mirrored)[0]:
         return
     root = grown(points, indices)
     message, hint = _first_misplaced(tree, root)
@@ -224,7 +225,7 @@ def assert_tree(
 
 
 def _first_misplaced(tree: object, root: TreeNode | None) -> tuple[str, str]:
-    """Return a message about the first misplaced point to arrive, and a hint; both may be empty."""
+    """Return a message about the first point out of place, and a hint; both may be empty."""
     expected = places_of(root)
     yours = _nodes_by_path(tree, expected)
     for path in sorted(expected, key=lambda path: expected[path].arrival):
@@ -234,7 +235,7 @@ def _first_misplaced(tree: object, root: TreeNode | None) -> tuple[str, str]:
 
 
 def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> None:
-    """Assert that each point has the index that was inserted with it, in whatever place it is.
+    """Assert that each point has the index that was inserted with it, wherever the point is.
 
     Parameters
     ----------
@@ -246,8 +247,8 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
         node = next((other for other in places.values() if _same_point(point, other)), None)
         if node and not _is_number(index, node.index):
             raise CheckFailed(
-                f"The node of the point {exact_text(node.point)} has another index than the one "
-                "that came with it.",
+                f"The node of the point {exact_text(node.point)} does not have the index that was "
+                "inserted with it.",
                 given=few_points_text(points),
                 yours=f"index {brief(index)}",
                 expected=f"index {node.index}",
@@ -261,7 +262,10 @@ def _is_number(value: object, expected: int) -> bool:
 def _nodes_by_path(
     tree: object, expected: dict[str, TreeNode]
 ) -> dict[str, tuple[np.ndarray, object]]:
-    """Return point and index of a student's nodes by path, to one level below the right tree."""
+    """Return point and index of a student's nodes, keyed by path.
+
+    The walk ends one level below the expected tree.
+    """
     found, pending = {}, [("", tree.root)]
     for path, node in pending:  # the list grows inside the loop
         if node is None:
@@ -273,7 +277,7 @@ def _nodes_by_path(
         if point.ndim == 0 and np.ndim(index) == 1:
             raise WrongForm(
                 "Point and index are swapped: the point of a node is a number, and its index "
-                "holds the coordinates.",
+                "contains the coordinates.",
                 yours=f"point {point:g}, index {brief(index)}",
                 expected="Node(point, index): the point comes first",
             )
@@ -291,8 +295,8 @@ def _attribute(node: object, name: str, path: str, expected: dict[str, TreeNode]
         if "AttributeError" not in error_names(error):
             raise
         raise WrongForm(
-            f"What stands {_place(path, expected)} has no attribute {name!r}: hang a Node into "
-            "the tree, as given in the lesson.",
+            f"The object {_place(path, expected)} has no attribute {name!r}: build the tree from "
+            "Node objects, as defined in the lesson.",
             yours=brief(node),
         ) from None
 
@@ -314,14 +318,14 @@ def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[st
     depth = next((d for d, (a, b) in enumerate(zip(path, actual, strict=False)) if a != b), None)
     if depth is None:
         return (
-            f"{_name(node)} belongs {_place(path, expected)}, where another point stands.",
+            f"{_name(node)} belongs {_place(path, expected)}, but another point is there.",
             "",
         )
     parent, axis = expected[path[:depth]], depth % len(node.point)
     smaller = "is smaller than" if path[depth] == "l" else "is not smaller than"
     return (
-        f"{_name(node)} went {SIDES[actual[depth]]} at {_name(parent)} and should go "
-        f"{SIDES[path[depth]]}: at depth {depth} {'xyz'[axis]} is compared, and "
+        f"{_name(node)} went {SIDES[actual[depth]]} at {_name(parent)} but should go "
+        f"{SIDES[path[depth]]}: at depth {depth}, {'xyz'[axis]} is compared, and "
         f"{node.point[axis]:g} {smaller} {parent.point[axis]:g}."
     ), ""
 
@@ -330,23 +334,23 @@ def _missing(path: str, expected: dict, yours: dict) -> tuple[str, str]:
     """Return a message about a missing point and its place, and a hint, which may be empty."""
     text = f"{_name(expected[path])} is not in the tree; it belongs {_place(path, expected)}"
     if path not in yours:
-        return f"{text}, where nothing stands.", ""
+        return f"{text}, but there is no node.", ""
     found = next(
         (other for other in expected if _same_point(yours[path][0], expected[other])), None
     )
     if found is None:
         return f"{text}.", ""
-    text = f"{text}, where {_name(expected[found])} stands."
+    text = f"{text}, but {_name(expected[found])} is there."
     if found and found[:-1] == path[:-1]:
         return text, (
-            f"{_name(expected[found]).capitalize()} belongs to the {SIDES[found[-1]]}: does each "
-            "branch hang the new node on its own side, node.left or node.right?"
+            f"{_name(expected[found]).capitalize()} belongs on the {SIDES[found[-1]]}: does each "
+            "branch attach the new node on its own side, node.left or node.right?"
         )
-    return text, "A child that is there stays there: the walk goes on from it."
+    return text, "Do not replace a child that is already there; continue from it."
 
 
 def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str | None:
-    """Return the path to a misplaced point in a student's tree; None if the tree lacks it."""
+    """Return the path to a misplaced point in a student's tree; None if it is missing."""
     pending = [("", tree.root)]
     for path, current in pending:  # the list grows inside the loop
         if current is None:
@@ -362,19 +366,19 @@ def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str
 
 
 def _extra_node(expected: dict, yours: dict) -> tuple[str, str]:
-    """Return a message about a node beyond the right tree, and a hint; both empty if none."""
+    """Return a message about a surplus node, and a hint; both are empty if there is none."""
     extra = next((path for path in yours if path not in expected), None)
     if extra is None:
         return "", ""
     for path, node in expected.items():
         if _same_point(yours[extra][0], node):
-            message = f"{_name(node)} stands {_place(path, expected)} and once more "
+            message = f"{_name(node)} is {_place(path, expected)} and a second time "
             return f"{message}{_place(extra, expected)}.", (
-                "A point that has been hung into the tree is done: `return`, and the walk ends."
+                "Use `return` to end the walk as soon as the point is attached to the tree."
                 if path
-                else "A point that has become the root is done: `return` before the walk begins."
+                else "Use `return` after the point has become the root, before the walk begins."
             )
-    return f"a node stands {_place(extra, expected)}, where the tree should end.", ""
+    return f"there is a node {_place(extra, expected)}, where the tree should end.", ""
 
 
 def _place(path: str, expected: dict[str, TreeNode]) -> str:
@@ -393,7 +397,7 @@ def exact_text(point: Sequence[float]) -> str:
 
 
 def few_points_text(points: ArrayLike) -> str | None:
-    """Return points in their order as text; None if there are more than seven."""
+    """Return points as text, in their order; None if there are more than seven."""
     if len(points) > 7:
         return None
     is_plural = len(points) > 1

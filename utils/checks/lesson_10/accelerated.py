@@ -22,14 +22,14 @@ from utils.checks.assertions import (
     timed,
 )
 from utils.checks.cluster_mistakes import (
+    cut_line,
+    distance_mistakes,
     frozen_cases,
+    label_mistakes,
+    labels_on_a_line,
     length,
     lines_of_points,
-    measured_wrongly,
-    mixed_up,
     on_a_line,
-    parted,
-    right_on_a_line,
     same_clusters,
 )
 from utils.checks.clusters import (
@@ -37,9 +37,9 @@ from utils.checks.clusters import (
     LABELS,
     assert_clusters,
     assert_from_one,
+    assert_integer_labels,
     assert_numbered_by_appearance,
-    assert_parts_at_the_threshold,
-    assert_whole,
+    assert_separates_at_the_threshold,
     assert_works,
     in_order,
     row_of_points,
@@ -437,7 +437,7 @@ def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
     "answer end with .astype(int).",
 )
 def has_whole_labels(euclidean_clustering_accelerated: Callable) -> None:
-    assert_whole(euclidean_clustering_accelerated)
+    assert_integer_labels(euclidean_clustering_accelerated)
 
 
 @noted(
@@ -476,7 +476,7 @@ def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     "on a regular grid it does.",
 )
 def parts_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
-    assert_parts_at_the_threshold(euclidean_clustering_accelerated)
+    assert_separates_at_the_threshold(euclidean_clustering_accelerated)
 
 
 # ---- clouds ------------------------------------------------------------------------------------
@@ -596,7 +596,7 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
             gaps, firsts = (length(np.diff(points, axis=0)) for points in (places, places[first]))
             return joins(gaps, steps, firsts)
 
-        return parted(cloud, are_joined)
+        return cut_line(cloud, are_joined)
 
     return predicts
 
@@ -651,10 +651,10 @@ def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
     cases = []
     for threshold, (direction, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
-            cases.append((on_a_line(scale * np.array(places), way=direction), abs(scale)))
+            cases.append((on_a_line(scale * np.array(places), direction=direction), abs(scale)))
     # Two points on both sides of the sensor are not close, however cells are rounded. A function
     # that adds coordinates instead of subtracting them joins these points.
-    cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], way=_AXIS[0]), 1.0))
+    cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], direction=_AXIS[0]), 1.0))
     return frozen_cases(cases)
 
 
@@ -664,13 +664,13 @@ def _lines_behind_a_heap() -> tuple[tuple[np.ndarray, float], ...]:
     for threshold in (0.7, 1.4, 2.1):
         behind = 3.05 + 1.15 * np.arange(8)
         places = np.concatenate([np.linspace(0.45, 0.55, 9), behind])
-        cases.append((on_a_line(threshold * places, way=_DIAGONAL[0]), threshold))
+        cases.append((on_a_line(threshold * places, direction=_DIAGONAL[0]), threshold))
     return frozen_cases(cases)
 
 
 mistakes(
     _NAME,
-    *measured_wrongly(),
+    *distance_mistakes(),
     Mistake(
         "Cells have the side threshold: two points in one may be 1.7 thresholds apart.",
         _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
@@ -711,7 +711,7 @@ mistakes(
         ),
         "np.floor rounds down on both sides of 0; .astype(int) alone does not.",
     ),
-    *mixed_up(),
+    *label_mistakes(),
     Mistake(
         "The rows of two cells are taken for rows of points: what is measured are points that have "
         "nothing to do with these cells.",
@@ -725,6 +725,6 @@ mistakes(
         "Measure between representatives: points[first[pairs[:, 0]]], and not cells[pairs[:, 0]].",
     ),
     cases=(*lines_of_points(), *_lines_across_cells(), *_lines_behind_a_heap()),
-    right=right_on_a_line,
+    right=labels_on_a_line,
     same=_same,
 )

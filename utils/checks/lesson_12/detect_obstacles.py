@@ -39,7 +39,7 @@ from utils.checks.scans import (
     car_across,
     climb,
     crossing,
-    own_car,
+    ego_car_points,
     rain,
     square,
     street,
@@ -173,7 +173,7 @@ def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
 )
 def forgets_itself(detect_obstacles: Callable) -> None:
     frame = square(SQUARE_SEED)
-    answer = detect_obstacles(np.vstack([frame.cloud, own_car(SQUARE_SEED)]))
+    answer = detect_obstacles(np.vstack([frame.cloud, ego_car_points(SQUARE_SEED)]))
     assert_sees(answer, frame)
     assert_own_car_free(answer, frame)
 
