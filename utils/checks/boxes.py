@@ -22,7 +22,7 @@ from utils.checks.assertions import (
 )
 from utils.checks.failures import fixed
 
-# Metres that a point may be outside its box: more than rounding, less than a scanner can measure.
+# Metres by which a point may be outside its box: more than rounding, less than a scanner resolves.
 _SLACK = 2 * TOLERANCE
 # A box is loose if its area exceeds this multiple of the smallest one. On the visible sides of a
 # car, a box along the principal axes is larger than the smallest box, but below this limit.
@@ -295,7 +295,7 @@ def assert_headings(
                 yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",
                 draw=lambda box=box, points=points: _draw(
-                    points, box, title="The box, and the points of its cluster"
+                    points, box, title="The box and the points of its cluster"
                 ),
             )
 

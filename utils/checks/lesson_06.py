@@ -61,7 +61,7 @@ def assert_no_ground_left(
 
 def _heights_text(points: np.ndarray) -> str:
     texts = [f"{height:.4g}" for height in points[:, 2].tolist()]
-    return f"heights {', '.join(texts)}" if texts else "no row"
+    return f"heights {', '.join(texts)}" if texts else "no rows"
 
 
 @once
@@ -90,8 +90,8 @@ def keeps_points_above_the_level(filter_ground: Callable) -> None:
     "filter_ground",
     weight=3,
     title="Uses ground_level as the threshold",
-    why="The sensor is at another height on another car, so the function must not contain a "
-    "fixed level.",
+    why="On another car the sensor is at another height, so the function must not contain a fixed "
+    "level.",
     hint="Keep a point if its z is at least ground_level. Do not write a number into the function.",
 )
 def uses_the_level(filter_ground: Callable) -> None:
@@ -191,8 +191,8 @@ mistakes(
     Mistake(
         "The sign of ground_level is flipped: -1.2 acts as 1.2.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -level),
-        "Compare with ground_level unchanged. It is negative for a ground below the sensor, and "
-        "so is z.",
+        "Compare with ground_level unchanged. Below the sensor, both ground_level and z are "
+        "negative.",
     ),
     Mistake(
         "Your code compares the last column, which is the intensity in a cloud with four columns.",
@@ -235,7 +235,7 @@ mistakes(
 )
 
 
-# Points at positive coordinates that occupy five cells of 0.2 m, with 3, 1, 2, 1 and 1 points.
+# Points with positive coordinates that occupy five cells of 0.2 m, with 3, 1, 2, 1 and 1 points.
 # Separate checks cover rounding to the nearest cell and starting the grid at the lowest corner of
 # the cloud, so both give the right cells here. For the same reason, all points in a cell have the
 # same intensity.
@@ -432,7 +432,7 @@ def uses_all_three_coordinates(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=3,
-    title="Keeps cells next to zero as large as all others",
+    title="Makes the cells next to zero as large as all others",
     why="Half of the street has negative coordinates, and rounding towards zero makes the cells "
     "around the sensor twice as wide.",
     hint="Use np.floor: np.floor(-0.3) is -1, but int(-0.3) and .astype(int) give 0.",
@@ -448,8 +448,8 @@ def floors_below_zero(voxel_grid: Callable) -> None:
             assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
-# Pairs of cells for which a home-made key may be equal, such as the sum of the indices, their
-# digits joined, a sum of products with primes, or the indices without their signs.
+# Pairs of cells that may get the same home-made key, such as the sum of the indices, their joined
+# digits, a sum of products with primes, or the indices without their signs.
 _CONFUSABLE = (
     ((1, 0, 0), (0, 1, 0)),
     ((1, 11, 1), (11, 1, 1)),
@@ -627,7 +627,7 @@ def _merged(
     merge : callable
         Takes the rows of a cell and ``axis=0``; returns one row.
     without : tuple of int
-        Numbers of the borders that are missing.
+        Numbers of the missing borders.
     """
     steps = np.array([number for number in range(-60, 61) if number not in without])
     borders = np.broadcast_to(first, cloud.shape[1])[:, None] + step * steps
@@ -660,7 +660,7 @@ def _same_rows(answer: object, predicted: np.ndarray) -> bool:
 
 
 def _sorted_rows(rows: np.ndarray) -> np.ndarray:
-    """Return rows sorted by column 0, then column 1 and so on; ties ignore rounding errors."""
+    """Return rows sorted by column 0, then column 1 and so on; rounding does not break ties."""
     return rows[np.lexsort(np.round(rows.astype(float), 3).T[::-1] + 0.0)]
 
 

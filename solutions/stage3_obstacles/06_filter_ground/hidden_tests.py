@@ -149,7 +149,7 @@ def clear_of_borders(cloud, size, highest=1 - 1e-3):
 
 
 def in_lower_halves(cloud, size):
-    """Return rows that fall into the same cells if an answer rounds or starts at the lowest."""
+    """Return rows that get the same cells if an answer rounds or starts at the lowest cell."""
     cloud = clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
@@ -271,7 +271,7 @@ def test_averages_the_intensity(student, seed):
 @hidden(
     "voxel_grid",
     weight=4,
-    title="Finds the same cells for any intensities",
+    title="Finds the same cells, whatever the intensities",
     hint="Compute the cell from x, y and z only.",
 )
 def test_ignores_bright_intensities(student, seed):

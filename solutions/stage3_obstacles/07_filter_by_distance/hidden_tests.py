@@ -98,20 +98,20 @@ def test_works_with_other_distances(student, seed):
 @hidden(
     "filter_by_distance",
     weight=3,
-    title="Keeps the same points for any heights",
+    title="Keeps the same points, whatever their heights",
     hint="Compute the distance from columns 0 and 1 only, and keep the height in its row.",
 )
 def test_ignores_heights(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0, 0.01]
     cloud[:, 2] = np.random.default_rng(seed).uniform(-30, 30, len(cloud))
-    cloud[7] = 0.0, 0.0, 5.5, 0.01  # straight above the sensor, as under a bridge
+    cloud[7] = 0.0, 0.0, 5.5, 0.01  # directly above the sensor, as under a bridge
     assert_distance_filtered(student, without_corners(cloud, 10.0))
 
 
 @hidden(
     "filter_by_distance",
     weight=3,
-    title="Keeps the same points for any intensities",
+    title="Keeps the same points, whatever their intensities",
     hint="Compute the distance from columns 0 and 1 only, and keep the intensity in its row.",
 )
 def test_ignores_intensities(student, seed):
@@ -320,7 +320,7 @@ def test_crops_to_other_boxes(student, seed):
     title="Removes points that are outside in height only",
     hint="Compare all three coordinates: z must be inside as well.",
 )
-def test_crops_heights(student, seed):
+def test_crops_by_height(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for low, high in np.sort(np.random.default_rng(seed).uniform(-2, 1, (3, 2)), axis=1).tolist():
         assert_box_filtered(student, "crop_region", cloud, (-60, -60, low), (60, 60, high + 0.1))
@@ -410,7 +410,7 @@ def test_removes_the_ego_car_from_streets(student, seed, street):
     title="Works with boxes you have not seen",
     hint="Compare with minimum and maximum, whatever their values.",
 )
-def test_removes_other_boxes(student, seed):
+def test_works_with_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 1, tall=True):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
@@ -422,7 +422,7 @@ def test_removes_other_boxes(student, seed):
     title="Keeps points that are outside in height only",
     hint="Keep points above and below the box: they are not part of it.",
 )
-def test_removes_only_heights_inside(student, seed):
+def test_keeps_points_above_and_below(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 2, tall=False):

@@ -106,7 +106,7 @@ def without_small(labels, least):
 @hidden(
     "get_bounding_boxes",
     weight=4,
-    title="Boxes every obstacle in the course's scan",
+    title="Puts a box around every obstacle in the course's scan",
     hint="Compare with the picture in the notebook: is every obstacle in its box?",
 )
 def test_boxes_the_course_scan(student, seed):
@@ -116,7 +116,7 @@ def test_boxes_the_course_scan(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=4,
-    title="Boxes every obstacle on a street you have not seen",
+    title="Puts a box around every obstacle on a street you have not seen",
     hint="On any street, return one box for each label above 0 that occurs, in ascending order.",
 )
 def test_boxes_a_new_street(student, seed):

@@ -13,7 +13,7 @@ from utils import load_cloud
 from utils.datasets import DATA
 from utils.plots import corners
 
-LOOPS = "the corners from three nested loops, as the text offers"
+LOOPS = "corners from three nested loops, as the text suggests"
 
 
 get_bounding_boxes = taught("get_bounding_boxes")
@@ -58,7 +58,7 @@ def test_clusters_have_hundreds_or_thousands_of_points():
 
 
 def distance_from_edges(corner, drawn):
-    """Return the distance of a corner from all edges that do not end there, in drawing widths."""
+    """Return a corner's smallest distance from edges that do not end in it, in drawing widths."""
     far = []
     for start in range(8):
         for axis in (1, 2, 4):

@@ -101,7 +101,9 @@ def test_keeps_clusters_of_the_minimum_size(student, seed):
     require_most_clusters_right(student.filter_clusters)
     labels = np.concatenate([np.repeat([1, 2, 3], 6), clutter(np.random.default_rng(seed), 30, 30)])
     count = Counter(labels.tolist())
-    labels = np.append(labels, np.repeat(31, count[2]))  # the highest label also has the minimum
+    labels = np.append(
+        labels, np.repeat(31, count[2])
+    )  # the highest label also has exactly the minimum
     count = Counter(labels.tolist())
     at_the_border = [label for label in count if label > 0 and count[label] == count[2]]
     yours = as_labels(student.filter_clusters(labels.copy(), count[2]), len(labels))
@@ -128,10 +130,10 @@ def test_keeps_the_labels(student, seed):
 @hidden(
     "filter_clusters",
     weight=3,
-    title="Leaves noise as noise, however much there is",
+    title="Never turns noise into a cluster, however much there is",
     hint="Label 0 is not a cluster, however often it occurs.",
 )
-def test_leaves_noise(student, seed):
+def test_never_clusters_noise(student, seed):
     require_most_clusters_right(student.filter_clusters)
     rng = np.random.default_rng(seed)
     labels = clutter(rng, 40, 60)

@@ -19,7 +19,7 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 
 @pytest.fixture(scope="module")
 def taught():
-    """Names that the lesson defines, with its drawings; simulating ten streets takes a second."""
+    """Names that the lesson defines, with its drawings; the simulation takes a second."""
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
