@@ -454,7 +454,7 @@ common_checks.three_columns(
     hint="Use cloud[:, :3]: it exists with three columns and with four.",
 )
 common_row_checks.nothing_left(_CROP_CASE, "crops_small_clouds", weight=2)
-common_row_checks.untouched(_CROP_CASE, "crop_keeps_its_input")
+common_row_checks.untouched(_CROP_CASE, "crop_leaves_its_input")
 common_row_checks.array(_CROP_CASE, "gives_an_array")
 
 
@@ -575,7 +575,7 @@ common_checks.three_columns(
     hint="Use cloud[:, :3]: it exists with three columns and with four.",
 )
 common_row_checks.nothing_left(_EGO_CASE, "removes_from_small_clouds", weight=2)
-common_row_checks.untouched(_EGO_CASE, "removal_keeps_its_input")
+common_row_checks.untouched(_EGO_CASE, "removal_leaves_its_input")
 common_row_checks.array(_EGO_CASE, "leaves_an_array")
 
 

@@ -84,7 +84,7 @@ def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     why="Errors add up from step to step in a pipeline. Round only in texts that people read.",
     hint="Return the numbers as they are, without round.",
 )
-def is_exact(get_bounding_boxes: Callable) -> None:
+def does_not_round(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
     points, labels = _POINTS + [0.0043, -0.0036, 0.0047], np.ones(7, dtype=int)
     answer = get_bounding_boxes(points.copy(), labels.copy())

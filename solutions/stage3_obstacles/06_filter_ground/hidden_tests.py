@@ -137,7 +137,7 @@ def test_works_on_small_clouds(student, seed):
     title="Never modifies its input",
     hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_keeps_its_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_ground_removed(student.filter_ground)
     assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
 
@@ -308,6 +308,6 @@ def test_thins_all_kinds_of_clouds(student, seed):
     title="Never modifies its input",
     hint="Leave the caller's cloud unchanged: write into a new array.",
 )
-def test_voxel_grid_keeps_its_input(student, seed):
+def test_voxel_grid_leaves_its_input_unchanged(student, seed):
     require_row_per_cell(student.voxel_grid)
     assert_untouched(student.voxel_grid, samples.patch_of_course_cloud(seed, 200), 0.2)

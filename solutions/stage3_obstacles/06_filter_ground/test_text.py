@@ -35,7 +35,7 @@ def test_the_peak_of_the_histogram_is_the_ground(street):
     assert np.mean(is_ground[(z >= low) & (z < low + 0.1)]) > 0.9
     assert -1.73 < low + 0.05 < -1.6
     assert f"{low:.1f} {low + 0.1:.1f}" == "-1.7 -1.6"
-    assert np.mean(is_ground) < 0.5  # other objects return the rest
+    assert np.mean(is_ground) < 0.5  # other objects give more than half of the returns
     assert np.mean(np.isin(street["kinds"], ["wall", "car"])) > 0.4
 
 

@@ -33,13 +33,13 @@ MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives
 
 
 @cached_by_content
-def plain_distances(cloud):
+def distances_in_plain_python(cloud):
     return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
 
 
 def clear_of_circle(cloud, distance):
     """Return the rows that are clear of a circle's rim, and whether each is inside."""
-    true_distance = plain_distances(cloud)
+    true_distance = distances_in_plain_python(cloud)
     clear = np.abs(true_distance - distance) > MARGIN
     return cloud[clear], true_distance[clear] < distance
 
@@ -197,7 +197,7 @@ def test_works_on_small_clouds(student, seed):
     title="Never modifies its input",
     hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_keeps_its_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_near_points(student.filter_by_distance)
     assert_untouched(student.filter_by_distance, samples.patch_of_course_cloud(seed, 200), 10.0)
 
@@ -384,7 +384,7 @@ def test_crops_small_clouds(student, seed):
     title="Never modifies the cloud or the corners",
     hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_crop_keeps_its_input(student, seed):
+def test_crop_leaves_its_input_unchanged(student, seed):
     require_crop(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_untouched(student.crop_region, cloud, *map(np.array, REGION))
@@ -487,7 +487,7 @@ def test_removes_from_small_clouds(student, seed):
     title="Never modifies the cloud or the corners",
     hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_removal_keeps_its_input(student, seed):
+def test_removal_leaves_its_input_unchanged(student, seed):
     require_ego_removed(student.remove_ego_returns)
     # A patch of a scan may contain no returns of the ego car, so there is nothing to overwrite.
     for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):

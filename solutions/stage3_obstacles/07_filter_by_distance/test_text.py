@@ -34,10 +34,10 @@ def of_kind(kind):
     return TRUTH["classes"] == NAMES.index(kind)
 
 
-def seen(rows, at_least=20):
-    """Return the objects with at least `at_least` returns among rows of x, y, z, object number."""
+def seen(rows, minimum=20):
+    """Return the objects with at least `minimum` returns; rows are x, y, z and object number."""
     numbers, counts = np.unique(rows[:, 3], return_counts=True)
-    return set(numbers[counts >= at_least].astype(int).tolist())
+    return set(numbers[counts >= minimum].astype(int).tolist())
 
 
 def test_the_small_examples_are_right():

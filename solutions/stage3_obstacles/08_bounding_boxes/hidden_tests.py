@@ -261,7 +261,7 @@ def test_works_without_clusters(student, seed):
     title="Never modifies the cloud or the labels",
     hint="Write the boxes into a new array, and leave the cloud and the labels unchanged.",
 )
-def test_keeps_its_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_three_boxes(student.get_bounding_boxes)
     cloud, labels = clusters_around_the_origin(np.random.default_rng(seed))
     strays = np.random.default_rng(seed).uniform(-40, 40, (20, 3))

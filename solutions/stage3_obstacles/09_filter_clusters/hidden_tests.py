@@ -195,7 +195,7 @@ def test_works_with_other_number_types(student, seed):
     title="Never modifies its input",
     hint="Work on a copy.",
 )
-def test_keeps_its_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     labels = clutter(np.random.default_rng(seed), 20, 30)
     require_most_clusters_right(student.filter_clusters)
     assert_untouched(student.filter_clusters, labels, 6)
