@@ -31,7 +31,7 @@ def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: flo
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         _labelled(case, labels).assert_right(function)
 
@@ -48,7 +48,7 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
         hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         _labelled(case, labels).assert_right(function)
 
@@ -77,7 +77,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         hint="Keep only labels > 0 before you loop.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
@@ -97,7 +97,7 @@ def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         for cloud in (case.first, case.first[:0]):
             labels = np.zeros(len(cloud), dtype=int)

@@ -41,7 +41,7 @@ def all_columns(
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         assert_all_columns(case.ask(function), case.first, case.expected)
 
 
@@ -58,7 +58,7 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         hint="Index with a mask, which never changes the order.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         assert_order(case.ask(function), case.first, case.expected)
 
 
@@ -82,7 +82,7 @@ def nothing_left(
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         columns = as_array(case.ask(function)).shape[1]
         for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
@@ -105,7 +105,7 @@ def untouched(
 def array(case: Case, name: str) -> None:
     """Add a note, which costs no points, if the rows are in a list or lose their columns."""
 
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         answer = case.ask(function)
         if isinstance(answer, (list, tuple)):
             raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
@@ -117,10 +117,10 @@ def array(case: Case, name: str) -> None:
                 expected=f"shape (0, {case.first.shape[1]})",
             )
 
-    ask.__name__, ask.__module__ = name, case.lesson
+    check.__name__, check.__module__ = name, case.lesson
     noted(
         case.exercise,
         title="Returns an array that keeps its columns",
         why="Later cells index its columns, as in rows[:, 2]. A list has no columns, and neither "
         "does an array made from an empty list.",
-    )(ask)
+    )(check)

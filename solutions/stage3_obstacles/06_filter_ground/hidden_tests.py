@@ -179,7 +179,7 @@ def with_equal_intensities(cloud):
 
 
 def assert_thinned(student, cloud, size):
-    """Compare the centroids with those from plain Python."""
+    """Compare the centroids with those computed in plain Python."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)

@@ -94,7 +94,7 @@ def clusters_around_the_origin(rng, count=12, each=20):
     labels = np.repeat(np.arange(1, count + 1), each)
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
     points = rng.uniform(-1, 1, (len(labels), 3)) * sizes
-    points[1::each] = -points[::each]  # on both sides along every axis, whatever was drawn
+    points[1::each] = -points[::each]  # now on both sides along every axis
     return middles_first(points, labels)
 
 
