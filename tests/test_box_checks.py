@@ -80,9 +80,9 @@ def test_the_picture_contains_the_box_and_its_cluster(shift):
 def test_messages_use_singular_and_plural():
     one_cluster = np.ones(3, dtype=int)
     box = corners_between([0, 0, 0], [1, 1, 1])
-    with pytest.raises(CheckFailed, match="^2 boxes for 1 cluster.$"):
+    with pytest.raises(CheckFailed, match=" 2 boxes for 1 cluster.$"):
         assert_box_corners(np.stack([box, box]), box[None], np.zeros((3, 3)), one_cluster)
-    with pytest.raises(CheckFailed, match="^1 box for 2 clusters.$"):
+    with pytest.raises(CheckFailed, match=" 1 box for 2 clusters.$"):
         assert_box_corners(box[None], np.stack([box, box]), np.zeros((3, 3)), np.array([1, 1, 2]))
 
 

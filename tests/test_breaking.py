@@ -21,8 +21,8 @@ THE_SAME = {
     },
     "ransac_line": {"C": "the tolerance is squared"},
     "get_bounding_boxes": {
-        "A": "minimum and maximum started at zero",
-        "C": "a box around label 0, too",
+        "A": "minimum and maximum start at zero",
+        "C": "also a box around label 0",
     },
 }
 TELLING = {

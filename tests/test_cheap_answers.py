@@ -505,7 +505,7 @@ def lost(variant_of, name, lesson_name):
         ("ransac_plane", "takes generators only", "03_ransac_plane", "takes_a_seed"),
         (
             "filter_clusters",
-            "its own input where nothing changes",
+            "returns its input if nothing changes",
             "09_filter_clusters",
             "returns_a_new_array",
         ),

@@ -207,7 +207,7 @@ def test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests(course, 
     for test in failed:
         assert test["title"].replace("'", "&#x27;") in page or test["title"] in page
     hidden = LESSON.tests.read_text()
-    for line in ("kept_by_hand(", "samples.", "assert_ground_removed("):
+    for line in ("expected_mask(", "samples.", "assert_ground_removed("):
         assert line in hidden
         assert line not in page
     broken = course.root / "feedback" / "broken" / LESSON.stage / f"{LESSON.name}.html"

@@ -69,8 +69,8 @@ CHANGED = {
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
     "filter_clusters": [
         (
-            "labels move up while the loop walks along them",
-            "closes the gap in the loop, and stumbles over no labels",
+            "renumbers labels inside the loop",
+            "renumbers labels inside the loop, and fails on an empty array",
         )
     ],
     "get_oriented_boxes": [

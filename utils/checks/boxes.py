@@ -22,13 +22,14 @@ from utils.checks.assertions import (
 )
 from utils.checks.failures import fixed
 
-# Metres that a point may be outside its box: more than rounding, less than a scanner can measure.
+# Metres by which a point may be outside its box: more than rounding, less than a scanner resolves.
 _SLACK = 2 * TOLERANCE
 # A box is loose if its area exceeds this multiple of the smallest one. On the visible sides of a
 # car, a box along the principal axes is larger than the smallest box, but below this limit.
 LOOSE = 1.5
-# Degrees between the sides of a box and those of its block: a search in steps of 5° must pass.
-_CROOKED = 6.0
+# Largest accepted angle in degrees between the sides of a box and those of its block. An answer
+# that tries headings in steps of 5° must pass.
+_HEADING_TOLERANCE = 6.0
 
 
 def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
@@ -49,15 +50,15 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     boxes = as_array(answer, what="an array of boxes")
     sides = {"yours": f"shape {boxes.shape}", "expected": f"shape ({count}, 8, 3)"}
     if count == 0 and boxes.size == 0 and boxes.shape != (0, 8, 3):
-        raise CheckFailed("Where there are no boxes the array keeps its form.", **sides)
+        raise CheckFailed("Even without boxes, make sure that the array keeps its form.", **sides)
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise WrongForm(_wrong_shape(boxes.shape), **sides)
     if len(boxes) != count:
         raise CheckFailed(
-            f"{_many(len(boxes), 'box')} for {_many(count, 'cluster')}.",
+            f"Your function returned {_many(len(boxes), 'box')} for {_many(count, 'cluster')}.",
             given=f"labels that occur: {brief(np.unique(cluster_labels))}",
-            hint="Each label above 0 that occurs gets one box, and no other number does: "
-            "np.unique(cluster_labels) lists what occurs.",
+            hint="Return one box for each label above 0 that occurs, and no others: "
+            "np.unique(cluster_labels) lists the labels.",
             **sides,
         )
     bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))
@@ -65,7 +66,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
         broken = boxes[bad[0]][~np.isfinite(boxes[bad[0]]).all(axis=1)]
         size = np.count_nonzero(cluster_labels == _box_labels(cluster_labels)[bad[0]])
         raise CheckFailed(
-            f"{_box(bad[0], cluster_labels)} has a corner with a number that is not finite.",
+            f"{_box(bad[0], cluster_labels)} has a corner that is not finite.",
             given=f"a cluster of {_many(size, 'point')}",
             yours=brief(broken[0]),
         )
@@ -112,8 +113,8 @@ def assert_box_corners(
     """
     yours = as_cluster_boxes(answer, cluster_labels)
     near = np.abs(yours[:, None] - expected[:, :, None]).max(axis=3) <= TOLERANCE
-    # If each corner is near exactly one other, the boxes are equal. Only the rest, such as flat
-    # boxes, needs the slow comparison.
+    # If each corner is near exactly one other, the boxes are equal. Only the remaining boxes, such
+    # as flat ones, need the slow comparison.
     alike = (near.sum(axis=1) == 1).all(axis=1) & (near.sum(axis=2) == 1).all(axis=1)
     wrong = [row for row in np.flatnonzero(~alike) if not same_corners(yours[row], expected[row])]
     if not wrong:
@@ -125,7 +126,7 @@ def assert_box_corners(
             given=f"labels that occur: {brief(np.unique(cluster_labels))}",
             yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",
-            hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+            hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
         )
     points = cloud[cluster_labels == labels[row], :3]
     raise _corner_failure(yours[row], expected[row], points, _box(row, cluster_labels))
@@ -138,23 +139,23 @@ def _corner_failure(
     place = right[_missing_corner(mine, right)]
     nearest = mine[np.linalg.norm(mine - place, axis=1).argmin()]
     ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
-    is_straight = same_corners(mine, corners_between(*ends[0]))
+    is_axis_aligned = same_corners(mine, corners_between(*ends[0]))
     # The picture shows the axis that the message names.
     axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
-    if not is_straight:
+    if not is_axis_aligned:
         axis = int(np.abs(nearest - place).argmax())
     view = "side" if axis == 2 else "above"
 
     def draw() -> None:
-        _draw(points, mine, right, [place], view, "The circle should hold a corner of yours")
+        _draw(points, mine, right, [place], view, "The circle should contain a corner of your box")
 
-    if is_straight:
-        # A corner at the wrong end, because at the other one the box may have a corner.
+    if is_axis_aligned:
+        # Choose a corner at the wrong end: at the other end, the answer may have a corner.
         end = np.abs(ends[0] - ends[1])[:, axis].argmax()
         place = right[np.isclose(right[:, axis], ends[1][end, axis])][0]
         letter, given = "xyz"[axis], None
         if len(points) <= 20:
-            given = f"the {letter} of its points: {brief(points[:, axis])}"
+            given = f"{letter} of its points: {brief(points[:, axis])}"
         return CheckFailed(
             f"{name} does not end where its points end along {letter}.",
             given=given,
@@ -166,19 +167,19 @@ def _corner_failure(
         return CheckFailed(
             f"{name} has some corners twice and others not at all.",
             yours=f"{len(np.unique(mine.round(3), axis=0))} different corners",
-            expected=f"a corner at {point_text(place)}, too",
+            expected=f"also a corner at {point_text(place)}",
             draw=draw,
         )
     return CheckFailed(
-        f"{name} lacks a corner.",
-        yours=f"the nearest is {point_text(nearest)}",
-        expected=point_text(place),
+        f"{name} is missing a corner.",
+        yours=f"the nearest corner is {point_text(nearest)}",
+        expected=f"a corner at {point_text(place)}",
         draw=draw,
     )
 
 
 def assert_upright(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray) -> None:
-    """Assert that each box has a level rectangular floor and a corner above each corner of it.
+    """Assert that each box has a level rectangular floor with a corner above each of its corners.
 
     Parameters
     ----------
@@ -207,7 +208,7 @@ def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
         ):
             if abs(yours - right) > _SLACK:
                 raise CheckFailed(
-                    f"The {word} of {_inside_sentence(name)} is not at the height of its "
+                    f"The {word} of {_lower_first(name)} is not at the height of its "
                     f"{which} point.",
                     yours=f"z = {yours:.2f}",
                     expected=f"z = {right:.2f}",
@@ -240,8 +241,8 @@ def assert_holds(
                 given=given,
                 yours=f"{_area(rectangle):.1f} square metres",
                 expected=f"less than {max(across**2, 0.1):.1f} square metres",
-                hint="Minimum and maximum belong to the points of one label, after their turn by "
-                "minus yaw.",
+                hint="Take the minimum and maximum of the points of one label, after turning "
+                "them by minus yaw.",
                 draw=lambda box=box, points=points: _draw(points, box),
             )
         outside = _outside(points[:, :2], rectangle)
@@ -287,14 +288,14 @@ def assert_headings(
         along = sides[np.linalg.norm(sides, axis=1).argmax()]
         yours = np.degrees(np.arctan2(along[1], along[0]))
         off = abs((yours - heading + 45) % 90 - 45)
-        if np.linalg.norm(along) <= TOLERANCE or off > _CROOKED:
+        if np.linalg.norm(along) <= TOLERANCE or off > _HEADING_TOLERANCE:
             raise CheckFailed(
-                f"{name} is not turned with its cluster.",
+                f"{name} is not turned with its cluster: their sides are not parallel.",
                 given=given,
-                yours=f"a side at {yours % 90:.0f}° against the x axis",
+                yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",
                 draw=lambda box=box, points=points: _draw(
-                    points, box, title="The box, and the points of its cluster"
+                    points, box, title="The box and the points of its cluster"
                 ),
             )
 
@@ -350,14 +351,14 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
     below, above = box[pairs[:, 0], :2], box[pairs[:, 1], :2]
     if np.abs(below - above).max() > _SLACK:
         return None
-    # Only the cyclic order of the three leaves no error. Pairing each corner with the farthest
-    # would fail for long thin boxes, where rounding decides between two corners.
-    rounds = [below[list(order)] for order in ((0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3))]
-    best = min(rounds, key=_crookedness)
-    return best if _crookedness(best) <= _SLACK else None
+    # Of these three orders, only the cyclic one leaves no error. Pairing each corner with the
+    # farthest would fail for long thin boxes, where rounding decides between two corners.
+    orders = [below[list(order)] for order in ((0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3))]
+    best = min(orders, key=_deviation_from_rectangle)
+    return best if _deviation_from_rectangle(best) <= _SLACK else None
 
 
-def _crookedness(corners: np.ndarray) -> float:
+def _deviation_from_rectangle(corners: np.ndarray) -> float:
     """Return the deviation of four corners (4, 2) in cyclic order from a rectangle, in metres."""
     # For so few numbers, plain Python is several times as fast as NumPy.
     first, second, third, fourth = corners.tolist()
@@ -400,10 +401,11 @@ def _rectangle(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
     rectangle = footprint(box)
     if rectangle is None:
         raise CheckFailed(
-            f"{name} does not stand on a rectangle.",
+            f"{name} does not have a rectangular floor.",
             yours=brief(box[:, :2]),
-            expected="four corners with right angles, each with one above it",
-            hint="Turn about z only. Then each corner of the roof has the x and y of one below it.",
+            expected="four corners with right angles and another corner above each",
+            hint="Turn the box about z only. Then each corner of the roof has the same x and y "
+            "as the one below it.",
             draw=lambda: _draw(points, box),
         )
     return rectangle
@@ -425,15 +427,15 @@ def _assert_order(boxes: np.ndarray, clusters: list[np.ndarray]) -> None:
     if len(boxes) < 2:
         return
     low, high = boxes.min(axis=1) - _SLACK, boxes.max(axis=1) + _SLACK
-    middles = np.array([points.mean(axis=0) for points in clusters])[:, None]
-    holds = ((low <= middles) & (middles <= high)).all(axis=2)
-    if not holds.diagonal().all() and holds.any(axis=0).all() and holds.any(axis=1).all():
+    means = np.array([points.mean(axis=0) for points in clusters])[:, None]
+    contains = ((low <= means) & (means <= high)).all(axis=2)
+    if not contains.diagonal().all() and contains.any(axis=0).all() and contains.any(axis=1).all():
         raise CheckFailed(
             "The boxes are in another order than the labels.",
-            yours=f"the box in row {np.flatnonzero(~holds.diagonal())[0]} belongs "
+            yours=f"the box in row {np.flatnonzero(~contains.diagonal())[0]} belongs "
             "to another cluster",
             expected="one box for each label, in ascending order of the labels",
-            hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+            hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
         )
 
 
@@ -466,14 +468,14 @@ def _same(corner: np.ndarray, other: np.ndarray) -> bool:
 
 def _wrong_shape(shape: tuple[int, ...]) -> str:
     if len(shape) == 3 and shape[1:] == (3, 8):
-        return "The corners stand in columns: each corner must be a row (x, y, z)."
+        return "The corners are in columns: each corner must be a row (x, y, z)."
     if len(shape) == 3 and shape[1:] == (8, 4):
         return "A corner has x, y and z only: leave the intensity out."
     if len(shape) == 3 and shape[2] == 3:
         return f"There are {shape[1]} corners for each box; {fixed('a box has 8')}."
     if shape == (8, 3):
-        return "This is one box alone; even one box is returned as an array of boxes."
-    return fixed("The answer must hold N boxes of 8 corners (rows) of 3 coordinates.")
+        return "This is a single box. Even a single box must be in an array of boxes."
+    return fixed("The answer must contain N boxes with 8 corners (rows) of 3 coordinates each.")
 
 
 def _box_labels(cluster_labels: np.ndarray) -> np.ndarray:
@@ -488,7 +490,7 @@ def _box_of(label: int) -> str:
     return f"The box of label {label}"
 
 
-def _inside_sentence(name: str) -> str:
+def _lower_first(name: str) -> str:
     return name[0].lower() + name[1:]
 
 
@@ -508,9 +510,9 @@ def _draw(
     """Draw a box (8, 3) and the points (m, 3) that it should contain, all of them in view."""
     columns = [0, 1] if view == "above" else [0, 2]
     shown = [points, yours] if expected is None else [points, yours, expected]
-    seen = np.vstack(shown)[:, columns]
-    spare = 0.08 * np.ptp(seen, axis=0).max() + 0.3
-    limits = tuple(zip(seen.min(axis=0) - spare, seen.max(axis=0) + spare, strict=True))
+    in_view = np.vstack(shown)[:, columns]
+    margin = 0.08 * np.ptp(in_view, axis=0).max() + 0.3
+    limits = tuple(zip(in_view.min(axis=0) - margin, in_view.max(axis=0) + margin, strict=True))
     axes = None
     if expected is not None:
         axes = utils.plots.boxes(

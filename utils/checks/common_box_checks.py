@@ -1,7 +1,7 @@
 """Common checks for functions that return one box per cluster; see `common_checks`.
 
 The arguments of the case are `cloud`, with three columns, and `cluster_labels`, which start at 1.
-The case expects one box per label, or None if `look` can judge a box by the points alone.
+`expected` has one box per label; it is None if `look` can judge a box by the points alone.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ from utils.checks import common_checks
 from utils.checks.boxes import as_cluster_boxes
 from utils.checks.common_checks import Case, promise
 
-# Two returns far away from all clusters.
+# Two returns far from all clusters.
 _STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
 
 
 def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:
-    """Check that labels may have gaps; `labels` replace the labels 1, 2, ... of the case."""
+    """Check labels with gaps; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
         "gaps",
         case,
         name,
-        title="Labels may have gaps",
-        why="Filters remove clusters and leave gaps in the numbers.",
+        title="Works when labels have gaps",
+        why="Filters remove clusters and so leave gaps between the labels.",
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         _labelled(case, labels).assert_right(function)
 
@@ -43,12 +43,12 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
         "ascending",
         case,
         name,
-        title="The boxes are in ascending order of the labels",
-        why="The next step tells by the row which box is whose.",
-        hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+        title="Returns the boxes in ascending order of their labels",
+        why="The next step uses the row of a box to find its label.",
+        hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         _labelled(case, labels).assert_right(function)
 
@@ -71,32 +71,33 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         "noise",
         case,
         name,
-        title="Label 0 is not an obstacle",
-        why="Stray points lie all over the street: their box would be the street, with us in it.",
+        title="Ignores points with label 0",
+        why="Stray points are all over the street, so their box would cover the whole street, "
+        "including the ego car.",
         hint="Keep only labels > 0 before you loop.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
-            case.basic(function)  # what is also wrong without stray points is not about them
+            case.basic(function)  # stray points are not to blame if this fails as well
             raise
 
 
 def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Check that the shape is (0, 8, 3) if there are no clusters or no points."""
+    """Check that the shape is (0, 8, 3) without clusters and without points."""
 
     @promise(
         "no_boxes",
         case,
         name,
-        title="No cluster, no box: the shape is then (0, 8, 3)",
-        why="On an empty road nothing is boxed, and the planner still asks for boxes[:, 0].",
+        title="Returns an array of shape (0, 8, 3) when there are no clusters",
+        why="On an empty road there are no boxes, but the planner still evaluates boxes[:, 0].",
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         for cloud in (case.first, case.first[:0]):
             labels = np.zeros(len(cloud), dtype=int)
@@ -109,20 +110,20 @@ def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
         case,
         name,
         np.linspace(9, -9, len(case.first)),
-        title="A fourth column, intensity, is not part of the box",
-        why="A corner is a place in space; brightness has none.",
+        title="Ignores a fourth column, the intensity",
+        why="A corner is a point in space, and brightness is not a coordinate.",
         hint="Take the coordinates with cloud[mask, :3].",
         weight=weight,
     )
 
 
 def untouched(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Check that the function does not change cloud or labels."""
+    """Check that the function changes neither the cloud nor the labels."""
     common_checks.untouched(
         case,
         name,
-        title="Leaves cloud and labels untouched",
-        why="The next step still needs them.",
+        title="Leaves the cloud and the labels untouched",
+        why="The next step still needs the original cloud and labels.",
         hint=hint,
         weight=weight,
     )

@@ -1,7 +1,7 @@
 """Common checks for functions that select rows of a cloud; see `common_checks`.
 
-The cloud of the case has four columns. The case expects the mask of the rows to keep, which keeps
-some rows and removes others.
+The cloud of the case has four columns. `expected` is the mask of the rows to keep, with at least
+one True and one False.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def all_columns(
     case: Case,
     name: str,
     *,
-    hint: str = "Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
+    hint: str = "Index the whole cloud with the mask: cloud[mask] keeps all columns.",
     weight: float = 1,
 ) -> None:
     """Check that the kept rows have all their columns."""
@@ -35,12 +35,13 @@ def all_columns(
         "all_columns",
         case,
         name,
-        title="Keeps all columns: the intensity stays with its point",
-        why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
+        title="Keeps all columns, including the intensity",
+        why="The intensity distinguishes a number plate from a bush, and later steps cannot "
+        "restore it.",
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         assert_all_columns(case.ask(function), case.first, case.expected)
 
 
@@ -52,11 +53,12 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         case,
         name,
         title="Keeps the order of the rows",
-        why="Whoever knows the true object of each return finds it by its place among the rows.",
-        hint="A mask keeps the order by itself.",
+        why="Other arrays, such as the true object of each return, are in the same order as the "
+        "rows.",
+        hint="Index with a mask, which never changes the order.",
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         assert_order(case.ask(function), case.first, case.expected)
 
 
@@ -64,7 +66,7 @@ def nothing_left(
     case: Case,
     name: str,
     *,
-    hint: str = "The same lines serve every case: an empty mask takes no row.",
+    hint: str = "No special case is needed: a mask without any True selects no rows.",
     weight: float = 1,
 ) -> None:
     """Check clouds without points, with one point, and with only points that are removed."""
@@ -75,12 +77,12 @@ def nothing_left(
         "nothing_left",
         case,
         name,
-        title="Takes no points, one point, and a cloud of which nothing is left",
-        why="After other filters nothing may be left, or a single return.",
+        title="Works on an empty cloud, on one point, and when no point is left",
+        why="Other filters may leave one return or none.",
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         case.basic(function)
         columns = as_array(case.ask(function)).shape[1]
         for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
@@ -101,24 +103,24 @@ def untouched(
 
 
 def array(case: Case, name: str) -> None:
-    """Note if the answer is a list, or an array that lost its columns; this costs no points."""
+    """Add a note, which costs no points, if the rows are in a list or lose their columns."""
 
-    def ask(function: Callable) -> None:
+    def check(function: Callable) -> None:
         answer = case.ask(function)
         if isinstance(answer, (list, tuple)):
             raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
-        nothing = as_array(case.of(case.first[:0]).ask(function))
-        if nothing.ndim == 1:
+        without_rows = as_array(case.of(case.first[:0]).ask(function))
+        if without_rows.ndim == 1:
             raise CheckFailed(
-                "Without rows the array has lost its columns: later cells cannot take one of them.",
-                yours=f"shape {nothing.shape}",
+                "Without rows, the array has lost its columns, which later cells need.",
+                yours=f"shape {without_rows.shape}",
                 expected=f"shape (0, {case.first.shape[1]})",
             )
 
-    ask.__name__, ask.__module__ = name, case.lesson
+    check.__name__, check.__module__ = name, case.lesson
     noted(
         case.exercise,
-        title="The rows are an array that keeps its columns",
-        why="Later cells take columns of it, such as rows[:, 2]. A list has no columns, nor has an "
-        "array that is made of an empty list.",
-    )(ask)
+        title="Returns an array that keeps its columns",
+        why="Later cells index its columns, as in rows[:, 2]. A list has no columns, and neither "
+        "does an array made from an empty list.",
+    )(check)

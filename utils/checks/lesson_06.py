@@ -27,7 +27,7 @@ from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
-# Points of a road about 1.7 m below the sensor, a kerb, a bumper, a car roof and a sign.
+# Returns from the road about 1.7 m below the sensor, a bumper, a kerb, a door, a roof and a sign.
 _GROUND_CLOUD = table(
     "6 0.5 -1.73 0.2; 6.2 0.5 -0.9 0.9; 8 -2 -1.58 0.3; 8.1 -2 -1.15 0.4; 9 3 0.1 0.6; "
     "9.5 3 -1.7 0.1; 4 1 1.4 0.8"
@@ -61,13 +61,13 @@ def assert_no_ground_left(
 
 def _heights_text(points: np.ndarray) -> str:
     texts = [f"{height:.4g}" for height in points[:, 2].tolist()]
-    return f"heights {', '.join(texts)}" if texts else "no row"
+    return f"heights {', '.join(texts)}" if texts else "no rows"
 
 
 @once
 def require_ground_removed(filter_ground: Callable) -> None:
-    """Assert that the road goes and points above it stay; raise `NotYet` if not."""
-    with needs("what stands above the ground level is kept, the road is not"):
+    """Assert that road points are removed and higher ones stay; raise `NotYet` if not."""
+    with needs("points above ground_level stay and road points are removed"):
         assert_no_ground_left(
             filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2
         )
@@ -76,24 +76,25 @@ def require_ground_removed(filter_ground: Callable) -> None:
 @visible(
     "filter_ground",
     weight=4,
-    title="Keeps what stands above the ground level and drops the road",
-    why="A road point that stays becomes an obstacle, and the car brakes for asphalt.",
-    hint="Compare the z column, cloud[:, 2], with ground_level. The result is one True or "
-    "False per point.",
+    title="Keeps points above the ground level and removes the road",
+    why="A road point that stays in the cloud looks like an obstacle, so the car brakes for "
+    "asphalt.",
+    hint="Compare the z column, cloud[:, 2], with ground_level. This gives one True or False per "
+    "point.",
 )
-def keeps_what_stands_above(filter_ground: Callable) -> None:
+def keeps_points_above_the_level(filter_ground: Callable) -> None:
     assert_no_ground_left(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
 @visible(
     "filter_ground",
     weight=3,
-    title="The parameter decides how high the ground is",
-    why="Another car carries its sensor at another height: the level must not be written "
-    "into the function.",
-    hint="A point stays where its z is at least ground_level, whatever number that is.",
+    title="Uses ground_level as the threshold",
+    why="On another car the sensor is at another height, so the function must not contain a fixed "
+    "level.",
+    hint="Keep a point if its z is at least ground_level. Do not write a number into the function.",
 )
-def follows_the_level(filter_ground: Callable) -> None:
+def uses_the_level(filter_ground: Callable) -> None:
     for level, rows_left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
         keep = np.isin(np.arange(7), rows_left)
         assert_no_ground_left(
@@ -114,14 +115,14 @@ _GROUND_CASE = Case(
 @common_checks.default(
     _GROUND_CASE,
     "ground_level=-1.2",
-    title="The ground level is -1.2 m unless another one is given",
-    why="Later cells call filter_ground(cloud) and rely on it.",
+    title="Uses a ground level of -1.2 m by default",
+    why="Later cells call filter_ground(cloud) and rely on this default.",
     weight=2,
 )
 def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
-    given = f"{_heights_text(cloud)}, no ground_level"
+    given = f"{_heights_text(cloud)}, ground_level not given"
     assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights_text)
 
 
@@ -135,12 +136,12 @@ common_row_checks.order(_GROUND_CASE, "keeps_the_order", weight=2)
 common_checks.three_columns(
     _GROUND_CASE,
     "takes_three_columns",
-    hint="Name the column that you compare, cloud[:, 2], and let the others be.",
+    hint="Compare only cloud[:, 2]. Then the number of columns does not matter.",
 )
 common_row_checks.nothing_left(
     _GROUND_CASE,
-    "takes_the_smallest",
-    hint="The same two lines serve every case: an empty mask takes no row.",
+    "works_on_small_clouds",
+    hint="No special case is needed: a mask without any True selects no rows.",
     weight=2,
 )
 common_row_checks.untouched(_GROUND_CASE, "leaves_its_input", weight=2)
@@ -148,11 +149,11 @@ common_row_checks.untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 
 @noted(
     "filter_ground",
-    title="A point at the very ground level stays",
-    why='The docstring says z >= ground_level, "at or above". The scan of this lesson has no point '
-    "just there, but a cloud rounded to centimetres has many.",
+    title="Keeps points exactly at the ground level",
+    why='The docstring says z >= ground_level, "at or above". The scan in this lesson has no '
+    "point exactly at that height, but a cloud rounded to centimetres has many.",
 )
-def keeps_the_tie(filter_ground: Callable) -> None:
+def keeps_points_at_the_level(filter_ground: Callable) -> None:
     cloud = np.column_stack([np.ones((3, 2)), [-1.5, -1.25, -1.0]])
     assert_no_ground_left(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
@@ -167,57 +168,59 @@ def _rows_above(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarr
 mistakes(
     "filter_ground",
     Mistake(
-        "It is the other way round: what lies below ground_level stays, and what stands above "
-        "goes.",
+        "The comparison is the wrong way round: points below ground_level stay and points above "
+        "it are removed.",
         lambda right, cloud, level: _rows_above(cloud, -cloud[:, 2], -level),
-        "What stands above the level is to stay: which comparison says that?",
+        "Points above the level should stay: which comparison says that?",
     ),
     Mistake(
-        "Column 0, which is x, is compared. The heights are in column 2.",
+        "Your code compares column 0, which is x. The heights are in column 2.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 0], level),
     ),
     Mistake(
-        "Column 1, which is y, is compared. The heights are in column 2.",
+        "Your code compares column 1, which is y. The heights are in column 2.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 1], level),
     ),
     Mistake(
-        "The heights are compared without their sign: what lies deep below the sensor counts as "
+        "Your code compares heights without their sign, so points far below the sensor count as "
         "high.",
         lambda right, cloud, level: _rows_above(cloud, np.abs(cloud[:, 2]), level),
-        "Compare cloud[:, 2] as it is. Below the sensor it is negative, and so is ground_level.",
+        "Compare cloud[:, 2] unchanged. It is negative below the sensor, and so is the default "
+        "ground_level.",
     ),
     Mistake(
-        "The level is taken with the other sign: -1.2 acts as 1.2.",
+        "The sign of ground_level is flipped: -1.2 acts as 1.2.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -level),
-        "Compare with ground_level as it is. Below the sensor it is negative, and so is z.",
+        "Compare with ground_level unchanged. Below the sensor, both ground_level and z are "
+        "negative.",
     ),
     Mistake(
-        "The last column is compared, and in a cloud of four columns that is the intensity.",
+        "Your code compares the last column, which is the intensity in a cloud with four columns.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, -1], level),
-        "The heights are in column 2, whatever comes behind it.",
+        "The heights are in column 2, however many columns follow.",
     ),
     Mistake(
-        "A fixed level of -1.2 decides, whatever ground_level is.",
+        "The level is fixed at -1.2; ground_level is ignored.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -1.2),
         "Compare with ground_level.",
     ),
     Mistake(
-        "A fixed level of 0 decides, whatever ground_level is; 0 is the height of the sensor.",
+        "The level is fixed at 0, the height of the sensor; ground_level is ignored.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], 0.0),
         "Compare with ground_level.",
     ),
     Mistake(
-        "What is returned are the heights that are left; it should be the rows.",
+        "Your code returns only the heights of the remaining points. It should return whole rows.",
         lambda right, cloud, level: right[:, 2],
         "Index the whole cloud with the mask: cloud[mask].",
     ),
     Mistake(
-        "Rows below the level are set to 0. They should not be there at all.",
+        "Rows below the level are set to 0. They should be removed.",
         lambda right, cloud, level: cloud * (cloud[:, [2]] - level > 0),
-        "Index with the mask: cloud[mask] holds only the rows where it is True.",
+        "Index with the mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "Nothing is removed: the cloud comes back as it went in.",
+        "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, level: cloud,
         is_cheap=True,
     ),
@@ -232,10 +235,10 @@ mistakes(
 )
 
 
-# Points at positive coordinates that occupy five cells of 0.2 m, with 3, 1, 2, 1 and 1 points.
-# Rounding to the nearest cell, or starting the grid at the lowest corner of the cloud, gives the
-# same cells, because separate checks cover these mistakes. For the same reason, all points of a
-# cell have the same intensity.
+# Points with positive coordinates that occupy five cells of 0.2 m, with 3, 1, 2, 1 and 1 points.
+# Separate checks cover rounding to the nearest cell and starting the grid at the lowest corner of
+# the cloud, so both give the right cells here. For the same reason, all points in a cell have the
+# same intensity.
 _CELLS = table(
     "0.48 0.22 0.29 0.3; 1.02 1.03 1.08 0.7; 0.42 0.28 0.22 0.3; 0.45 0.67 0.26 0.5; "
     "0.45 0.25 0.24 0.3; 1.06 1.07 1.04 0.7; 3.47 0.28 0.25 0.2; 5.06 0.24 2.89 0.9"
@@ -275,7 +278,7 @@ def assert_row_per_cell(answer: object, cloud: np.ndarray, number: int, size: fl
 
 
 def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, size: float) -> None:
-    """Assert that the rows are the means of x, y and z of the cells; other columns are ignored.
+    """Assert that the rows are the mean positions of the cells; other columns are ignored.
 
     Parameters
     ----------
@@ -291,9 +294,10 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
         is_single = len(right) == 1
         mine, expected_text = texts_apart(_points_or_count, yours, right)
         raise CheckFailed(
-            "This is not the mean of the points of the cell."
+            "This is not the mean of the points in the cell."
             if is_single
-            else "The number of rows is right, but not all are the mean of the points of a cell.",
+            else "The number of rows is right, but some rows are not the mean of the points in "
+            "their cell.",
             given=_call_text(cloud, size),
             yours=mine,
             expected=expected_text,
@@ -314,7 +318,7 @@ def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
         return yours
     if yours.ndim == 1 and yours.size == cloud.shape[1] and yours.dtype.kind != "b":
         raise WrongForm(
-            "This is a single row and no table: even one centroid is a row of a table.",
+            "This is a single row, not a table. Even a single centroid must be a row of a table.",
             yours=f"shape {yours.shape}",
             expected=f"shape (1, {cloud.shape[1]})",
         )
@@ -336,22 +340,23 @@ def _row_count(number: int) -> str:
 @visible(
     "voxel_grid",
     weight=4,
-    title="One point per occupied cell",
-    why="That is the whole purpose: as many points as cells, however dense the scan.",
-    hint="floor(xyz / voxel_size) gives three whole numbers per point; np.unique of "
-    "as_numbers, or of rows with axis=0, finds the different ones.",
+    title="Returns one point per occupied cell",
+    why="This is the purpose of a voxel grid: the number of points no longer depends on how "
+    "dense the scan is.",
+    hint="np.floor(xyz / voxel_size) gives three whole numbers per point. "
+    "np.unique(as_numbers(...)) finds the different cells, and so does np.unique with axis=0.",
 )
-def one_point_per_cell(voxel_grid: Callable) -> None:
+def returns_one_point_per_cell(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
 @visible(
     "voxel_grid",
     weight=34,
-    title="The point of a cell is the mean of its points",
-    why="A mean of many noisy returns is nearer to the surface than any one of them.",
-    hint="Add up the rows of each cell and divide each sum by its own count: counts[:, None] is a "
-    "column.",
+    title="Returns the mean of the points in each cell",
+    why="The mean of many noisy returns is usually closer to the surface than a single return.",
+    hint="Add up the rows of each cell, and divide each sum by the number of its points: "
+    "counts[:, None] is a column of these numbers.",
 )
 def averages_each_cell(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
@@ -363,25 +368,25 @@ def averages_each_cell(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=3,
-    title="Averages all columns, the intensity too",
-    why="A number plate shall still be bright after thinning.",
-    hint="Sum whole rows, not only the coordinates: sums has cloud.shape[1] columns.",
+    title="Averages all columns, including the intensity",
+    why="A number plate should still be bright after thinning.",
+    hint="Add up whole rows, not only the coordinates: sums needs cloud.shape[1] columns.",
 )
 def averages_the_intensity(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     cloud = table("0.02 0.04 0.06 0.02; 0.08 0.08 0.02 0.16; 0.08 0.06 0.04 0.12")
     yours = as_array(voxel_grid(cloud.copy(), 0.2))
-    with needs("the point of a cell is the mean of its points"):
+    with needs("each row is the mean of the points in its cell"):
         assert_centroids(yours, cloud, cloud.mean(axis=0, keepdims=True), 0.2)
     if yours.shape[1] != 4:
         raise CheckFailed(
-            "The centroids do not have the columns of the cloud.",
+            "The centroids do not have as many columns as the cloud.",
             yours=f"shape {yours.shape}",
             expected="shape (1, 4)",
         )
     if abs(yours[0, 3] - 0.1) > TOLERANCE:
         raise CheckFailed(
-            "The intensity is not the mean of the cell's.",
+            "The intensity is not the mean of the intensities in the cell.",
             given="intensities 0.02, 0.16 and 0.12 in one cell",
             yours=f"intensity {yours[0, 3]:.2f}",
             expected="intensity 0.10",
@@ -391,10 +396,10 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=4,
-    title="Intensity has no part in the choice of the cell",
-    why="Two returns from one place are one place, however bright. With intensities up to 255 "
-    "nothing would be thinned.",
-    hint="x, y and z alone decide about the cell: cloud[:, :3].",
+    title="Ignores the intensity when assigning points to cells",
+    why="Two returns from the same place belong to the same cell, however bright they are. If "
+    "intensities up to 255 counted, hardly any points would be merged.",
+    hint="Compute the cell from x, y and z only: cloud[:, :3].",
 )
 def ignores_the_intensity(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
@@ -412,11 +417,11 @@ def ignores_the_intensity(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=2,
-    title="Cells are cubes: x, y and z all count",
-    why="A car under a bridge would melt into one point with it.",
-    hint="Three columns make the cell: cloud[:, :3].",
+    title="Uses x, y and z to assign points to cells",
+    why="Without z, a car and the bridge above it would be merged.",
+    hint="Use three columns for the cell: cloud[:, :3].",
 )
-def cuts_in_three_directions(voxel_grid: Callable) -> None:
+def uses_all_three_coordinates(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     for axis in range(3):
         cloud = np.full((3, 4), 0.25)
@@ -427,15 +432,15 @@ def cuts_in_three_directions(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=3,
-    title="Cells below zero are cells like any others",
-    why="Half of the street has negative coordinates. Rounding towards zero would make the "
-    "cells around the sensor twice as wide.",
-    hint="np.floor(-0.3) is -1, but int(-0.3) and .astype(int) give 0.",
+    title="Makes the cells next to zero as large as all others",
+    why="Half of the street has negative coordinates, and rounding towards zero makes the cells "
+    "around the sensor twice as wide.",
+    hint="Use np.floor: np.floor(-0.3) is -1, but int(-0.3) and .astype(int) give 0.",
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
-    # The points of the first row are in the lower halves of their cells, so that rounding to the
-    # nearest gives the same cells. Those of the second are in cells 1 and -1, which must not merge.
+    # In the first case, all points are in the lower halves of their cells, so that rounding to the
+    # nearest gives the same cells. The second case has cells 1 and -1, which must not be merged.
     for axis in range(3):
         for coordinates in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
             cloud = np.full((len(coordinates), 4), 0.05)
@@ -443,8 +448,8 @@ def floors_below_zero(voxel_grid: Callable) -> None:
             assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
-# Cells that a key of one's own may confuse: by the sum of their numbers, by the digits in a row, by
-# the product with primes, or by the numbers without their signs.
+# Pairs of cells that may get the same home-made key, such as the sum of the indices, their joined
+# digits, a sum of products with primes, or the indices without their signs.
 _CONFUSABLE = (
     ((1, 0, 0), (0, 1, 0)),
     ((1, 11, 1), (11, 1, 1)),
@@ -461,21 +466,20 @@ _CONFUSABLE = (
 @visible(
     "voxel_grid",
     weight=4,
-    title="Different cells stay apart, on all sides of the sensor",
-    why="Two points from different cells, merged into one, give a point between them, where there "
-    "is nothing.",
-    hint="Two points share a cell if all three numbers of floor(xyz / voxel_size) are equal, signs "
-    "included: as_numbers(...) tells such rows apart.",
+    title="Never merges points from different cells",
+    why="Merging points from different cells creates a point between them, where there is nothing.",
+    hint="Two points share a cell only if all three numbers of np.floor(xyz / voxel_size) are "
+    "equal, including their signs. as_numbers(...) gives different numbers to different rows.",
 )
-def keeps_cells_apart(voxel_grid: Callable) -> None:
+def never_merges_cells(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     for pair in _CONFUSABLE:
         cloud = np.column_stack([(np.array(pair) + 0.5) * 0.2, np.ones(2)])
         rows = len(as_array(voxel_grid(cloud.copy(), 0.2)))
         if rows != 2:
             raise CheckFailed(
-                f"The cells {pair[0]} and {pair[1]} are taken for one.",
-                given="a point in each of the two cells, and voxel_size=0.2",
+                f"The cells {pair[0]} and {pair[1]} are merged into one.",
+                given="one point in each of the two cells, voxel_size=0.2",
                 yours=f"{rows} row{'s' * (rows != 1)}",
                 expected="2 rows",
             )
@@ -484,12 +488,13 @@ def keeps_cells_apart(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=2,
-    title="Cells begin at multiples of voxel_size",
-    why="A grid that moves with the points gives the same wall other points in every scan.",
-    hint="The cell is np.floor(xyz / voxel_size). (np.round begins cells half way, and a minimum "
-    "taken off begins them at the cloud.)",
+    title="Starts cells at multiples of voxel_size",
+    why="If the grid moved with the points, the same wall would get different points in every "
+    "scan.",
+    hint="Compute the cell as np.floor(xyz / voxel_size). np.round shifts the cells by half a "
+    "cell, and subtracting the minimum starts them at the edge of the cloud.",
 )
-def begins_at_multiples(voxel_grid: Callable) -> None:
+def starts_cells_at_multiples(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     cloud = np.full((3, 4), 0.08)
     cloud[:, 0] = 0.14, 0.18, 0.26
@@ -499,11 +504,11 @@ def begins_at_multiples(voxel_grid: Callable) -> None:
 @visible(
     "voxel_grid",
     weight=9,
-    title="The parameter decides how large the cells are",
-    why="Cell size trades detail for speed, and every pipeline chooses its own.",
-    hint="The cell is floor(xyz / voxel_size), with the voxel_size that is given.",
+    title="Uses voxel_size as the size of the cells",
+    why="Larger cells trade detail for speed, so each pipeline chooses its own size.",
+    hint="Divide by the parameter: np.floor(xyz / voxel_size).",
 )
-def follows_the_size(voxel_grid: Callable) -> None:
+def uses_the_voxel_size(voxel_grid: Callable) -> None:
     cloud = np.full((4, 4), 0.1)
     cloud[:, 1] = 0.1, 0.6, 2.1, 10.1
     for size, number in ((0.25, 4), (1.5, 3), (5.0, 2), (40.0, 1)):
@@ -523,23 +528,25 @@ _GRID_CASE = Case(
 @common_checks.default(
     _GRID_CASE,
     "voxel_size=0.2",
-    title="Cells are 0.2 m wide unless another size is given",
-    why="Later lessons call voxel_grid(points) and rely on it.",
+    title="Uses cells of 0.2 m by default",
+    why="Later lessons call voxel_grid(points) and rely on this default.",
 )
-def keeps_the_size(voxel_grid: Callable) -> None:
+def uses_the_default_size(voxel_grid: Callable) -> None:
     cloud = np.full((100, 4), 0.05)
     cloud[:, 0] = np.linspace(0.003, 3.997, 100)
     explicit = as_array(voxel_grid(cloud.copy(), 0.2))
     try:
         assert_row_per_cell(voxel_grid(cloud.copy()), cloud, len(explicit), 0.2)
     except CheckFailed as failure:
-        failure.marked = fixed("voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same.")
-        failure.expected = f"{_row_count(len(explicit))}, as with 0.2"
+        failure.marked = fixed(
+            "voxel_grid(cloud) and voxel_grid(cloud, 0.2) give different results."
+        )
+        failure.expected = f"{_row_count(len(explicit))}, as with voxel_size=0.2"
         raise
 
 
 common_checks.names(
-    _GRID_CASE, "names_its_parameters", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
+    _GRID_CASE, "keeps_the_names", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
 )
 common_checks.three_columns(
     _GRID_CASE,
@@ -551,27 +558,25 @@ common_checks.three_columns(
 @visible(
     "voxel_grid",
     weight=4,
-    title="Takes an empty cloud, and one point",
-    why="After other filters nothing may be left, or a single return; the next step still asks "
-    "for columns.",
-    hint="Return early when len(cloud) == 0, with the same number of columns: cloud itself has "
-    "them.",
+    title="Works on an empty cloud and on a single point",
+    why="Other filters may leave one return or none, and the next step still indexes the columns.",
+    hint="If len(cloud) == 0, return the cloud itself: it already has the right number of columns.",
 )
-def thins_the_smallest(voxel_grid: Callable) -> None:
+def thins_small_clouds(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
     empty = np.empty((0, 4))
     assert_nothing_left(voxel_grid(empty.copy(), 0.2), empty, columns)
-    horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 in a return of a horizontal beam
+    horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 for a horizontal beam
     for point in (_CELLS[:1], horizontal):
         assert_row_per_cell(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
 
 
 common_checks.untouched(
     _GRID_CASE,
-    "leaves_the_cloud",
+    "leaves_its_input",
     why="The next step may need the full cloud again.",
-    hint="No `/=` and no assignment on cloud: they change the caller's array.",
+    hint="Do not use `/=` on cloud or assign into it: that changes the caller's array.",
     weight=2,
 )
 
@@ -581,9 +586,10 @@ common_row_checks.array(_GRID_CASE, "gives_an_array")
 
 @noted(
     "voxel_grid",
-    title="A point on the border of two cells is in the one above",
-    why="The docstring says floor(xyz / voxel_size), and np.ceil differs from it there. In a scan "
-    "hardly a point lies on a border; in a cloud rounded to centimetres many do.",
+    title="Puts points on a cell border into the upper cell",
+    why="The docstring says floor(xyz / voxel_size), and np.ceil puts such points into the lower "
+    "cell. Hardly any point of a scan is on a border, but many points of a cloud rounded to "
+    "centimetres are.",
 )
 def rounds_down(voxel_grid: Callable) -> None:
     cloud = np.full((3, 4), 0.1)
@@ -591,8 +597,8 @@ def rounds_down(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
 
 
-def _mirrored(cloud: np.ndarray, size: float) -> np.ndarray:
-    """Merge rows whose cells are equal without their signs."""
+def _merged_without_signs(cloud: np.ndarray, size: float) -> np.ndarray:
+    """Merge rows whose cell indices have the same absolute values."""
     cells = np.floor(np.abs(cloud[:, :3]) / size)
     _, which = np.unique(cells, axis=0, return_inverse=True)
     which = which.ravel()
@@ -607,7 +613,7 @@ def _merged(
     merge: Callable = np.mean,
     without: tuple = (),
 ) -> np.ndarray:
-    """Merge rows that are in the same cell; its borders are at `first`, `first` ± `step`, ...
+    """Merge rows that share a cell; cell borders are at `first`, `first` ± `step`, ...
 
     Parameters
     ----------
@@ -615,13 +621,13 @@ def _merged(
     step : float
         Distance between two borders, in metres.
     first : float or numpy.ndarray
-        Border number 0, for all columns or for each.
+        Position of border 0: one number for all columns, or one for each.
     columns : int
-        Number of columns that decide about the cell.
+        Number of columns that determine the cell.
     merge : callable
         Takes the rows of a cell and ``axis=0``; returns one row.
     without : tuple of int
-        Numbers of the borders that are missing.
+        Numbers of the missing borders.
     """
     steps = np.array([number for number in range(-60, 61) if number not in without])
     borders = np.broadcast_to(first, cloud.shape[1])[:, None] + step * steps
@@ -637,13 +643,13 @@ def _merged(
 
 
 def _truncated_mean(rows: np.ndarray, axis: int) -> np.ndarray:
-    """Return the mean of rows if every addition cuts off the decimals of the sum."""
+    """Return the mean of rows if the sum loses its decimals at every addition."""
     total = functools.reduce(lambda partial, row: np.trunc(partial + row), rows, np.zeros(4))
     return total / len(rows)
 
 
 def _same_rows(answer: object, predicted: np.ndarray) -> bool:
-    """Return whether an answer has the predicted rows, in any order and with their duplicates."""
+    """Return whether an answer has the predicted rows, duplicates included, in any order."""
     try:
         yours = as_array(answer)
     except CheckFailed:
@@ -654,7 +660,7 @@ def _same_rows(answer: object, predicted: np.ndarray) -> bool:
 
 
 def _sorted_rows(rows: np.ndarray) -> np.ndarray:
-    """Return rows sorted by column 0, then column 1 and so on; ties ignore rounding errors."""
+    """Return rows sorted by column 0, then column 1 and so on; rounding does not break ties."""
     return rows[np.lexsort(np.round(rows.astype(float), 3).T[::-1] + 0.0)]
 
 
@@ -663,98 +669,102 @@ mistakes(
     Mistake(
         "The rows of each cell are added up, but the sums are not divided by the counts.",
         lambda right, cloud, size: _merged(cloud, size, merge=np.sum),
-        "sums / counts[:, None]: the counts as a column, so that each row is divided by its own.",
+        "Return sums / counts[:, None]. With counts as a column, each row is divided by its own "
+        "count.",
     ),
     Mistake(
-        "Of each cell only the last row is added up, and then divided by the count.",
+        "Only the last row of each cell is added, and the result is divided by the count.",
         lambda right, cloud, size: _merged(
             cloud, size, merge=lambda rows, axis: rows[-1] / len(rows)
         ),
-        "sums[which] += rows writes each place once, however often `which` names it. "
-        "np.add.at(sums, which, rows) adds every row.",
+        "sums[which] += rows changes each entry only once, even if `which` contains its index "
+        "several times. np.add.at(sums, which, rows) adds every row.",
     ),
     Mistake(
-        "The sums are whole numbers: what is behind the point is cut off at every addition.",
+        "The sums are whole numbers, so every addition cuts off the decimals.",
         lambda right, cloud, size: _merged(cloud, size, merge=_truncated_mean),
-        "np.zeros(shape) alone makes an array that keeps what is behind the point: no dtype=int, "
-        "and no zeros_like of whole numbers.",
+        "Use np.zeros(shape) without dtype=int. np.zeros_like of an integer array cuts off the "
+        "decimals as well.",
     ),
     Mistake(
-        "The first point of each cell stands for the cell; it should be the mean of them all.",
+        "Your code returns the first point of each cell. It should return the mean of all points "
+        "in the cell.",
         lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[0]),
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
-        "The last point of each cell stands for the cell; it should be the mean of them all.",
+        "Your code returns the last point of each cell. It should return the mean of all points "
+        "in the cell.",
         lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[-1]),
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
-        "What is returned are the middles of the cells; it should be the mean of the points in "
-        "each.",
+        "Your code returns the centre of each cell. It should return the mean of the points in "
+        "the cell.",
         lambda right, cloud, size: (right[:, :3] // size + 0.5) * size,
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
-        "What is returned are the numbers of the cells; it should be the mean of the points in "
-        "each.",
+        "Your code returns the three numbers of each cell. It should return the mean of the "
+        "points in the cell.",
         lambda right, cloud, size: right[:, :3] // size,
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
-        "Coordinates are rounded towards zero, so the cells on both sides of zero are one.",
+        "Coordinates are rounded towards zero, so the two cells next to zero are merged.",
         lambda right, cloud, size: _merged(cloud, size, without=(0,)),
-        ".astype(int) alone cuts off what is behind the point: np.floor comes first.",
+        "Call np.floor first: .astype(int) alone only cuts off the decimals.",
     ),
     Mistake(
-        "The sign is lost: a cell on the left and its mirror image on the right are one.",
-        lambda right, cloud, size: _mirrored(cloud, size),
-        "No abs: np.floor(xyz / voxel_size) may be negative.",
+        "The sign is lost, so a cell on the left and its mirror image on the right are merged.",
+        lambda right, cloud, size: _merged_without_signs(cloud, size),
+        "Do not use abs: np.floor(xyz / voxel_size) may be negative.",
     ),
     Mistake(
-        "Coordinates are rounded to the nearest, so every cell begins half a cell too early.",
+        "Coordinates are rounded to the nearest whole number, so every cell starts half a cell "
+        "too early.",
         lambda right, cloud, size: _merged(cloud, size, first=size / 2),
-        "np.floor, not np.round.",
+        "Use np.floor instead of np.round.",
     ),
     Mistake(
-        "The cells begin at the lowest corner of the cloud; they should begin at multiples of "
+        "The cells start at the lowest corner of the cloud. They should start at multiples of "
         "voxel_size.",
         lambda right, cloud, size: _merged(cloud, size, first=cloud.min(axis=0)),
-        "Take no minimum off: np.floor(xyz / voxel_size) may be negative.",
+        "Do not subtract the minimum: np.floor(xyz / voxel_size) may be negative.",
     ),
     Mistake(
-        "The cells are columns without floor and roof: z is left out.",
+        "z is not used, so every cell is a column of unlimited height.",
         lambda right, cloud, size: _merged(cloud, size, columns=2),
-        "Three columns make the cell: cloud[:, :3].",
+        "Use three columns for the cell: cloud[:, :3].",
     ),
     Mistake(
-        "The intensity takes part in the cell: points of one place but of different brightness "
-        "are not merged.",
+        "The intensity is used to choose the cell, so points at the same place are not merged if "
+        "their brightness differs.",
         lambda right, cloud, size: _merged(cloud, size, columns=4),
-        "Compute the cells from cloud[:, :3] alone.",
+        "Compute the cells from cloud[:, :3] only.",
     ),
     Mistake(
-        "A fixed size of 0.2 m decides, whatever voxel_size is.",
+        "The cell size is fixed at 0.2 m; voxel_size is ignored.",
         lambda right, cloud, size: _merged(cloud, 0.2),
         "Divide by voxel_size.",
     ),
     Mistake(
-        "voxel_size is left out: all cells are 1 m wide.",
+        "voxel_size is not used, so all cells are 1 m wide.",
         lambda right, cloud, size: _merged(cloud, 1.0),
         "Divide by voxel_size before np.floor.",
     ),
     Mistake(
-        "The coordinates are multiplied with voxel_size; they should be divided by it.",
+        "The coordinates are multiplied by voxel_size. They should be divided by it.",
         lambda right, cloud, size: _merged(cloud, 1 / size),
     ),
     Mistake(
-        "The last cell is missing: each cell is written when the next one begins, and no other "
-        "begins after the last.",
+        "The last cell is missing: your code writes each cell when the next one begins, and no "
+        "cell follows the last one.",
         lambda right, cloud, size: right[np.lexsort(np.floor(right[:, :3] / size).T[::-1])][:-1],
         "Write the last cell after the loop.",
     ),
     Mistake(
-        "Nothing is merged: the cloud comes back as it went in.",
+        "Nothing is merged: the whole cloud is returned unchanged.",
         lambda right, cloud, size: cloud,
         is_cheap=True,
     ),

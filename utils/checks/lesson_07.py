@@ -1,7 +1,7 @@
 """Visible checks of lesson 07: `filter_by_distance`, `crop_region`, `remove_ego_returns`.
 
-Each check covers one property. `assert_near` and `assert_boxed` compare only which points are left;
-separate checks cover the order of the rows and their intensity.
+Each check covers one property. `assert_points_left` and `assert_points_left_by_box` compare only
+which points are left; separate checks cover the order of the rows and their intensity.
 """
 
 from __future__ import annotations
@@ -31,35 +31,35 @@ from utils.checks.run_cache import once
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Low, dim points ahead of the car on the left, in no particular order. They are so near or so far
-# that every measure of distance in the plane agrees, because separate checks cover directions,
-# corners, heights and intensities.
+# Low, dim points ahead of the car on the left, in no particular order. All are so near or so far
+# that every measure of distance in the plane gives the same answer: separate checks cover
+# directions, corners, heights and intensities.
 _SCATTERED, _NEAR = marked(
     "6 0.5 -1.5 0.2 +; 2 15 0.2 0.8 -; 3 6 -0.9 0.9 +; 14 1 -1.1 0.3 -; 11 11.5 -1 0.4 -; "
     "1.5 8 0.3 0.6 +; 4 4 -0.4 0.5 +; 12 4 -0.7 0.1 -"
 )
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
-# Each point is inside the box, or outside it in x, y and z alike: above the maximum in at least one
-# coordinate and below the minimum in another.
+# Each point is inside the box, or outside it on all three axes: above the maximum on at least one
+# axis and below the minimum on another.
 _CROP_CLOUD, _INSIDE = marked(
     "1 2 -1 0.5 +; -12 -8 1.5 0.2 -; 28 -4 0.5 0.1 +; 40 -9 1.6 0.3 -; 33 7 -2.4 0.4 -; "
     "-9 5.5 0.9 0.9 +; -15 7 -2.6 0.6 -; 12 0 -1.9 0.4 +"
 )
 _EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# Returns of the ego car, and others that are outside its box in x, y and z alike, above the maximum
-# in one coordinate and below the minimum in another.
+# Returns of the ego car, and others that are outside its box on all three axes: above the maximum
+# on one axis and below the minimum on another.
 _EGO_CLOUD, _IS_EGO = marked(
     "-1.3 0.4 -0.6 0.3 +; 5 -3 0.5 0.4 -; 1 -1 -0.5 0.5 +; -2 -2 0.3 0.2 -; "
     "12 -4.2 -1.4 0.7 -; 0.9 1 -0.9 0.5 +; -3 8 -1.6 0.9 -"
 )
-# y falls as x rises. The boxes built from _LIMITS mirror this, so that each point is inside in all
-# three coordinates or in none.
+# y falls as x rises, both in these points and in the boxes built from _LIMITS. Each point is
+# therefore inside such a box on all three axes or on none.
 _DIAGONAL = frozen(
     np.column_stack([np.arange(6.0), 5 - np.arange(6.0), np.arange(6.0), np.ones(6)])
 )
-# Points along the diagonal of a cube that does not contain the sensor: a function that doubles a
-# corner by mistake leaves other rows.
+# Points along the diagonal of a cube that does not contain the sensor, so that a function that
+# doubles a corner by mistake returns other rows.
 _CUBE_DIAGONAL = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
 _CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
 _LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # lower and upper limits of x and z
@@ -87,18 +87,18 @@ def assert_points_left(
 
 
 def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
-    """Assert that corners of type `kind` leave the same rows as tuples, whether right or wrong."""
+    """Assert that corners of type `kind` give the same rows as tuples, right or wrong."""
     with_tuples, with_kind = (
         as_array(function(_CUBE_DIAGONAL.copy(), *corners), what="the rows")
         for corners in (_CUBE, map(kind, _CUBE))
     )
     if not np.array_equal(with_tuples, with_kind):
         raise CheckFailed(
-            "The same corners leave other rows when they are no tuples.",
+            "The same corners give different rows when they are not tuples.",
             given=f"six points on a line, and corners {brief(kind(_CUBE[0]))} and "
             f"{brief(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
-            expected=f"{len(with_tuples)} rows, as your function leaves with tuples",
+            expected=f"{len(with_tuples)} rows, as your function returns with tuples",
         )
 
 
@@ -139,7 +139,7 @@ def _assert_remaining(
     view: str,
     outline: Callable,
 ) -> None:
-    """Call `assert_places`; add the border to the picture and small clouds to the message."""
+    """Call `assert_places`; draw the border into its picture and describe a small cloud."""
     is_small = len(cloud) <= 8
     given = f"points {points_text(cloud)}, {settings}" if is_small else None
     try:
@@ -179,23 +179,23 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
 
 @once
 def require_near_points(filter_by_distance: Callable) -> None:
-    """Assert that near points stay and far ones go; raise `NotYet` if they do not."""
-    with needs("what is near is kept, what is far is not"):
+    """Assert that near points stay and far ones are removed; raise `NotYet` if not."""
+    with needs("near points stay and far points are removed"):
         assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @once
 def require_crop(crop_region: Callable) -> None:
-    """Assert that only points inside the box stay; raise `NotYet` if this fails."""
-    with needs("what is inside the box is kept, what is outside is not"):
+    """Assert that only points inside the box stay; raise `NotYet` if not."""
+    with needs("points inside the box stay and points outside are removed"):
         answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
         assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @once
 def require_ego_removed(remove_ego_returns: Callable) -> None:
-    """Assert that only points inside the box go; raise `NotYet` if this fails."""
-    with needs("what is inside the box is removed, what is outside is not"):
+    """Assert that only points inside the box are removed; raise `NotYet` if not."""
+    with needs("points inside the box are removed and points outside stay"):
         assert_points_left_by_box(
             remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
         )
@@ -204,23 +204,23 @@ def require_ego_removed(remove_ego_returns: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=4,
-    title="Keeps what is near and drops what is far",
-    why="A far wall only costs time.",
-    hint="Square x and y, add, take the root: one distance per point. Keep where it is at "
-    "most `distance`.",
+    title="Keeps near points and removes far ones",
+    why="Points far away cost computing time, and the car can stop long before it reaches them.",
+    hint="Square x and y, add them and take the square root: this gives one distance per point. "
+    "Keep the points where it is at most `distance`.",
 )
-def keeps_what_is_near(filter_by_distance: Callable) -> None:
+def keeps_near_points(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @visible(
     "filter_by_distance",
     weight=3,
-    title="Looks all around: ahead, behind, left and right",
+    title="Works in all directions: ahead, behind, left and right",
     why="A car behind us is as real as one ahead.",
-    hint="Behind us x is negative, on the right y is. Squares know no sign.",
+    hint="x is negative behind the car and y is negative on its right. Squaring removes the sign.",
 )
-def looks_all_around(filter_by_distance: Callable) -> None:
+def works_in_all_directions(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
     cloud, near = marked("-6 2 +; -14 1 -; -3 -6 +; 3 -13 -; 2 -7 +; -11 -12 -", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
@@ -229,11 +229,11 @@ def looks_all_around(filter_by_distance: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=3,
-    title="The border is a circle",
-    why="In a square the corners are 41 % farther away than the sides.",
-    hint="Pythagoras: neither the larger of x and y nor their sum is a distance.",
+    title="Keeps the points inside a circle",
+    why="The corners of a square are 41 % farther away than its sides.",
+    hint="Use Pythagoras: neither the larger of |x| and |y| nor their sum is the distance.",
 )
-def draws_a_circle(filter_by_distance: Callable) -> None:
+def keeps_a_circle(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
     cloud, near = marked("8 8 -; 6.5 6.5 +; 9.5 5 -; 9 3 +", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
@@ -242,9 +242,9 @@ def draws_a_circle(filter_by_distance: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=4,
-    title="Height does not count",
-    why="A child in front of a lorry is far below its sensor: the straight line to it is "
-    "longer than the way to it.",
+    title="Ignores the height",
+    why="A child in front of a lorry is far below its sensor, so the straight line to the child "
+    "is longer than the distance along the road.",
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
@@ -256,9 +256,10 @@ def ignores_height(filter_by_distance: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=3,
-    title="Intensity does not count",
-    why="Another driver reports intensities up to 255, and every bright car would vanish.",
-    hint="x and y alone make the distance: columns 0 and 1.",
+    title="Ignores the intensity",
+    why="Some sensors report intensities up to 255. If these counted, every bright car would "
+    "vanish.",
+    hint="Compute the distance from columns 0 and 1 only.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
     require_near_points(filter_by_distance)
@@ -274,11 +275,11 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=5,
-    title="The parameter decides how far is too far",
+    title="Uses the parameter distance as the limit",
     why="A fast car must look farther than a slow one.",
-    hint="Near is what is at most `distance` away, whatever number that is.",
+    hint="Compare with `distance`, not with a fixed number.",
 )
-def follows_the_distance(filter_by_distance: Callable) -> None:
+def uses_the_distance(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.2, -0.5, 0.3] for x in (9.0, 3.0, 30.0, 6.3, 12.0)])
     for distance in (5.0, 7.5, 11.0, 20.0):
         near = cloud[:, 0] < distance
@@ -298,31 +299,31 @@ _NEAR_CASE = Case(
 @common_checks.default(
     _NEAR_CASE,
     "distance=10.0",
-    title="The distance is 10 m unless another one is given",
-    why="Later cells call filter_by_distance(cloud) and rely on it.",
+    title="Uses a distance of 10 m by default",
+    why="Later cells call filter_by_distance(cloud) and rely on this default.",
     weight=2,
 )
 def keeps_the_default(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
     near = np.array([True, False, True, False])
-    given = f"points {points_text(cloud)}, no distance"
+    given = f"points {points_text(cloud)}, distance not given"
     assert_places(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
 
 
 common_checks.names(
-    _NEAR_CASE, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
+    _NEAR_CASE, "keeps_the_names", why="Other code may call filter_by_distance(cloud, distance=25)."
 )
 common_row_checks.all_columns(_NEAR_CASE, "keeps_the_columns", weight=2)
 common_row_checks.order(_NEAR_CASE, "keeps_the_order", weight=2)
 common_checks.three_columns(
     _NEAR_CASE,
-    "takes_three_columns",
-    hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
+    "works_with_three_columns",
+    hint="Use only the columns that you need, cloud[:, 0] and cloud[:, 1].",
 )
 common_row_checks.nothing_left(
     _NEAR_CASE,
-    "takes_the_smallest",
-    hint="The same two lines serve every case: an empty mask takes no row.",
+    "works_on_small_clouds",
+    hint="No special case is needed: a mask without any True selects no rows.",
     weight=2,
 )
 common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
@@ -330,11 +331,11 @@ common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 
 @noted(
     "filter_by_distance",
-    title="A point at the very distance stays",
-    why='The docstring says <=, "at most". In a scan no point lies on the border to the last '
-    "digit; in a made-up example one does.",
+    title="Keeps points exactly at the distance",
+    why='The docstring says <=, "at most". In a scan hardly any point is exactly at the '
+    "distance, but in a hand-made example one may be.",
 )
-def keeps_the_tie(filter_by_distance: Callable) -> None:
+def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
     cloud, near = marked("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
     assert_points_left(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
@@ -345,12 +346,12 @@ common_row_checks.array(_NEAR_CASE, "returns_an_array")
 @visible(
     "crop_region",
     weight=4,
-    title="Keeps what is inside the box and drops what is outside",
-    why="Without it the region of interest reaches to the horizon.",
-    hint="Compare the first three columns with minimum and with maximum, join the tables "
-    "with &, then .all(axis=1).",
+    title="Keeps points inside the box and removes points outside",
+    why="Otherwise the region of interest would reach to the horizon.",
+    hint="Compare cloud[:, :3] with minimum and with maximum, combine the two tables with &, "
+    "then call .all(axis=1).",
 )
-def keeps_what_is_inside(crop_region: Callable) -> None:
+def keeps_points_inside(crop_region: Callable) -> None:
     answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
     assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
@@ -358,11 +359,11 @@ def keeps_what_is_inside(crop_region: Callable) -> None:
 @visible(
     "crop_region",
     weight=9,
-    title="What is outside in x or in y alone goes, too",
-    why="One side forgotten, and all houses of the street come in.",
-    hint="A row is inside when all three coordinates are: .all(axis=1).",
+    title="Removes points that are outside in x only or in y only",
+    why="If one side is forgotten, all houses on that side of the street stay in the cloud.",
+    hint="A row is inside only if all three of its coordinates are: use .all(axis=1).",
 )
-def cuts_on_four_sides(crop_region: Callable) -> None:
+def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
     cloud, keep = marked("-11 2 -1 -; 31 2 -1 -; 1 2 -1 +; 1 -6 -1 -; 1 7 -1 -", 0.4)
     assert_points_left_by_box(
@@ -373,11 +374,11 @@ def cuts_on_four_sides(crop_region: Callable) -> None:
 @visible(
     "crop_region",
     weight=5,
-    title="What is below the floor or above the roof of the box goes, too",
-    why="A bridge over the street is no obstacle.",
-    hint="A point is inside where x, y and z all are: cloud[:, :3].",
+    title="Removes points below or above the box",
+    why="A bridge over the street is not an obstacle.",
+    hint="A point is inside only if x, y and z all are: compare cloud[:, :3].",
 )
-def cuts_below_and_above(crop_region: Callable) -> None:
+def removes_points_below_or_above(crop_region: Callable) -> None:
     require_crop(crop_region)
     cloud, keep = marked("1 2 -2.5 -; 1 2 -1 +; 1 2 1.5 -", 0.4)
     answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
@@ -386,11 +387,11 @@ def cuts_below_and_above(crop_region: Callable) -> None:
 
 @noted(
     "crop_region",
-    title="The faces belong to the box",
-    why="Two boxes side by side leave no gap between them: write >= minimum and <= maximum. "
-    "Measured points hardly ever lie exactly there, so it costs nothing.",
+    title="Keeps points on the faces of the box",
+    why="Two adjacent boxes must not leave a gap between them: write >= minimum and <= maximum. "
+    "Measured points are hardly ever exactly on a face, so this does not affect your score.",
 )
-def counts_the_faces(crop_region: Callable) -> None:
+def keeps_points_on_faces(crop_region: Callable) -> None:
     require_crop(crop_region)
     on_faces = table("-10 0 0; 30 0 0; 0 -5 0; 0 6 0; 0 0 -2; 0 0 1")
     on_faces = np.column_stack([on_faces, np.full(6, 0.4)])
@@ -401,11 +402,11 @@ def counts_the_faces(crop_region: Callable) -> None:
 @visible(
     "crop_region",
     weight=3,
-    title="The parameters decide where the box is",
+    title="Uses minimum and maximum as the corners of the box",
     why="The region changes with the road and with the speed.",
-    hint="Inside is what lies between minimum and maximum, whatever these are.",
+    hint="Compare with minimum and maximum, not with fixed numbers.",
 )
-def follows_the_corners(crop_region: Callable) -> None:
+def uses_the_corners(crop_region: Callable) -> None:
     for low, high in _LIMITS:
         corners = (low, 5 - high, low), (high, 5 - low, high)
         keep = (_DIAGONAL[:, 0] > low) & (_DIAGONAL[:, 0] < high)
@@ -417,11 +418,12 @@ def follows_the_corners(crop_region: Callable) -> None:
 @visible(
     "crop_region",
     weight=1,
-    title="The corners may be tuples, lists or arrays",
-    why="A box comes from a configuration file, from a map or from another array.",
-    hint="An array compares itself with a tuple or a list of three numbers without more ado.",
+    title="Accepts corners as tuples, lists or arrays",
+    why="A box may come from a configuration file, a map or another array.",
+    hint="Compare the corners directly: NumPy compares a table with three numbers column by "
+    "column, even if they are in a tuple or a list.",
 )
-def takes_any_corners(crop_region: Callable) -> None:
+def accepts_any_corner_type(crop_region: Callable) -> None:
     require_crop(crop_region)
     for kind in (list, np.array):
         answer = crop_region(_CROP_CLOUD.copy(), kind(_MINIMUM), kind(_MAXIMUM))
@@ -440,28 +442,30 @@ _CROP_CASE = Case(
 common_checks.names(
     _CROP_CASE,
     "names_the_corners",
-    why="Others may call crop_region(cloud, minimum=..., maximum=...).",
+    why="Other code may call crop_region(cloud, minimum=..., maximum=...).",
 )
 common_row_checks.all_columns(
     _CROP_CASE, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
 common_row_checks.order(_CROP_CASE, "crops_in_order")
 common_checks.three_columns(
-    _CROP_CASE, "crops_three_columns", hint="cloud[:, :3] is there in both."
+    _CROP_CASE,
+    "crops_three_columns",
+    hint="Use cloud[:, :3]: it exists with three columns and with four.",
 )
-common_row_checks.nothing_left(_CROP_CASE, "crops_the_smallest", weight=2)
-common_row_checks.untouched(_CROP_CASE, "crops_a_copy")
+common_row_checks.nothing_left(_CROP_CASE, "crops_small_clouds", weight=2)
+common_row_checks.untouched(_CROP_CASE, "crop_leaves_its_input")
 common_row_checks.array(_CROP_CASE, "gives_an_array")
 
 
 @visible(
     "remove_ego_returns",
     weight=4,
-    title="Removes what is inside the box, and keeps what is outside",
-    why="A return of our own mirror is an obstacle that never goes away.",
-    hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
+    title="Removes points inside the box and keeps points outside",
+    why="A return from the ego car's own mirror is an obstacle that never goes away.",
+    hint="Find the rows inside as in crop_region, then keep the other rows: ~inside.",
 )
-def removes_our_own(remove_ego_returns: Callable) -> None:
+def removes_points_inside(remove_ego_returns: Callable) -> None:
     assert_points_left_by_box(
         remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
     )
@@ -470,12 +474,12 @@ def removes_our_own(remove_ego_returns: Callable) -> None:
 @visible(
     "remove_ego_returns",
     weight=10,
-    title="What shares y or x with our car stays",
-    why="The car ahead of us shares y and z with us. It is the last one to lose.",
-    hint="A row is outside when one coordinate is outside: not (a and b and c) is "
-    "(not a) or (not b) or (not c).",
+    title="Keeps points that are outside in x only or in y only",
+    why="The car ahead has the same y and z as the ego car, and losing it would be dangerous.",
+    hint="A row is outside if at least one coordinate is: not (a and b and c) is (not a) or (not "
+    "b) or (not c).",
 )
-def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
+def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     cloud, keep = marked("0.5 0 -0.7 -; 9 0 -0.7 +; -4 0 -0.7 +; 0.5 6 -0.7 +; 0.5 -3 -0.7 +", 0.4)
     assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
@@ -484,11 +488,11 @@ def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
 @visible(
     "remove_ego_returns",
     weight=4,
-    title="What is above or below the box stays",
-    why="A sign above the bonnet, a kerb under the bumper: neither is our car.",
-    hint="A point is inside where x, y and z all are: cloud[:, :3].",
+    title="Keeps points above or below the box",
+    why="A sign above the bonnet or a kerb under the bumper is not part of the ego car.",
+    hint="A point is inside only if x, y and z all are: compare cloud[:, :3].",
 )
-def keeps_above_and_below(remove_ego_returns: Callable) -> None:
+def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     cloud, keep = marked("0.5 0 2 +; 0.5 0 -0.7 -; 0.5 0 -1.6 +", 0.4)
     assert_points_left_by_box(
@@ -498,11 +502,12 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
 
 @noted(
     "remove_ego_returns",
-    title="The faces belong to the box",
-    why="What crop_region keeps of a box, this removes: outside is < minimum or > maximum. "
-    "Measured points hardly ever lie exactly there, so it costs nothing.",
+    title="Removes points on the faces of the box",
+    why="remove_ego_returns should remove exactly what crop_region keeps, so outside means < "
+    "minimum or > maximum. Measured points are hardly ever exactly on a face, so this does not "
+    "affect your score.",
 )
-def removes_the_faces(remove_ego_returns: Callable) -> None:
+def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
     on_faces = table(
@@ -517,11 +522,11 @@ def removes_the_faces(remove_ego_returns: Callable) -> None:
 @visible(
     "remove_ego_returns",
     weight=3,
-    title="The parameters decide where the box is",
-    why="A lorry is not a small car, and a roof rack is a part of ours.",
-    hint="Inside is what lies between minimum and maximum, whatever these are.",
+    title="Uses minimum and maximum as the corners of the box",
+    why="Every car needs its own box: a lorry is larger, and a roof rack makes a car higher.",
+    hint="Compare with minimum and maximum, not with fixed numbers.",
 )
-def follows_the_ego_box(remove_ego_returns: Callable) -> None:
+def uses_the_ego_box(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     for low, high in _LIMITS:
         corners = (low, 5 - high, low), (high, 5 - low, high)
@@ -534,11 +539,12 @@ def follows_the_ego_box(remove_ego_returns: Callable) -> None:
 @visible(
     "remove_ego_returns",
     weight=1,
-    title="The corners may be tuples, lists or arrays",
-    why="A box comes from a configuration file, from a drawing or from another array.",
-    hint="An array compares itself with a tuple or a list of three numbers without more ado.",
+    title="Accepts corners as tuples, lists or arrays",
+    why="A box may come from a configuration file, a drawing or another array.",
+    hint="Compare the corners directly: NumPy compares a table with three numbers column by "
+    "column, even if they are in a tuple or a list.",
 )
-def takes_any_ego_box(remove_ego_returns: Callable) -> None:
+def accepts_any_ego_box_type(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     for kind in (list, np.array):
         answer = remove_ego_returns(_EGO_CLOUD.copy(), kind(_EGO_BOX[0]), kind(_EGO_BOX[1]))
@@ -557,15 +563,19 @@ _EGO_CASE = Case(
 common_checks.names(
     _EGO_CASE,
     "names_the_ego_box",
-    why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
+    why="Other code may call remove_ego_returns(cloud, minimum=..., maximum=...).",
 )
 common_row_checks.all_columns(
-    _EGO_CASE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
+    _EGO_CASE, "keeps_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-common_row_checks.order(_EGO_CASE, "leaves_the_order")
-common_checks.three_columns(_EGO_CASE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
-common_row_checks.nothing_left(_EGO_CASE, "frees_the_smallest", weight=2)
-common_row_checks.untouched(_EGO_CASE, "frees_a_copy")
+common_row_checks.order(_EGO_CASE, "keeps_the_row_order")
+common_checks.three_columns(
+    _EGO_CASE,
+    "removes_with_three_columns",
+    hint="Use cloud[:, :3]: it exists with three columns and with four.",
+)
+common_row_checks.nothing_left(_EGO_CASE, "removes_from_small_clouds", weight=2)
+common_row_checks.untouched(_EGO_CASE, "removal_leaves_its_input")
 common_row_checks.array(_EGO_CASE, "leaves_an_array")
 
 
@@ -580,27 +590,27 @@ def _horizontal_distances(cloud: np.ndarray) -> np.ndarray:
 mistakes(
     "filter_by_distance",
     Mistake(
-        "It is the other way round: what is far stays, and what is near goes.",
+        "The comparison is the wrong way round: far points stay and near points are removed.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, -_horizontal_distances(cloud), -distance
         ),
-        'Near is "at most distance": which comparison says that?',
+        'Near points are "at most distance" away: which comparison says that?',
     ),
     Mistake(
-        "The height is counted in: that is the straight line in space, not the way on the road.",
+        "The height is included: this is the distance in space, not the distance along the road.",
         lambda right, cloud, distance: _rows_at_most(
             right, (right[:, :3] ** 2).sum(axis=1), distance**2
         ),
         "Use columns 0 and 1 only. Column 2 is the height.",
     ),
     Mistake(
-        "Height and intensity are counted in: that is the length of the whole row.",
+        "Height and intensity are included: this is the length of the whole row, not a distance.",
         lambda right, cloud, distance: _rows_at_most(right, (right**2).sum(axis=1), distance**2),
         "Use columns 0 and 1 only.",
     ),
     Mistake(
-        "The squared distance is compared with the plain one: a root is missing, or a square on "
-        "the other side.",
+        "The squared distance is compared with `distance` itself: a square root is missing, or a "
+        "square on the other side.",
         lambda right, cloud, distance: _rows_at_most(
             right, _horizontal_distances(right) ** 2, distance
         ),
@@ -611,89 +621,89 @@ mistakes(
         lambda right, cloud, distance: _rows_at_most(
             cloud, _horizontal_distances(cloud), distance**2
         ),
-        "Compare plain with plain, or squared with squared.",
+        "Square both sides of the comparison, or neither.",
     ),
     Mistake(
-        "x and y are compared each by itself: that is a square, not a circle.",
+        "x and y are compared separately, so the border is a square, not a circle.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, np.abs(cloud[:, :2]).max(axis=1), distance
         ),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "x and y are compared each by itself, and with their signs: everything behind us on the "
+        "x and y are compared separately and with their signs, so everything behind us on the "
         "right counts as near.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].max(axis=1), distance),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "x and y are added up as lengths, |x| + |y|: it takes squares and a root.",
+        "|x| and |y| are added. The distance needs their squares and a square root.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, np.abs(cloud[:, :2]).sum(axis=1), distance
         ),
-        "Square x and y, add, take the root: np.hypot(x, y).",
+        "Square x and y, add them and take the square root, or call np.hypot(x, y).",
     ),
     Mistake(
-        "x and y are added up, with their signs: it takes squares and a root.",
+        "x and y are added with their signs. The distance needs their squares and a square root.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].sum(axis=1), distance),
-        "Square x and y, add, take the root: np.hypot(x, y).",
+        "Square x and y, add them and take the square root, or call np.hypot(x, y).",
     ),
     Mistake(
-        "x and z make the distance; y, in column 1, is left out.",
+        "The distance is computed from x and z; y, in column 1, is not used.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, _horizontal_distances(cloud[:, [0, 2]]), distance
         ),
         "Use columns 0 and 1. Column 2 is the height.",
     ),
     Mistake(
-        "y and z make the distance; x, in column 0, is left out.",
+        "The distance is computed from y and z; x, in column 0, is not used.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, _horizontal_distances(cloud[:, [1, 2]]), distance
         ),
         "Use columns 0 and 1. Column 2 is the height.",
     ),
     Mistake(
-        "Only y is compared, with its sign: everything on the right stays.",
+        "Only y is compared, with its sign, so everything on the right stays.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 1], distance),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "Only y is compared: everything ahead and behind stays, however far.",
+        "Only |y| is compared, so points straight ahead or behind stay, however far away they are.",
         lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 1]), distance),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "Only x is compared, with its sign: everything behind us stays.",
+        "Only x is compared, with its sign, so everything behind us stays.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 0], distance),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "Only x is compared: everything beside us stays, however far.",
+        "Only |x| is compared, so points to the left or right stay, however far away they are.",
         lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 0]), distance),
-        "Combine x and y to one distance first: np.hypot(x, y).",
+        "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "A fixed distance of 10 m decides, whatever `distance` is.",
+        "The limit is fixed at 10 m; `distance` is ignored.",
         lambda right, cloud, distance: _rows_at_most(cloud, _horizontal_distances(cloud), 10.0),
         "Compare with `distance`.",
     ),
     Mistake(
-        "There is one distance for the whole cloud: an axis=1 is missing.",
+        "Your code computes one distance for the whole cloud: axis=1 is missing.",
         lambda right, cloud, distance: cloud[None][: int(np.linalg.norm(cloud[:, :2]) < distance)],
         "np.linalg.norm(..., axis=1) gives one number for each row.",
     ),
     Mistake(
-        "What is returned are the distances that are left; it should be the rows.",
+        "Your code returns the distances of the near points. It should return whole rows.",
         lambda right, cloud, distance: _horizontal_distances(right),
         "Index the whole cloud with the mask: cloud[mask].",
     ),
     Mistake(
-        "Far rows are set to 0. They should not be there at all.",
+        "Far rows are set to 0. They should be removed.",
         lambda right, cloud, distance: cloud * (_horizontal_distances(cloud) < distance)[:, None],
-        "Index with the mask: cloud[mask] holds only the rows where it is True.",
+        "Index with the mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "Nothing is removed: the cloud comes back as it went in.",
+        "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, distance: cloud,
         is_cheap=True,
     ),
@@ -745,8 +755,8 @@ def _same_rows(answer: object, predicted: np.ndarray) -> bool:
     return same_array(answer, predicted) and as_array(answer).ndim > 1
 
 
-# The first clouds have points inside a box, on its faces, and outside it on either side in one, two
-# or three coordinates. The last three clouds have no point outside.
+# The first three clouds have points inside a box, on its faces, and outside it on one, two or three
+# axes. The last three clouds have no points outside.
 _BOXES = (
     (
         table(
@@ -792,58 +802,58 @@ _BOXES = (
 mistakes(
     "crop_region",
     Mistake(
-        "It is the other way round: what is inside goes, and what is outside stays.",
+        "The mask is inverted: points inside are removed and points outside stay.",
         lambda right, *case: _rows_outside(*case),
         "Index with the mask of the rows inside, without ~.",
     ),
     Mistake(
-        "One coordinate inside the box is enough here; all three have to be.",
+        "A point counts as inside if one of its coordinates is inside. All three must be.",
         lambda right, *case: case[0][_depths(*case).max(axis=1) >= 0],
-        ".all(axis=1), not .any(axis=1).",
+        "Use .all(axis=1) instead of .any(axis=1).",
     ),
     Mistake(
-        "Only x and y are compared; z has to be inside, too.",
+        "Only x and y are compared. z must be inside as well.",
         lambda right, *case: case[0][_depths(*case)[:, :2].min(axis=1) >= 0],
         "Compare all three coordinates: cloud[:, :3].",
     ),
     Mistake(
-        "Only minimum is compared; what lies beyond maximum stays.",
+        "Only minimum is compared, so points beyond maximum stay.",
         lambda right, cloud, low, high: _rows_inside(cloud, low, np.full(3, 1e3)),
-        "Join both comparisons with &.",
+        "Combine both comparisons with &.",
     ),
     Mistake(
-        "Only maximum is compared; what lies before minimum stays.",
+        "Only maximum is compared, so points below minimum stay.",
         lambda right, cloud, low, high: _rows_inside(cloud, np.full(3, -1e3), high),
-        "Join both comparisons with &.",
+        "Combine both comparisons with &.",
     ),
     Mistake(
-        "The lesson's own region decides, whatever minimum and maximum are.",
+        "The lesson's own region is always used; minimum and maximum are ignored.",
         lambda right, cloud, low, high: _rows_inside(cloud, _MINIMUM, _MAXIMUM),
-        "Compare with minimum and maximum, by their names.",
+        "Compare with the parameters minimum and maximum.",
     ),
     Mistake(
-        "Points outside are moved to the border. They should not be there at all.",
+        "Points outside are moved to the border. They should be removed.",
         lambda right, cloud, low, high: np.column_stack(
             [np.clip(cloud[:, :3], low, high), cloud[:, 3:]]
         ),
-        "Index with a mask: cloud[mask] holds only the rows where it is True.",
+        "Index with a mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "There is one answer for the whole cloud: axis=1 is missing.",
+        "Your code computes one True or False for the whole cloud: axis=1 is missing.",
         lambda right, *case: case[0][None][: int(len(right) == len(case[0]))],
         ".all(axis=1) gives one True or False for each row.",
     ),
     Mistake(
-        "Nothing is left: no point counts as inside.",
+        "Everything is removed: no point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Inside is >= minimum and <= maximum. Are the two exchanged, or the comparisons?",
+        "Inside means >= minimum and <= maximum. Have you swapped the corners or the comparisons?",
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the cloud comes back as it went in.",
+        "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, low, high: cloud,
-        "A point is inside where both comparisons hold, which & says. With | one of them is "
-        "enough, and one of them always holds. Then index with the mask: cloud[inside].",
+        "A point is inside if both comparisons are true, so combine them with &. With | one is "
+        "enough, and one of them is always true. Then index with the mask: cloud[inside].",
         is_cheap=True,
     ),
     cases=_BOXES,
@@ -854,57 +864,60 @@ mistakes(
 mistakes(
     "remove_ego_returns",
     Mistake(
-        "It is the other way round: what is inside stays, and what is outside goes.",
+        "The mask is inverted: points inside stay and points outside are removed.",
         lambda right, *case: _rows_inside(*case),
         "Index with ~inside.",
     ),
     Mistake(
-        "Only what is outside in x and in y and in z stays; one of them is enough.",
+        "A point stays only if it is outside in x, in y and in z. Outside in one of them is "
+        "enough.",
         lambda right, *case: case[0][_depths(*case).max(axis=1) < 0],
-        "Join the comparisons that say outside with .any(axis=1); or invert at the very end, "
+        "Combine the comparisons for outside with .any(axis=1), or invert at the very end: "
         "~inside.",
     ),
     Mistake(
-        "Only x and y are compared; what is above or below the box is no part of it.",
+        "Only x and y are compared, so points above or below the box are removed as well.",
         lambda right, *case: case[0][_depths(*case)[:, :2].min(axis=1) < 0],
         "Compare all three coordinates: cloud[:, :3].",
     ),
     Mistake(
-        "The lesson's own box decides, whatever minimum and maximum are.",
+        "The lesson's own box is always used; minimum and maximum are ignored.",
         lambda right, cloud, low, high: _rows_outside(cloud, *_EGO_BOX),
-        "Compare with minimum and maximum, by their names.",
+        "Compare with the parameters minimum and maximum.",
     ),
     Mistake(
-        "Returns of our own car are set to 0. They should not be there at all.",
+        "Returns of our own car are set to 0. They should be removed.",
         lambda right, *case: case[0] * (_depths(*case).min(axis=1, keepdims=True) < 0),
-        "Index with a mask: cloud[mask] holds only the rows where it is True.",
+        "Index with a mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "There is one answer for the whole cloud: axis=1 is missing.",
+        "Your code computes one True or False for the whole cloud: axis=1 is missing.",
         lambda right, *case: case[0][None][: int(len(right) > 0)],
         ".all(axis=1) gives one True or False for each row.",
     ),
     Mistake(
-        "Only minimum is compared; what lies beyond maximum goes, too.",
+        "Only minimum is compared, so points beyond maximum are removed as well.",
         lambda right, cloud, low, high: _rows_outside(cloud, low, np.full(3, 1e3)),
-        "Join both comparisons with &.",
+        "Combine both comparisons with &.",
     ),
     Mistake(
-        "Only maximum is compared; what lies before minimum goes, too.",
+        "Only maximum is compared, so points below minimum are removed as well.",
         lambda right, cloud, low, high: _rows_outside(cloud, np.full(3, -1e3), high),
-        "Join both comparisons with &.",
+        "Combine both comparisons with &.",
     ),
     Mistake(
-        "Nothing is left: every point counts as inside.",
+        "Everything is removed: every point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Inside is >= minimum and <= maximum, which & joins; outside is < minimum or > maximum, "
-        "which | joins. The other way round it holds always, or never.",
+        "Inside means >= minimum and <= maximum, combined with &. Outside means < minimum or > "
+        "maximum, combined with |. With & and | swapped, the condition is always true or never "
+        "true.",
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the cloud comes back as it went in.",
+        "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, low, high: cloud,
-        "Inside is >= minimum and <= maximum: are the two exchanged? Then index with ~inside.",
+        "Inside means >= minimum and <= maximum. Have you swapped the corners? Then index with "
+        "~inside.",
         is_cheap=True,
     ),
     cases=_BOXES,

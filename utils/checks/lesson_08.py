@@ -16,15 +16,14 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.run_cache import once
 
-# A cluster that surrounds the origin and whose first point is not extreme on any axis. Neither the
-# starting values of a search nor the order of the points change its box, because separate checks
-# cover these.
+# A cluster around the origin whose first point is not extreme on any axis. A search for its box may
+# start with any values and take the points in any order: separate checks cover these.
 _POINTS = table(
     "0.5 0.2 -0.1; -2 0.4 0.3; 3 -0.3 0.2; 0.1 -1.5 -0.4; -0.6 2.5 0.1; 1 0.7 -1.2; -0.2 -0.5 0.8"
 )
 _LOW, _HIGH = frozen((np.array([-2.0, -1.5, -1.2]), np.array([3.0, 2.5, 0.8])))
 _BOX = frozen(corners_between(_LOW, _HIGH))
-# The same cluster unchanged, half as large, and larger and shifted.
+# The same cluster three times: unchanged, half as large, and enlarged and shifted.
 _SIZES, _SHIFT = (1.0, 0.5, 1.5), 0.4
 _CLOUD = frozen(np.vstack([_SIZES[0] * _POINTS, _SIZES[1] * _POINTS, _SIZES[2] * _POINTS + _SHIFT]))
 _BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX + _SHIFT]))
@@ -33,8 +32,8 @@ _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 @once
 def require_single_box(get_bounding_boxes: Callable) -> None:
-    """Assert that a single cluster gets its box; raise `NotYet` if not."""
-    with needs("a single cluster gets its box"):
+    """Assert that a single cluster gets the right box; raise `NotYet` if not."""
+    with needs("a single cluster gets the right box"):
         labels = np.ones(7, dtype=int)
         answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
         assert_box_corners(answer, _BOX[None], _POINTS, labels)
@@ -42,8 +41,8 @@ def require_single_box(get_bounding_boxes: Callable) -> None:
 
 @once
 def require_three_boxes(get_bounding_boxes: Callable) -> None:
-    """Assert that three clusters get their boxes; raise `NotYet` if not."""
-    with needs("each of three clusters gets its box"):
+    """Assert that three clusters get the right boxes; raise `NotYet` if not."""
+    with needs("each of three clusters gets the right box"):
         answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
         assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
@@ -51,13 +50,13 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=4,
-    title="A box reaches from the smallest to the largest x, y and z of its points",
+    title="Makes each box extend from the smallest to the largest x, y and z of its points",
     why="The planner sees only boxes. The car may hit anything that sticks out of a box, and it "
     "cannot use free space inside one. An obstacle without a box is invisible.",
-    hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
-    "numbers; a corner takes, for each axis, one or the other.",
+    hint="Take points.min(axis=0) and points.max(axis=0) of the rows with one label. On each "
+    "axis, a corner uses one of the two values.",
 )
-def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
+def extends_from_min_to_max(get_bounding_boxes: Callable) -> None:
     labels = np.ones(7, dtype=int)
     answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
     assert_box_corners(answer, _BOX[None], _POINTS, labels)
@@ -66,13 +65,13 @@ def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=3,
-    title="Each label gets a box of its own",
-    why="One box over two cars closes the gap between them, too; and a car without a box is not "
-    "there.",
-    hint="For each label take the rows with that label alone, cloud[cluster_labels == label], "
-    "and start afresh.",
+    title="Returns one box for each label",
+    why="One box around two cars also blocks the gap between them, and a car without a box is "
+    "invisible.",
+    hint="For each label, start again with only the rows of that label: cloud[cluster_labels == "
+    "label].",
 )
-def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
+def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     require_single_box(get_bounding_boxes)
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
@@ -81,11 +80,11 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=2,
-    title="A box is as exact as its points",
-    why="Each step of a pipeline adds its own errors. Rounding is for texts that people read.",
+    title="Does not round the coordinates",
+    why="Errors add up from step to step in a pipeline. Round only in texts that people read.",
     hint="Return the numbers as they are, without round.",
 )
-def is_exact(get_bounding_boxes: Callable) -> None:
+def does_not_round(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
     points, labels = _POINTS + [0.0043, -0.0036, 0.0047], np.ones(7, dtype=int)
     answer = get_bounding_boxes(points.copy(), labels.copy())
@@ -95,11 +94,11 @@ def is_exact(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=3,
-    title="A cluster may lie anywhere: ahead on the left, behind on the right",
-    why="Behind us on the right all coordinates are negative, and their largest is below 0.",
-    hint="Start from the first point or from infinity: 0 is a place like any other.",
+    title="Works on clusters in all directions, such as behind on the right",
+    why="Behind us on the right, x and y are negative, so even their largest values are below 0.",
+    hint="Start the minimum and maximum from the first point or from infinity, not from 0.",
 )
-def starts_anywhere(get_bounding_boxes: Callable) -> None:
+def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
     shifts = table("9 6 3; -9 -6 -3")
     cloud = np.vstack([_POINTS + shift for shift in shifts])
@@ -111,13 +110,13 @@ def starts_anywhere(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=3,
-    title="The order of the points does not matter",
-    why="A scan lists its rows from the top beam down: often the first point of a cluster is its "
-    "highest.",
-    hint="The first point is the smallest so far and the largest so far at once: both questions "
-    "must be asked of each point, if and if, not if and elif.",
+    title="Returns the same boxes for points in any order",
+    why="A scan lists its rows from the top beam down, so the first point of a cluster is often "
+    "its highest.",
+    hint="The first point is both the smallest and the largest so far. Compare every point with "
+    "both values: use if twice, not if and elif.",
 )
-def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
+def works_for_points_in_any_order(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
     labels = np.repeat([1, 2], 7)
     for first in range(1, 7):
@@ -139,22 +138,22 @@ common_box_checks.gaps(
     _THREE_CASE,
     "allows_gaps",
     [2, 5, 9],
-    hint="np.unique(cluster_labels) lists the labels that occur. range(1, ...) also counts those "
-    "that do not.",
+    hint="Use np.unique(cluster_labels), which lists the labels that occur. range(1, ...) also "
+    "includes labels that do not occur.",
     weight=2,
 )
-common_box_checks.ascending(_THREE_CASE, "follows_the_labels", [2, 3, 1], weight=2)
-common_box_checks.noise(_THREE_CASE, "leaves_noise_alone", weight=2)
+common_box_checks.ascending(_THREE_CASE, "orders_boxes_by_label", [2, 3, 1], weight=2)
+common_box_checks.noise(_THREE_CASE, "ignores_noise", weight=2)
 
 
 @visible(
     "get_bounding_boxes",
     weight=2,
-    title="Takes clusters of one, two and equal points",
-    why="A thin post far away returns a single point.",
-    hint="Minimum and maximum of a single point are both that point; no special case is needed.",
+    title="Works on clusters of one point, two points or equal points",
+    why="A thin post far away may give only a single return.",
+    hint="No special case is needed: the minimum and the maximum of a single point are that point.",
 )
-def takes_few_points(get_bounding_boxes: Callable) -> None:
+def works_on_few_points(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
     first, second, third = table("6 2 -1.1; 5 2.6 -0.5; -3 -4.6 -1")
     cloud = np.vstack([first, second, third, first, second, third, third, third])
@@ -168,7 +167,7 @@ def takes_few_points(get_bounding_boxes: Callable) -> None:
 common_box_checks.fourth_column(_THREE_CASE, "ignores_intensity", weight=2)
 common_box_checks.no_boxes(
     _THREE_CASE,
-    "takes_nothing",
+    "returns_the_empty_shape",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
     weight=2,
@@ -176,18 +175,18 @@ common_box_checks.no_boxes(
 common_checks.names(
     _THREE_CASE,
     "keeps_the_names",
-    why="Whoever reads the docstring may call get_bounding_boxes(cloud=..., cluster_labels=...).",
+    why="Other code may call get_bounding_boxes(cloud=..., cluster_labels=...).",
 )
 common_box_checks.untouched(
-    _THREE_CASE, "leaves_its_input", hint="Write the corners into an array of their own."
+    _THREE_CASE, "leaves_its_input", hint="Write the corners into a new array."
 )
 
 
 @noted(
     "get_bounding_boxes",
-    title="Corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4",
-    why="The lesson's pictures join corners by these numbers, as most programs do by theirs: in "
-    "another order the edges cross. The picture of the box of seven points shows your numbers.",
+    title="Gives corner k the larger x if k & 1, the larger y if k & 2 and the larger z if k & 4",
+    why="The lesson's pictures join corners by these numbers, so in another order the edges "
+    "cross. The picture of the box of seven points shows your numbers.",
 )
 def numbers_the_corners(get_bounding_boxes: Callable) -> None:
     box = as_array(get_bounding_boxes(_POINTS.copy(), np.ones(7, dtype=int)))[0]
@@ -196,7 +195,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
         place = np.where(larger, _HIGH, _LOW)
         if np.abs(box[corner] - place).max() > 1e-3:
             raise CheckFailed(
-                f"Corner {corner} stands elsewhere.",
+                f"Corner {corner} is in another place.",
                 yours=brief(box[corner]),
                 expected=brief(place),
             )
@@ -204,18 +203,18 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
 
 @noted(
     "get_bounding_boxes",
-    title="The boxes are an array, not a list",
-    why="The next cells ask for boxes.min(axis=1), which a list has not.",
+    title="Returns the boxes as an array",
+    why="The next cells call boxes.min(axis=1), which a list does not have.",
 )
 def returns_an_array(get_bounding_boxes: Callable) -> None:
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
+        raise CheckFailed(f"The boxes are in a {type(answer).__name__}.")
 
 
-# Small streets with the corners of their boxes. The clusters are apart from each other, and the
-# labels have no gaps; some streets have a stray point. The first point of a cluster is its largest
-# or its smallest on every axis. Each street has a different number of points.
+# Small streets with the corners of their boxes. The clusters do not overlap, their labels have no
+# gaps, and some streets have a stray point. The first point of a cluster is its largest or its
+# smallest on every axis. Each street has a different number of points.
 _STREETS = tuple(
     frozen((np.array(cloud), np.array(labels), np.stack([corners_between(*box) for box in boxes])))
     for cloud, labels, boxes in (
@@ -298,7 +297,7 @@ def _right_boxes(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 
 def _change_corners(right: np.ndarray, change: Callable) -> np.ndarray:
-    """Return straight boxes whose lowest and highest corner are replaced by `change`."""
+    """Return axis-aligned boxes after `change` has replaced their lowest and highest corners."""
     corners = [change(box.min(axis=0), box.max(axis=0)) for box in right]
     return np.stack([corners_between(low, high) for low, high in corners])
 
@@ -310,15 +309,15 @@ def _without_first(low: np.ndarray, high: np.ndarray, cloud: np.ndarray) -> np.n
 
 def _boxes_of(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return the box of each label above 0."""
-    clusters = [cloud[labels == name] for name in np.unique(labels[labels > 0])]
+    clusters = [cloud[labels == label] for label in np.unique(labels[labels > 0])]
     corners = [(points.min(axis=0), points.max(axis=0)) for points in clusters]
     return np.stack([corners_between(low, high) for low, high in corners])
 
 
 def _order_of_appearance(labels: np.ndarray) -> np.ndarray:
-    """Return the order of the boxes if the labels come in the order of their first points."""
-    names = np.unique(labels[labels > 0])
-    return np.argsort([labels.tolist().index(name) for name in names])
+    """Return the order of the boxes if labels are processed as they first occur."""
+    in_use = np.unique(labels[labels > 0])
+    return np.argsort([labels.tolist().index(label) for label in in_use])
 
 
 def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
@@ -333,105 +332,106 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
 mistakes(
     "get_bounding_boxes",
     Mistake(
-        "`elif` asks about the maximum only where a point is no new minimum, so the first point of "
-        "a cluster never counts as its largest.",
+        "Because of `elif`, a point is compared with the maximum only if it is not a new "
+        "minimum. The first point of a cluster is therefore never its maximum.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, _without_first(low, high, cloud).max(axis=0))
         ),
-        "Both questions must be asked of every point: `if` and `if`.",
+        "Compare every point with both values: use `if` twice.",
     ),
     Mistake(
-        "`elif` asks about the minimum only where a point is no new maximum, so the first point of "
-        "a cluster never counts as its smallest.",
+        "Because of `elif`, a point is compared with the minimum only if it is not a new "
+        "maximum. The first point of a cluster is therefore never its minimum.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (_without_first(low, high, cloud).min(axis=0), high)
         ),
-        "Both questions must be asked of every point: `if` and `if`.",
+        "Compare every point with both values: use `if` twice.",
     ),
     Mistake(
-        "Minimum and maximum start at 0, so every box reaches to the sensor.",
+        "Minimum and maximum start at 0, so every box extends to the sensor.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.minimum(low, 0), np.maximum(high, 0))
         ),
         "Start from the first point of the cluster, or from infinity.",
     ),
     Mistake(
-        "The maximum starts at 0, so no box ends below it.",
+        "The maximum starts at 0, so no box ends below 0.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, np.maximum(high, 0))
         ),
         "Start from the first point of the cluster, or from minus infinity.",
     ),
     Mistake(
-        "Label 0 gets a box, too. It is no obstacle.",
+        "Label 0 also gets a box, but it is not an obstacle.",
         lambda right, cloud, labels: np.concatenate(
             [np.repeat(cloud[labels == 0], 8, axis=0).reshape(-1, 8, 3), right]
         ),
         "Keep only labels > 0.",
     ),
     Mistake(
-        "The last label gets no box: range stops before its end.",
+        "The last label gets no box, because range stops before its end.",
         lambda right, cloud, labels: right[:-1],
-        "Loop over np.unique(cluster_labels) instead, which knows about gaps, too.",
+        "Loop over the labels above 0 in np.unique(cluster_labels) instead. This also handles "
+        "gaps.",
     ),
     Mistake(
         "Only the first label gets a box.",
         lambda right, cloud, labels: right[:1],
-        "The loop over the labels ends too early: `return` belongs behind it, not into it.",
+        "The loop over the labels ends too early: put `return` after the loop, not inside it.",
     ),
     Mistake(
-        "The first label is left out, as if it were 0; where no point has label 0, it is an "
+        "Your code always skips the smallest label. If no point has label 0, that label is an "
         "obstacle.",
         lambda right, cloud, labels: right[int(0 not in labels) :],
-        "Keep labels > 0 instead of dropping the first: noise need not occur.",
+        "Keep labels > 0 instead of dropping the first label: there may be no noise.",
     ),
     Mistake(
-        "The labels are sorted and the points are not: each point gets the label of another.",
+        "The labels are sorted but the points are not, so points get the labels of other points.",
         lambda right, cloud, labels: _boxes_of(cloud, np.sort(labels)),
-        "Leave cluster_labels as they are; np.unique(cluster_labels) is a sorted list beside them.",
+        "Leave cluster_labels unchanged: np.unique(cluster_labels) returns a new, sorted array.",
     ),
     Mistake(
-        "All points count for every box, whatever their label.",
+        "Every box is built from all points, whatever their labels.",
         lambda right, cloud, labels: np.stack(
             [corners_between(cloud.min(axis=0), cloud.max(axis=0))] * len(right)
         ),
-        "For each label take the rows with that label alone, cloud[cluster_labels == label].",
+        "For each label, take only the rows with that label: cloud[cluster_labels == label].",
         is_cheap=True,
     ),
     Mistake(
-        "One maximum serves x, y and z alike: axis=0 is missing.",
+        "One maximum is used for x, y and z: axis=0 is missing.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, np.full(3, high.max()))
         ),
         "points.max(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
-        "One minimum serves x, y and z alike: axis=0 is missing.",
+        "One minimum is used for x, y and z: axis=0 is missing.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), high)
         ),
         "points.min(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
-        "One minimum and one maximum serve x, y and z alike: axis=0 is missing.",
+        "One minimum and one maximum are used for x, y and z: axis=0 is missing.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), np.full(3, high.max()))
         ),
         "points.min(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
-        "Minimum and maximum are not started afresh for each label: a box holds the ones before "
-        "it, too.",
+        "Minimum and maximum are not reset for each label, so a box also contains the boxes "
+        "before it.",
         lambda right, cloud, labels: _change_corners(
             [np.vstack(right[: row + 1]) for row in range(len(right))],
             lambda low, high: (low, high),
         ),
-        "Set them inside the loop over the labels.",
+        "Initialise them inside the loop over the labels.",
     ),
     Mistake(
-        "The boxes come in the order in which the labels first occur.",
+        "The boxes are in the order in which the labels first occur.",
         lambda right, cloud, labels: right[_order_of_appearance(labels)],
-        "They belong in ascending order of the labels.",
+        "Sort the boxes by label, in ascending order.",
     ),
     cases=tuple((cloud, labels) for cloud, labels, _ in _STREETS),
     right=_right_boxes,

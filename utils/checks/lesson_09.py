@@ -21,17 +21,17 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
 
-# Clusters of 5, 1, 2, 4, 4 and 2 points, mixed. None has exactly 3 points, the minimum in these
-# checks, because a separate check covers that case.
+# Clusters of 5, 1, 2, 4, 4 and 2 points, in mixed order. No cluster has exactly 3 points, the
+# minimum in these checks: a separate check covers that case.
 _LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6, 5]))
 _KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
-NOISE_MESSAGE = fixed("Points with label 0 belong to no cluster and keep the 0.")
+NOISE_MESSAGE = fixed("Points with label 0 belong to no cluster and must keep the label 0.")
 
 
 def assert_right_clusters_left(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
-    """Assert that the right clusters are left, each with a label of its own, whatever the labels.
+    """Assert that the right clusters are left, each with a different label, old or new.
 
     Parameters
     ----------
@@ -45,12 +45,13 @@ def assert_right_clusters_left(
     """
     yours = as_labels(answer, len(labels))
     if np.array_equal(yours > 0, expected > 0):
-        _assert_apart(yours, labels, minimum)
+        _assert_different_labels(yours, labels, minimum)
         return
     removed = np.unique(labels[(yours <= 0) & (expected > 0)])
     not_removed = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
     parts = [
-        f"{_cluster_text(labels, cluster)} should be {'gone' if cluster in not_removed else 'left'}"
+        f"{_cluster_text(labels, cluster)} should be "
+        f"{'removed' if cluster in not_removed else 'kept'}"
         for cluster in [*not_removed[:1], *removed[:1]]
     ]
     text = "; ".join(parts)
@@ -64,7 +65,7 @@ def assert_right_clusters_left(
     )
 
 
-def _assert_apart(yours: np.ndarray, labels: np.ndarray, minimum: int | None) -> None:
+def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int | None) -> None:
     """Assert that no two clusters of `labels` have the same label in the answer."""
     is_left = yours > 0
     old_labels = [
@@ -72,7 +73,7 @@ def _assert_apart(yours: np.ndarray, labels: np.ndarray, minimum: int | None) ->
     ]
     if merged := next((group.tolist() for group in old_labels if len(group) > 1), None):
         raise CheckFailed(
-            f"Clusters {merged[0]} and {merged[1]} have the same label now: two obstacles "
+            f"Clusters {merged[0]} and {merged[1]} now have the same label, so two obstacles "
             "became one.",
             given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
             yours=brief(yours),
@@ -80,7 +81,7 @@ def _assert_apart(yours: np.ndarray, labels: np.ndarray, minimum: int | None) ->
 
 
 def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
-    """Assert that points which rightly stay keep their labels; missing points are ignored.
+    """Assert that points of remaining clusters keep their labels; removed points are ignored.
 
     Parameters
     ----------
@@ -94,30 +95,31 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
     if len(wrong):
         index = wrong[0]
         raise CheckFailed(
-            f"Point {index} has another label than before. What stays keeps its label, gaps and "
-            "all.",
+            f"The label of point {index} has changed. Remaining clusters must keep their labels, "
+            "even if this leaves gaps.",
             yours=f"label {yours[index]}",
             expected=f"label {expected[index]}",
             draw=lambda: _draw(labels, yours, expected),
         )
 
 
-_BASIC_PROPERTY = "clusters with too few points go, the others stay"
+_BASIC_PROPERTY = "clusters with too few points are removed and the others stay"
 
 
 @once
 def require_small_clusters_removed(filter_clusters: Callable) -> None:
-    """Assert that small clusters go and large ones stay; raise `NotYet` if not."""
+    """Assert that small clusters are removed and large ones stay; raise `NotYet` if not."""
     with needs(_BASIC_PROPERTY):
         assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
 @once
 def require_most_clusters_right(filter_clusters: Callable) -> None:
-    """Assert that at least five of six clusters go or stay as they should; raise `NotYet` if not.
+    """Assert that at least five of six clusters are treated correctly; raise `NotYet` if not.
 
-    This is enough for checks that do not depend on sizes: names, input, label 0. A function that
-    keeps or removes all clusters gets three right; one that uses only the first label gets four.
+    This is enough for checks that do not depend on sizes, such as those of names, input and label
+    0. A function that keeps or removes all clusters gets three right; one that uses only the first
+    label gets four.
     """
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     is_right = (yours > 0) == (_KEPT > 0)
@@ -148,7 +150,7 @@ def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
     )
     for panel in panels:
         panel.set_aspect("auto")
-        panel.set_xlabel("its points")
+        panel.set_xlabel("points of the cluster")
         panel.set_ylabel("old label")
         if len(names) <= 12:
             panel.set_yticks(range(len(names)), names)
@@ -156,25 +158,25 @@ def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
 
 def _cluster_text(labels: np.ndarray, cluster: int) -> str:
     count = np.count_nonzero(labels == cluster)
-    return f"cluster {cluster}, of {count} point{'s' if count != 1 else ''},"
+    return f"cluster {cluster}, with {count} point{'s' if count != 1 else ''},"
 
 
 def _summary(labels: np.ndarray) -> str:
-    """Return the labels above 0 and the number of points without one as a short text."""
+    """Return the labels above 0 and the number of noise points as a short text."""
     in_use = np.unique(labels[labels > 0]).tolist()
     names = ", ".join(map(str, in_use[:8])) + (", ..." if len(in_use) > 8 else "")
     noise = np.count_nonzero(labels <= 0)
-    return f"clusters {names or 'none'}; {noise} point{'s' if noise != 1 else ''} of noise"
+    return f"clusters: {names or 'none'}; noise points: {noise}"
 
 
 @visible(
     "filter_clusters",
     weight=6,
-    title="Clusters with too few points go, the others stay",
-    why="Later steps draw a box around every label above 0: each drop of spray that stays "
-    "is an obstacle to brake for.",
-    hint="First count how often each label occurs. Then decide point by point, from the "
-    "count of its label.",
+    title="Removes clusters with too few points and keeps the others",
+    why="Later steps draw a box around every label above 0, so the car would brake for every "
+    "puff of spray that stays.",
+    hint="First count how often each label occurs. Then decide about each point by the count of "
+    "its label.",
 )
 def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
@@ -183,9 +185,9 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="What stays keeps its label",
-    why="The label is the obstacle's name: the next steps find its points and its box by it.",
-    hint="Change no label but to 0: start from a copy of the labels.",
+    title="Keeps the labels of the remaining clusters",
+    why="The label identifies an obstacle: the next steps use it to find the points and the box.",
+    hint="Start from a copy of the labels, and change labels only to 0.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -195,8 +197,8 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="Points of removed clusters get the label 0",
-    why="0 is noise for every step that follows; a negative label is the name of nothing.",
+    title="Gives the points of removed clusters the label 0",
+    why="All later steps treat label 0 as noise. A negative label has no meaning.",
     hint="Write 0 where a cluster is too small.",
 )
 def writes_zeros(filter_clusters: Callable) -> None:
@@ -204,7 +206,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     if (yours < 0).any():
         raise CheckFailed(
-            fixed("Points of removed clusters get the label 0, not a negative one."),
+            fixed("Points of removed clusters must get the label 0, not a negative one."),
             yours=brief(yours),
             expected=brief(_KEPT),
         )
@@ -213,13 +215,13 @@ def writes_zeros(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="Removes every small cluster, also one that follows another",
-    why="Clutter comes in swarms. Moving the labels up while walking along them skips "
-    "the neighbour of each cluster that went.",
-    hint="Change no label but to 0. If you loop, read the labels from the original and write "
-    "into a copy.",
+    title="Removes every small cluster, even if it follows another one",
+    why="Clutter comes in swarms. Renumbering the labels inside the loop skips the cluster after "
+    "each removed one.",
+    hint="Change labels only to 0. If you loop, read from the original labels and write into a "
+    "copy.",
 )
-def removes_neighbours(filter_clusters: Callable) -> None:
+def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
     assert_right_clusters_left(
         filter_clusters(labels.copy(), 4),
@@ -232,11 +234,11 @@ def removes_neighbours(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="A cluster of exactly min_num_points stays",
-    why="The minimum is the smallest number of points that is still believed.",
-    hint='"Fewer than" is <, not <=.',
+    title="Keeps clusters of exactly min_num_points points",
+    why="The minimum is the smallest number of points that counts as an obstacle.",
+    hint='"Fewer than" means <, not <=.',
 )
-def keeps_the_tie(filter_clusters: Callable) -> None:
+def keeps_clusters_of_the_minimum_size(filter_clusters: Callable) -> None:
     for sizes, kept in (([4, 5, 9], [0, 2, 3]), ([9, 4, 5], [1, 0, 3])):
         labels = np.repeat([1, 2, 3], sizes)
         assert_right_clusters_left(
@@ -247,11 +249,12 @@ def keeps_the_tie(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="The parameter decides how many points are enough",
-    why="How many points an obstacle has depends on the scanner, so each car sets its own minimum.",
-    hint="Compare with min_num_points, by its name, and with no number of your own.",
+    title="Uses min_num_points as the minimum",
+    why="The number of points on an obstacle depends on the scanner, so each car sets its own "
+    "minimum.",
+    hint="Compare with min_num_points, not with a fixed number.",
 )
-def follows_the_minimum(filter_clusters: Callable) -> None:
+def uses_the_minimum(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3], [12, 30, 60])
     for minimum, kept in ((7, [1, 2, 3]), (20, [0, 2, 3]), (45, [0, 0, 3]), (80, [0, 0, 0])):
         expected = np.repeat(kept, [12, 30, 60])
@@ -273,8 +276,8 @@ _FILTERED_CASE = Case(
 @common_checks.default(
     _FILTERED_CASE,
     "min_num_points=100",
-    title="The minimum is 100 unless another one is given",
-    why="Later lessons call filter_clusters(labels) and rely on it.",
+    title="Uses a minimum of 100 by default",
+    why="Later lessons call filter_clusters(labels) and rely on this default.",
 )
 def keeps_the_default(filter_clusters: Callable) -> None:
     sizes = [60, 99, 100, 101]
@@ -285,10 +288,12 @@ def keeps_the_default(filter_clusters: Callable) -> None:
     )
     if not np.array_equal(with_minimum, without_minimum):
         raise CheckFailed(
-            fixed("Without a minimum other clusters stay than with a minimum of 100."),
+            fixed(
+                "filter_clusters(labels) and filter_clusters(labels, 100) keep different clusters."
+            ),
             given=_call_text(labels, None),
-            yours=f"{np.count_nonzero(without_minimum)} points stay",
-            expected=f"{np.count_nonzero(with_minimum)}, as in your function with 100",
+            yours=f"{np.count_nonzero(without_minimum)} points kept",
+            expected=f"{np.count_nonzero(with_minimum)} points kept, as with a minimum of 100",
         )
 
 
@@ -302,9 +307,9 @@ common_checks.names(
 @visible(
     "filter_clusters",
     weight=5,
-    title="A large cluster stays, however large it is",
-    why="A wall, a lorry or the car in front has hundreds or thousands of points in a scan.",
-    hint="There is a minimum and no maximum: compare the size with min_num_points alone.",
+    title="Keeps large clusters, whatever their size",
+    why="A wall, a lorry or the car ahead has hundreds or thousands of points in a scan.",
+    hint="There is a minimum but no maximum: compare the size only with min_num_points.",
 )
 def keeps_large_clusters(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -319,11 +324,11 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="Label 0 stays 0, however many points have it",
-    why="Other steps set noise to 0, too. It must not come back as one huge obstacle.",
-    hint="Leave out the label 0 when you look for clusters, or let it stay what it is.",
+    title="Keeps label 0, however many points have it",
+    why="Earlier steps also use label 0 for noise. It must not become one huge obstacle.",
+    hint="Skip label 0 when you look for clusters, or leave it unchanged.",
 )
-def leaves_noise_alone(filter_clusters: Callable) -> None:
+def keeps_label_zero(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
     labels = np.array([0, 2, 0, 2, 0, 1, 2, 0, 0, 1, 0, 2])
     yours = as_labels(filter_clusters(labels.copy(), 3), len(labels))
@@ -339,10 +344,10 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=2,
-    title="Labels may have gaps",
-    why="A second filter gets the gaps that the first one left.",
-    hint="Go by the labels that occur, from np.unique, not by range(1, N): 7 may be there "
-    "without 6.",
+    title="Works when labels have gaps",
+    why="If labels are filtered twice, the second call gets the gaps left by the first.",
+    hint="Loop over the labels that occur, from np.unique, not over range(1, N): label 7 may "
+    "occur without label 6.",
 )
 def allows_gaps(filter_clusters: Callable) -> None:
     labels = np.array([7, 40, 7, 7, 40, 3, 7])
@@ -354,11 +359,11 @@ def allows_gaps(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="Takes no points, one point, and all points in one cluster",
-    why="The other filters can remove everything, or leave a single wall.",
-    hint="The same lines serve every case: np.unique of no points is no labels.",
+    title="Works on no points, on one point, and on a single cluster",
+    why="Other filters may remove everything, or leave a single wall.",
+    hint="No special case is needed: np.unique of an empty array is empty.",
 )
-def takes_the_smallest(filter_clusters: Callable) -> None:
+def works_on_few_points(filter_clusters: Callable) -> None:
     empty = np.empty(0, dtype=int)
     assert_right_clusters_left(filter_clusters(empty, 2), empty, empty)
     for labels, minimum, expected in (
@@ -376,7 +381,7 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
 common_checks.untouched(
     _FILTERED_CASE,
     "leaves_its_input",
-    why="The next step may want to try another minimum on the same labels.",
+    why="The next step may try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
     weight=2,
 )
@@ -385,8 +390,8 @@ common_checks.untouched(
 @visible(
     "filter_clusters",
     weight=1,
-    title="Returns a new array, also where nothing is removed",
-    why="Otherwise a change of the result would change the labels of the step before.",
+    title="Returns a new array, even if nothing is removed",
+    why="Otherwise, changing the result would also change the labels of the previous step.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def returns_a_new_array(filter_clusters: Callable) -> None:
@@ -396,21 +401,22 @@ def returns_a_new_array(filter_clusters: Callable) -> None:
 
 @noted(
     "filter_clusters",
-    title="The labels are an array, not a list",
-    why="The next cells ask for filtered > 0, which a list cannot answer. End with np.array(...).",
+    title="Returns the labels as an array",
+    why="The next cells compute filtered > 0, which fails for a list. End with np.array(...).",
 )
 def returns_an_array(filter_clusters: Callable) -> None:
     answer = filter_clusters(_LABELS.copy(), 3)
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The labels are a {type(answer).__name__}.")
+        raise CheckFailed(f"The labels are in a {type(answer).__name__}.")
 
 
 @noted(
     "filter_clusters",
-    title="Labels are whole numbers",
-    why="np.bincount and labels as an index, in the next cells, take no floating point numbers.",
+    title="Returns whole numbers",
+    why="The next cells pass the labels to np.bincount and use them as indices, which fails for "
+    "floating-point numbers.",
 )
-def has_whole_labels(filter_clusters: Callable) -> None:
+def returns_whole_numbers(filter_clusters: Callable) -> None:
     dtype = as_array(filter_clusters(_LABELS.copy(), 3)).dtype
     if dtype.kind not in "iu":
         raise CheckFailed(f"The labels are of type {dtype}.")
@@ -428,12 +434,12 @@ def _cluster_sizes(labels: np.ndarray) -> np.ndarray:
 
 
 def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
-    """Number the clusters that stay from 1."""
+    """Renumber the remaining clusters from 1."""
     return np.searchsorted(np.unique(right[right > 0]), right) + (right > 0)
 
 
-def _labels_move_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Decrease all later labels by one inside the loop whenever a cluster goes."""
+def _renumbered_inside_the_loop(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
+    """Decrease all later labels by one, inside the loop, whenever a cluster is removed."""
     labels = labels.copy()
     for label in range(1, labels.max() + 1):
         if np.count_nonzero(labels == label) < minimum:
@@ -443,7 +449,7 @@ def _labels_move_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.n
 
 
 def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Use the size of the next cluster for each cluster; the last one always stays."""
+    """Decide about each cluster by the size of the next one; the last cluster always stays."""
     sizes = np.append(np.bincount(labels)[1:], minimum)
     return np.where(sizes[labels] < minimum, 0, labels)
 
@@ -451,66 +457,67 @@ def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> 
 mistakes(
     "filter_clusters",
     Mistake(
-        "`<=` stands where `<` is asked for: a cluster of exactly min_num_points goes.",
+        "`<=` is used instead of `<`, so clusters of exactly min_num_points points are removed.",
         lambda right, labels, minimum: np.where(_cluster_sizes(labels) > minimum, labels, 0),
-        'Only clusters with fewer points go; "fewer than" is <.',
+        'Remove only clusters with fewer points: "fewer than" means <.',
     ),
     Mistake(
-        "The labels are compared with min_num_points; the number of points that have a label "
-        "should be.",
+        "The labels themselves are compared with min_num_points. The number of points with each "
+        "label should be compared.",
         lambda right, labels, minimum: np.where(labels < minimum, 0, labels),
         "np.unique(cluster_labels, return_counts=True) counts the points of each label.",
     ),
     Mistake(
-        "It is the large clusters that go, and the small ones that stay.",
+        "The large clusters are removed and the small ones stay.",
         lambda right, labels, minimum: np.where(_cluster_sizes(labels) < minimum, labels, 0),
     ),
     Mistake(
-        "A fixed minimum of 100 decides, whatever min_num_points is.",
+        "The minimum is fixed at 100; min_num_points is ignored.",
         lambda right, labels, minimum: np.where(_cluster_sizes(labels) < 100, 0, labels),
         "Compare with min_num_points.",
     ),
     Mistake(
-        "The points of small clusters are deleted. They keep their place, with the label 0.",
+        "The points of small clusters are deleted. They should keep their place and get the "
+        "label 0.",
         lambda right, labels, minimum: right[right > 0],
-        "There must be one label for each point: np.where(too_small, 0, cluster_labels).",
+        "Return one label for each point: np.where(too_small, 0, cluster_labels).",
     ),
     Mistake(
-        "The clusters that stay are numbered anew, from 1.",
+        "The remaining clusters are renumbered from 1.",
         _renumbered,
-        "Change no label but to 0.",
+        "Change labels only to 0.",
     ),
     Mistake(
-        "What is returned are the names of the labels that stay, each once.",
+        "Your code returns each remaining label once. It should return one label for each point.",
         lambda right, labels, minimum: np.unique(right[right > 0]),
-        "There must be one label for each point, in the order of the points.",
+        "Return one label for each point, in the order of the points.",
     ),
     Mistake(
-        "-1 is written where a cluster is too small; it should be 0.",
+        "Points of small clusters get the label -1. They should get 0.",
         lambda right, labels, minimum: np.where(right > 0, right, -1),
     ),
     Mistake(
-        "Nothing is removed: the labels come back as they went in.",
+        "Nothing is removed: the labels are returned unchanged.",
         lambda right, labels, minimum: labels,
         is_cheap=True,
     ),
     Mistake(
-        "The later labels move up while the loop walks along them, so that it never looks at the "
-        "cluster that follows one that goes.",
-        _labels_move_up,
-        "Change no label but to 0. Read the labels from cluster_labels, and write into a copy.",
+        "Your loop renumbers the later labels, so it skips the cluster after each removed one.",
+        _renumbered_inside_the_loop,
+        "Change labels only to 0. Read from cluster_labels and write into a copy.",
     ),
     Mistake(
-        "The last label is left out: its cluster stays, however small it is.",
+        "The last label is skipped, so its cluster stays, however small it is.",
         lambda right, labels, minimum: np.where(labels == labels.max(), labels, right),
-        "range(1, n) ends before n. np.unique(cluster_labels) holds every label, the last as well.",
+        "range(1, n) ends before n. np.unique(cluster_labels) contains every label, including "
+        "the last.",
     ),
     Mistake(
-        "You go by the place in the table of counts, not by the label: each cluster stays or goes "
-        "by the size of the next one.",
+        "Your code uses the position in the array of counts as the label, so each cluster is "
+        "judged by the size of the next one.",
         _next_cluster_sizes,
-        "np.unique gives labels and counts side by side: take both, "
-        "for label, count in zip(names, how_many).",
+        "np.unique returns labels and counts. Loop over both: for label, count in zip(names, "
+        "how_many).",
     ),
     # The labels have no gaps, so that a loop over range() is right. The first case is the call that
     # a failed check shows.

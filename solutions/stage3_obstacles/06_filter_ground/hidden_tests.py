@@ -1,8 +1,8 @@
 """Hidden tests of lesson 06. Titles and hints are shown to students; the code is not.
 
-Each tests one property. No point is at the ground level or on the border of a cell, and most tests
-compare only positions. Only `test_voxels_all_around` has cells on both sides of zero, and only
-`test_voxel_borders` has points in the upper halves of cells.
+Each test covers one property. No point is at the ground level or on the border of a cell, and
+most tests compare only positions. Only `test_counts_cells_on_all_sides` has cells on both sides of
+zero, and only `test_starts_cells_at_multiples` has points in the upper halves of cells.
 """
 
 import numpy as np
@@ -29,8 +29,8 @@ from utils.checks.lesson_06 import (
 
 
 @cached_by_content
-def kept_by_hand(cloud, level):
-    """Return the right mask, in plain Python; test clouds have no point at the level itself."""
+def expected_mask(cloud, level):
+    """Return the right mask, computed in plain Python; no point may be exactly at the level."""
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)
 
 
@@ -41,36 +41,37 @@ def without_ties(cloud, level):
 def assert_ground_removed(student, cloud, level=-1.2):
     cloud = without_ties(cloud, level)
     answer = student.filter_ground(cloud.copy(order="A"), level)
-    assert_no_ground_left(answer, cloud, kept_by_hand(cloud, level), level)
+    assert_no_ground_left(answer, cloud, expected_mask(cloud, level), level)
 
 
 @hidden(
     "filter_ground",
     weight=4,
-    title="Right on the course's own scan",
-    hint="Compare with the picture in the notebook: is the road gone and all else there?",
+    title="Removes the ground from the course's scan",
+    hint="Compare with the picture in the notebook: is the road gone, and is everything else "
+    "still there?",
 )
-def test_course_cloud(student):
+def test_filters_the_course_scan(student):
     assert_ground_removed(student, samples.course_cloud()[::5])
 
 
 @hidden(
     "filter_ground",
     weight=4,
-    title="Right on a street you have not seen",
-    hint="On every street the rows with z >= ground_level are what is left.",
+    title="Removes the ground from a street you have not seen",
+    hint="Keep the rows with z >= ground_level, on any street.",
 )
-def test_fresh_street(student, seed):
+def test_filters_a_new_street(student, seed):
     assert_ground_removed(student, samples.fresh_street(seed)[::5])
 
 
 @hidden(
     "filter_ground",
     weight=3,
-    title="Right at levels you have not seen",
-    hint="The rows with z >= ground_level are what is left, whatever the level is.",
+    title="Works with ground levels you have not seen",
+    hint="Keep the rows with z >= ground_level, whatever the level is.",
 )
-def test_other_levels(student, seed):
+def test_works_at_other_levels(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2000)
     for level in np.random.default_rng(seed).uniform(-2.0, 1.0, 4):
         assert_ground_removed(student, cloud, float(level))
@@ -79,34 +80,34 @@ def test_other_levels(student, seed):
 @hidden(
     "filter_ground",
     weight=2,
-    title="Every row keeps its intensity, bright or not",
-    hint="Only column 2 decides; all columns stay.",
+    title="Keeps the intensity of every row, even up to 255",
+    hint="Compare only column 2, and keep all columns.",
 )
-def test_columns(student, seed):
+def test_keeps_all_columns(student, seed):
     cloud = without_ties(samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255], -1.2)
-    assert_all_columns(student.filter_ground(cloud.copy(), -1.2), cloud, kept_by_hand(cloud, -1.2))
+    assert_all_columns(student.filter_ground(cloud.copy(), -1.2), cloud, expected_mask(cloud, -1.2))
 
 
 @hidden(
     "filter_ground",
     weight=2,
-    title="The order of the rows stays, whatever it was",
-    hint="A mask keeps the order by itself.",
+    title="Keeps the order of the rows, whatever it was",
+    hint="Index with a mask: it never changes the order.",
 )
-def test_order(student, seed):
+def test_keeps_the_order(student, seed):
     patch = without_ties(samples.patch_of_course_cloud(seed, 500), -1.2)
     for cloud in (patch, patch[np.argsort(-patch[:, 1])]):
         answer = student.filter_ground(cloud.copy(), -1.2)
-        assert_order(answer, cloud, kept_by_hand(cloud, -1.2))
+        assert_order(answer, cloud, expected_mask(cloud, -1.2))
 
 
 @hidden(
     "filter_ground",
     weight=1,
-    title="Right for three columns, single precision and rows that occur twice",
-    hint="The same two lines serve every case: no special case is needed.",
+    title="Works with three columns, float32 and duplicate rows",
+    hint="Your two lines handle every case: no special case is needed.",
 )
-def test_kinds_of_clouds(student, seed):
+def test_works_on_all_kinds_of_clouds(student, seed):
     require_ground_removed(student.filter_ground)
     cloud = samples.patch_of_course_cloud(seed, 300)
     assert_ground_removed(student, cloud[:, :3])
@@ -118,10 +119,10 @@ def test_kinds_of_clouds(student, seed):
 @hidden(
     "filter_ground",
     weight=1,
-    title="Right for one point and where nothing is left",
-    hint="The same two lines serve every case: no special case is needed.",
+    title="Works on a single point, and when no point is left",
+    hint="Your two lines handle every case: no special case is needed.",
 )
-def test_small(student, seed):
+def test_works_on_small_clouds(student, seed):
     require_ground_removed(student.filter_ground)
     cloud = samples.patch_of_course_cloud(seed, 300)
     columns = as_array(student.filter_ground(cloud.copy(), -1.2)).shape[-1]
@@ -133,10 +134,10 @@ def test_small(student, seed):
 @hidden(
     "filter_ground",
     weight=2,
-    title="Never writes into the array that it is given",
-    hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
+    title="Never modifies its input",
+    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_ground_removed(student.filter_ground)
     assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
 
@@ -148,14 +149,14 @@ def clear_of_borders(cloud, size, highest=1 - 1e-3):
 
 
 def in_lower_halves(cloud, size):
-    """Return rows whose cells are the same if an answer rounds or starts at the lowest cell."""
+    """Return rows that get the same cells if an answer rounds or starts at the lowest cell."""
     cloud = clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
     return np.vstack([cloud, lowest])
 
 
-def one_corner(cloud, seed):
+def one_quadrant(cloud, seed):
     """Return the rows of one quadrant below the sensor, so that no coordinate changes its sign."""
     along, across = np.random.default_rng(seed).choice([-1, 1], 2)
     x, y, z = cloud[:, :3].T
@@ -172,13 +173,13 @@ def mirrored(cloud, size):
     return np.vstack(images)
 
 
-def evenly_lit(cloud):
+def with_equal_intensities(cloud):
     """Return the cloud with the same intensity everywhere."""
     return np.column_stack([cloud[:, :3], np.full(len(cloud), 0.5)])
 
 
 def assert_thinned(student, cloud, size):
-    """Compare the centroids with those from plain Python."""
+    """Compare the centroids with those computed in plain Python."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
@@ -194,58 +195,58 @@ def assert_counted(student, cloud, size):
 @hidden(
     "voxel_grid",
     weight=11,
-    title="Right on a quarter of the course's own scan",
-    hint="There is one row for each occupied cell: the mean of its points.",
+    title="Thins a quarter of the course's scan",
+    hint="Return one row per occupied cell: the mean of its points.",
 )
-def test_voxels_of_course_cloud(student, seed):
-    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
-    assert_thinned(student, evenly_lit(cloud), 0.2)
+def test_thins_the_course_scan(student, seed):
+    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
+    assert_thinned(student, with_equal_intensities(cloud), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=11,
-    title="Right on a quarter of a street that you have not seen",
-    hint="On every street there is one row for each occupied cell: the mean of its points.",
+    title="Thins a quarter of a street you have not seen",
+    hint="On every street, return one row per occupied cell: the mean of its points.",
 )
-def test_voxels_of_fresh_street(student, seed):
-    cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
-    assert_thinned(student, evenly_lit(cloud), 0.2)
+def test_thins_a_new_street(student, seed):
+    cloud = one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
+    assert_thinned(student, with_equal_intensities(cloud), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=5,
-    title="As many points as cells, for a {} size that you have not seen",
-    hint="Cells are voxel_size wide, whatever the size is.",
+    title="Returns one point per cell for a {} cell size you have not seen",
+    hint="Make the cells voxel_size wide, whatever its value.",
 )
 @pytest.mark.parametrize("size", [0.35, 1.1], ids=["small", "large"])
-def test_voxel_sizes(student, seed, size):
-    cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
-    assert_counted(student, evenly_lit(cloud), size)
+def test_works_with_other_voxel_sizes(student, seed, size):
+    cloud = one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
+    assert_counted(student, with_equal_intensities(cloud), size)
 
 
 @hidden(
     "voxel_grid",
     weight=4,
-    title="As many points as cells all around the sensor, above and below it",
-    hint="On both sides of zero the cell is floor(xyz / voxel_size).",
+    title="Returns one point per cell on all sides of the sensor",
+    hint="Compute the cell as floor(xyz / voxel_size) on both sides of zero.",
 )
-def test_voxels_all_around(student, seed):
+def test_counts_cells_on_all_sides(student, seed):
     street = samples.obstacles_of_street(seed, 6000)
-    assert_counted(student, evenly_lit(street), 0.2)
-    assert_counted(student, evenly_lit(mirrored(street[::10], 0.2)), 0.2)
+    assert_counted(student, with_equal_intensities(street), 0.2)
+    assert_counted(student, with_equal_intensities(mirrored(street[::10], 0.2)), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=3,
-    title="Cells begin at multiples of voxel_size, wherever the points lie",
-    hint="The cell is floor(xyz / voxel_size).",
+    title="Starts cells at multiples of voxel_size, wherever the points are",
+    hint="Compute the cell as floor(xyz / voxel_size).",
 )
-def test_voxel_borders(student, seed):
+def test_starts_cells_at_multiples(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
+    cloud = with_equal_intensities(one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed))
     cloud = clear_of_borders(cloud, 0.2)
     answer = student.voxel_grid(cloud.copy(), 0.2)
     assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, 0.2)), 0.2)
@@ -254,12 +255,12 @@ def test_voxel_borders(student, seed):
 @hidden(
     "voxel_grid",
     weight=3,
-    title="Averages the intensity as it averages the coordinates",
-    hint="The mean of a cell is one of whole rows: all columns.",
+    title="Averages the intensity in the same way as the coordinates",
+    hint="Take the mean of whole rows, with all their columns.",
 )
-def test_voxels_average_the_intensity(student, seed):
-    # If an answer uses the intensities as coordinates, all are in one cell, as they are so low.
-    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
+def test_averages_the_intensity(student, seed):
+    # All intensities are below 0.2, so that an answer that uses them for the cell is right here.
+    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
     cloud = in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)
     with needs("there is one point per occupied cell, the mean of its points"):
@@ -270,12 +271,12 @@ def test_voxels_average_the_intensity(student, seed):
 @hidden(
     "voxel_grid",
     weight=4,
-    title="The same cells whatever the intensities",
-    hint="x, y and z alone decide about the cell.",
+    title="Finds the same cells, whatever the intensities",
+    hint="Compute the cell from x, y and z only.",
 )
-def test_voxels_of_bright_points(student, seed):
+def test_ignores_bright_intensities(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
+    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
     assert_counted(student, cloud, 0.2)
     assert_counted(student, cloud * [1, 1, 1, 255], 0.2)
 
@@ -283,12 +284,12 @@ def test_voxels_of_bright_points(student, seed):
 @hidden(
     "voxel_grid",
     weight=2,
-    title="Right for three columns, single precision, one point, and many points in one cell",
-    hint="The same lines serve every case; only an empty cloud needs one of its own.",
+    title="Works with three columns, float32, a single point, and many points in one cell",
+    hint="Your lines handle all these cases: only an empty cloud needs a special case.",
 )
-def test_voxels_of_other_clouds(student, seed):
+def test_thins_all_kinds_of_clouds(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
+    cloud = with_equal_intensities(one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed))
     cloud = in_lower_halves(cloud, 0.2)
     for form in (
         cloud[:, :3],
@@ -304,9 +305,9 @@ def test_voxels_of_other_clouds(student, seed):
 @hidden(
     "voxel_grid",
     weight=2,
-    title="Never writes into the array that it is given",
-    hint="The caller's cloud is afterwards what it was before.",
+    title="Never modifies its input",
+    hint="Leave the caller's cloud unchanged: write into a new array.",
 )
-def test_voxels_input(student, seed):
+def test_voxel_grid_leaves_its_input_unchanged(student, seed):
     require_row_per_cell(student.voxel_grid)
     assert_untouched(student.voxel_grid, samples.patch_of_course_cloud(seed, 200), 0.2)

@@ -28,18 +28,18 @@ def voxel_grid():
     return names_of("06_filter_ground", "voxel_grid")["voxel_grid"]
 
 
-def test_the_peak_is_the_ground(street):
+def test_the_peak_of_the_histogram_is_the_ground(street):
     z, is_ground = street["cloud"][:, 2], street["kinds"] == "ground"
     counts, edges = np.histogram(z, bins=np.arange(-3.5, 3.05, 0.1))
     low = edges[np.argmax(counts)]
     assert np.mean(is_ground[(z >= low) & (z < low + 0.1)]) > 0.9
     assert -1.73 < low + 0.05 < -1.6
     assert f"{low:.1f} {low + 0.1:.1f}" == "-1.7 -1.6"
-    assert np.mean(is_ground) < 0.5  # other objects return the rest
+    assert np.mean(is_ground) < 0.5  # other objects give more than half of the returns
     assert np.mean(np.isin(street["kinds"], ["wall", "car"])) > 0.4
 
 
-def test_cars_nearby_are_lower_than_our_sensor(street):
+def test_nearby_cars_are_lower_than_the_sensor(street):
     cloud, mine = street["cloud"], street["kinds"] == "car"
     mine &= np.hypot(cloud[:, 0], cloud[:, 1]) < 15
     assert cloud[mine, 2].max() < 0.05
@@ -95,7 +95,7 @@ def test_the_default_is_above_the_crossing_of_the_errors(street):
 def test_the_remaining_ground_is_far_away(street, filter_ground):
     left_over = filter_ground(street["ground"])
     assert len(left_over) and np.hypot(left_over[:, 0], left_over[:, 1]).min() > 20
-    assert np.mean(left_over[:, 0] > 0) > 0.8  # ahead, because the street climbs
+    assert np.mean(left_over[:, 0] > 0) > 0.8  # mostly ahead, because the street climbs
 
 
 def test_density_falls_faster_on_the_road(street):
@@ -125,7 +125,7 @@ def test_voxels_thin_near_objects_more_than_far_ones(street):
     assert all(left[number][1] > 2 * left[number][0] for number in (8, 72))
 
 
-def test_four_voxels_by_hand(street, voxel_grid):
+def test_four_voxels_match_the_values_in_the_text(street, voxel_grid):
     four = voxel_grid(street["few"], 0.5)
     by_hand = [[-0.2, 0.3, 0.1, 0.5], [0.2, 0.2, 0.2, 0.3]]
     by_hand += [[0.7, 0.2, 0.1, 0.6], [0.7, 0.7, 0.2, 0.4]]
@@ -142,13 +142,13 @@ def test_cells_twice_as_wide_leave_two_to_four_times_fewer(street):
     left = street["points_left"](np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6]))
     factors = left[:-1] / left[1:]
     assert (factors[1:] > 2).all() and (factors[1:] < 4).all()
-    assert factors[0] < 2  # hardly anything to merge
+    assert factors[0] < 2  # there are hardly any points to merge
 
 
 def test_common_mistakes_match_the_table(street, voxel_grid):
     cloud = street["thin"]
     assert (np.abs(cloud[:, 2]) >= -1.2).all()
-    assert cloud[cloud[:, 1] >= -1.2, 1].min() >= -1.2  # nothing on the right
+    assert cloud[cloud[:, 1] >= -1.2, 1].min() >= -1.2  # no points remain on the right
     points = street["upright"][:2000]
     _, which, counts = np.unique(
         np.floor(points[:, :3] / 0.2), axis=0, return_inverse=True, return_counts=True

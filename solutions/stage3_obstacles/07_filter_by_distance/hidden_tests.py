@@ -1,7 +1,7 @@
 """Hidden tests of lesson 07. Titles and hints are shown to students; the code is not.
 
-Each tests one property. Points are on a border only in the tests of faces. Heights and intensities
-are large enough to matter only in the tests about them.
+Each test covers one property. No point is on a border. Heights and intensities are large enough to
+matter only in the tests about them.
 """
 
 import copy
@@ -33,13 +33,13 @@ MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives
 
 
 @cached_by_content
-def distances_by_hand(cloud):
+def distances_in_plain_python(cloud):
     return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
 
 
 def clear_of_circle(cloud, distance):
     """Return the rows that are clear of a circle's rim, and whether each is inside."""
-    true_distance = distances_by_hand(cloud)
+    true_distance = distances_in_plain_python(cloud)
     clear = np.abs(true_distance - distance) > MARGIN
     return cloud[clear], true_distance[clear] < distance
 
@@ -52,12 +52,12 @@ def assert_distance_filtered(student, cloud, distance=10.0):
 
 
 def without_corners(cloud, distance):
-    """Return rows whose side of the circle is the same for every usual norm in the plane."""
+    """Return the rows that every common norm in the plane puts on the same side of the circle."""
     x, y = np.abs(cloud[:, :2]).T
     return cloud[(x + y < distance - MARGIN) | (np.maximum(x, y) > distance + MARGIN)]
 
 
-def pressed_flat(cloud):
+def flattened(cloud):
     """Return the cloud with heights and intensities too small to affect a distance."""
     return cloud * [1, 1, 0.01, 0.01]
 
@@ -65,31 +65,32 @@ def pressed_flat(cloud):
 @hidden(
     "filter_by_distance",
     weight=4,
-    title="Right on the course's own scan",
-    hint="Compare with the picture in the notebook: a disc, with nothing missing inside.",
+    title="Keeps the near points of the course's scan",
+    hint="Compare with the picture in the notebook: the result is a disc with nothing missing "
+    "inside.",
 )
-def test_course_cloud(student):
+def test_filters_the_course_scan(student):
     assert_distance_filtered(student, samples.course_cloud()[::5])
 
 
 @hidden(
     "filter_by_distance",
     weight=4,
-    title="Right on a street you have not seen, pressed flat",
-    hint="On every street the rows with sqrt(x² + y²) <= distance are what is left.",
+    title="Keeps the near points of a flattened street you have not seen",
+    hint="Keep the rows with sqrt(x² + y²) <= distance, on any street.",
 )
-def test_fresh_street(student, seed):
-    assert_distance_filtered(student, pressed_flat(samples.fresh_street(seed)[::5]))
+def test_filters_a_new_street(student, seed):
+    assert_distance_filtered(student, flattened(samples.fresh_street(seed)[::5]))
 
 
 @hidden(
     "filter_by_distance",
     weight=5,
-    title="Right at distances you have not seen",
-    hint="Near is what is at most `distance` away, whatever number that is.",
+    title="Works with distances you have not seen",
+    hint="Compare with `distance`, whatever its value.",
 )
-def test_other_distances(student, seed):
-    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 1000))
+def test_works_with_other_distances(student, seed):
+    cloud = flattened(samples.patch_of_course_cloud(seed, 1000))
     for distance in np.random.default_rng(seed).uniform(6.0, 20.0, 4).tolist():
         assert_distance_filtered(student, without_corners(cloud, distance), distance)
 
@@ -97,23 +98,23 @@ def test_other_distances(student, seed):
 @hidden(
     "filter_by_distance",
     weight=3,
-    title="The same whatever the heights",
-    hint="x and y alone decide, columns 0 and 1; the height stays with its row.",
+    title="Keeps the same points, whatever their heights",
+    hint="Compute the distance from columns 0 and 1 only, and keep the height in its row.",
 )
-def test_heights(student, seed):
+def test_ignores_heights(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0, 0.01]
     cloud[:, 2] = np.random.default_rng(seed).uniform(-30, 30, len(cloud))
-    cloud[7] = 0.0, 0.0, 5.5, 0.01  # straight above the sensor, as under a bridge
+    cloud[7] = 0.0, 0.0, 5.5, 0.01  # directly above the sensor, as under a bridge
     assert_distance_filtered(student, without_corners(cloud, 10.0))
 
 
 @hidden(
     "filter_by_distance",
     weight=3,
-    title="The same whatever the intensities",
-    hint="x and y alone decide, columns 0 and 1; the intensity stays with its row.",
+    title="Keeps the same points, whatever their intensities",
+    hint="Compute the distance from columns 0 and 1 only, and keep the intensity in its row.",
 )
-def test_intensities(student, seed):
+def test_ignores_intensities(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0.01, 0]
     cloud[:, 3] = np.random.default_rng(seed).integers(0, 256, len(cloud))
     assert_distance_filtered(student, without_corners(cloud, 10.0))
@@ -122,11 +123,11 @@ def test_intensities(student, seed):
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Turning the cloud about the sensor changes nothing",
-    hint="A circle is the same from all sides.",
+    title="Keeps the same points when the cloud is turned about the sensor",
+    hint="Use a distance that is the same in every direction, so that the border is a circle.",
 )
-def test_turned(student, seed):
-    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 500))
+def test_keeps_the_same_points_when_turned(student, seed):
+    cloud = flattened(samples.patch_of_course_cloud(seed, 500))
     for angle in np.random.default_rng(seed).uniform(0, 2 * math.pi, 3):
         turned = cloud.copy()
         turned[:, 0] = math.cos(angle) * cloud[:, 0] - math.sin(angle) * cloud[:, 1]
@@ -137,11 +138,11 @@ def test_turned(student, seed):
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Every row keeps its intensity, bright or not",
-    hint="Index the cloud itself: all columns stay.",
+    title="Keeps the intensity of every row",
+    hint="Index the cloud itself: this keeps all columns.",
 )
-def test_columns(student, seed):
-    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 500)), 10.0)
+def test_keeps_all_columns(student, seed):
+    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
     cloud, near = clear_of_circle(cloud, 10.0)
     assert_all_columns(student.filter_by_distance(cloud.copy(), 10.0), cloud, near)
 
@@ -149,11 +150,11 @@ def test_columns(student, seed):
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="The order of the rows stays, whatever it was",
-    hint="A mask keeps the order by itself.",
+    title="Keeps the order of the rows, whatever it was",
+    hint="Index with a mask: it never changes the order.",
 )
-def test_order(student, seed):
-    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 500)), 10.0)
+def test_keeps_the_order(student, seed):
+    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
     cloud, near = clear_of_circle(cloud, 10.0)
     for order in (np.arange(len(cloud)), np.argsort(-cloud[:, 1])):
         answer = student.filter_by_distance(cloud[order], 10.0)
@@ -163,12 +164,12 @@ def test_order(student, seed):
 @hidden(
     "filter_by_distance",
     weight=1,
-    title="Right for three columns, single precision and rows that occur twice",
-    hint="The same two lines serve every case: no special case is needed.",
+    title="Works with three columns, float32 and duplicate rows",
+    hint="Your two lines handle every case: no special case is needed.",
 )
-def test_kinds_of_clouds(student, seed):
+def test_works_on_all_kinds_of_clouds(student, seed):
     require_near_points(student.filter_by_distance)
-    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 300)), 10.0)
+    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 300)), 10.0)
     assert_distance_filtered(student, cloud[:, :3])
     assert_distance_filtered(student, cloud.astype(np.float32))
     assert_distance_filtered(student, np.asfortranarray(cloud))
@@ -178,12 +179,12 @@ def test_kinds_of_clouds(student, seed):
 @hidden(
     "filter_by_distance",
     weight=1,
-    title="Right for one point and where nothing is left",
-    hint="The same two lines serve every case: no special case is needed.",
+    title="Works on a single point, and when no point is left",
+    hint="Your two lines handle every case: no special case is needed.",
 )
-def test_small(student, seed):
+def test_works_on_small_clouds(student, seed):
     require_near_points(student.filter_by_distance)
-    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 300))
+    cloud = flattened(samples.patch_of_course_cloud(seed, 300))
     columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
     far = cloud + [100, 0, 0, 0]
     assert_nothing_left(student.filter_by_distance(far.copy(), 10.0), far, columns)
@@ -193,10 +194,10 @@ def test_small(student, seed):
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Never writes into the array that it is given",
-    hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
+    title="Never modifies its input",
+    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_near_points(student.filter_by_distance)
     assert_untouched(student.filter_by_distance, samples.patch_of_course_cloud(seed, 200), 10.0)
 
@@ -219,8 +220,8 @@ def boxes_of(seed, tall):
 
 
 @cached_by_content
-def gaps_by_hand(cloud, minimum, maximum):
-    """Return the smallest distance of each row from a box's faces, and its depth inside, (n, 2)."""
+def distances_and_depths(cloud, minimum, maximum):
+    """Return each row's smallest distance from the faces of a box and its depth inside, (n, 2)."""
     found = []
     for row in cloud[:, :3].tolist():
         gaps = [
@@ -234,11 +235,11 @@ def gaps_by_hand(cloud, minimum, maximum):
 
 def clear_of(cloud, minimum, maximum):
     """Return the rows that are clear of the faces of a box, and whether each is inside."""
-    distance, depth = gaps_by_hand(cloud, tuple(minimum), tuple(maximum)).T
+    distance, depth = distances_and_depths(cloud, tuple(minimum), tuple(maximum)).T
     return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
 
 
-def ask(student, exercise, cloud, minimum, maximum):
+def answer_of(student, exercise, cloud, minimum, maximum):
     corners = copy.copy(minimum), copy.copy(maximum)
     return getattr(student, exercise)(cloud.copy(order="A"), *corners)
 
@@ -247,36 +248,21 @@ def assert_box_filtered(student, exercise, cloud, minimum, maximum):
     cloud, inside = clear_of(cloud, minimum, maximum)
     keep = inside if exercise == "crop_region" else ~inside
     assert_points_left_by_box(
-        ask(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep
+        answer_of(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep
     )
 
 
-def apart(cloud, minimum, maximum):
-    """Return which rows are outside on all axes, below a box on some and above it on others."""
+def outside_on_all_axes(cloud, minimum, maximum):
+    """Return a mask of the rows outside a box on all axes: below it on some, above on others."""
     before, beyond = cloud[:, :3] < np.array(minimum), cloud[:, :3] > np.array(maximum)
     return (before | beyond).all(axis=1) & before.any(axis=1) & beyond.any(axis=1)
 
 
-def clear_cut(cloud, minimum, maximum):
-    """Return the rows that are inside a box on all axes or on none, and whether each is inside."""
+def inside_on_all_axes_or_none(cloud, minimum, maximum):
+    """Return the rows inside a box on all axes or on none, and whether each is inside."""
     cloud, inside = clear_of(cloud, minimum, maximum)
-    clear = inside | apart(cloud, minimum, maximum)
+    clear = inside | outside_on_all_axes(cloud, minimum, maximum)
     return cloud[clear], inside[clear]
-
-
-def on_a_lattice(seed):
-    """Return points in, on or away from a box, the box, and a mask of the points in or on it.
-
-    All coordinates are multiples of half a metre, which have no rounding errors.
-    """
-    rng = np.random.default_rng(seed)
-    cloud = np.column_stack([rng.integers(-10, 11, (1500, 3)) / 2, np.ones(1500)])
-    cloud = rng.permutation(np.unique(cloud, axis=0))
-    minimum = tuple((rng.integers(-7, -2, 3) / 2).tolist())
-    maximum = tuple((rng.integers(2, 8, 3) / 2).tolist())
-    inside = gaps_by_hand(cloud, minimum, maximum)[:, 1] >= 0
-    clear = inside | apart(cloud, minimum, maximum)
-    return cloud[clear], (minimum, maximum), inside[clear]
 
 
 def other_clouds(cloud):
@@ -305,10 +291,10 @@ def course_around_the_car():
 @hidden(
     "crop_region",
     weight=6,
-    title="Right on the course's own scan and on a fresh street",
-    hint="Compare with the picture in the notebook: nothing may stick out of the rectangle.",
+    title="Crops the course's scan and a street you have not seen",
+    hint="Compare with the picture in the notebook: no point may be outside the rectangle.",
 )
-def test_crop_streets(student, seed):
+def test_crops_streets(student, seed):
     for cloud in (
         samples.patch_of_course_cloud(seed, 3000),
         samples.obstacles_of_street(seed, 3000),
@@ -319,10 +305,10 @@ def test_crop_streets(student, seed):
 @hidden(
     "crop_region",
     weight=3,
-    title="Right for boxes you have not seen",
-    hint="Inside is what lies between minimum and maximum, whatever these are.",
+    title="Crops to boxes you have not seen",
+    hint="Compare with minimum and maximum, whatever their values.",
 )
-def test_crop_other_boxes(student, seed):
+def test_crops_to_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed, tall=True):
         assert_box_filtered(student, "crop_region", cloud, minimum, maximum)
@@ -331,10 +317,10 @@ def test_crop_other_boxes(student, seed):
 @hidden(
     "crop_region",
     weight=4,
-    title="Right where height decides",
-    hint="All three coordinates have to be inside, z too.",
+    title="Removes points that are outside in height only",
+    hint="Compare all three coordinates: z must be inside as well.",
 )
-def test_crop_heights(student, seed):
+def test_crops_by_height(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for low, high in np.sort(np.random.default_rng(seed).uniform(-2, 1, (3, 2)), axis=1).tolist():
         assert_box_filtered(student, "crop_region", cloud, (-60, -60, low), (60, 60, high + 0.1))
@@ -343,36 +329,36 @@ def test_crop_heights(student, seed):
 @hidden(
     "crop_region",
     weight=2,
-    title="Every row keeps its place and its intensity, bright or not",
-    hint="Compare the first three columns; the fourth is no coordinate, and stays.",
+    title="Keeps the coordinates and the intensity of every row",
+    hint="Compare only the first three columns, and keep the fourth, the intensity.",
 )
-def test_crop_columns(student, seed):
+def test_crop_keeps_all_columns(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255]
-    cloud, inside = clear_cut(cloud, *REGION)
-    assert_all_columns(ask(student, "crop_region", cloud, *REGION), cloud, inside)
+    cloud, inside = inside_on_all_axes_or_none(cloud, *REGION)
+    assert_all_columns(answer_of(student, "crop_region", cloud, *REGION), cloud, inside)
 
 
 @hidden(
     "crop_region",
     weight=1,
-    title="The order of the rows stays, whatever it was",
-    hint="A mask keeps the order by itself.",
+    title="Keeps the order of the rows, whatever it was",
+    hint="Index with a mask: it never changes the order.",
 )
-def test_crop_order(student, seed):
+def test_crop_keeps_the_order(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 500)
-    cloud, inside = clear_cut(cloud[np.argsort(-cloud[:, 1])], *REGION)
-    assert_order(ask(student, "crop_region", cloud, *REGION), cloud, inside)
+    cloud, inside = inside_on_all_axes_or_none(cloud[np.argsort(-cloud[:, 1])], *REGION)
+    assert_order(answer_of(student, "crop_region", cloud, *REGION), cloud, inside)
 
 
 @hidden(
     "crop_region",
     weight=1,
-    title="Right for three columns, single precision and rows that occur twice",
-    hint="The same lines serve every case: no special case is needed.",
+    title="Works with three columns, float32 and duplicate rows",
+    hint="Your lines handle every case: no special case is needed.",
 )
-def test_crop_kinds_of_clouds(student, seed):
+def test_crops_all_kinds_of_clouds(student, seed):
     require_crop(student.crop_region)
-    cloud, _ = clear_cut(samples.patch_of_course_cloud(seed, 300), *REGION)
+    cloud, _ = inside_on_all_axes_or_none(samples.patch_of_course_cloud(seed, 300), *REGION)
     for variant in other_clouds(cloud):
         assert_box_filtered(student, "crop_region", variant, *REGION)
 
@@ -380,25 +366,25 @@ def test_crop_kinds_of_clouds(student, seed):
 @hidden(
     "crop_region",
     weight=1,
-    title="Right for one point and where nothing is left",
-    hint="The same lines serve every case: no special case is needed.",
+    title="Works on a single point, and when no point is left",
+    hint="Your lines handle every case: no special case is needed.",
 )
-def test_crop_small(student, seed):
+def test_crops_small_clouds(student, seed):
     require_crop(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 300)
-    columns = as_array(ask(student, "crop_region", cloud, *REGION)).shape[-1]
+    columns = as_array(answer_of(student, "crop_region", cloud, *REGION)).shape[-1]
     far = cloud + [200, 200, 200, 0]
-    assert_nothing_left(ask(student, "crop_region", far, *REGION), far, columns)
+    assert_nothing_left(answer_of(student, "crop_region", far, *REGION), far, columns)
     assert_box_filtered(student, "crop_region", np.array([[1.0, 2.0, 0.5, 0.1]]), *REGION)
 
 
 @hidden(
     "crop_region",
     weight=1,
-    title="Never writes into the arrays that it is given",
-    hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
+    title="Never modifies the cloud or the corners",
+    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_crop_input(student, seed):
+def test_crop_leaves_its_input_unchanged(student, seed):
     require_crop(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_untouched(student.crop_region, cloud, *map(np.array, REGION))
@@ -407,13 +393,13 @@ def test_crop_input(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=3,
-    title="Frees {} of our own car",
-    hint="In the picture the box must be empty, and everything beside it still there.",
+    title="Removes the ego car from {}",
+    hint="In the picture the box must be empty, and everything around it must still be there.",
 )
 @pytest.mark.parametrize(
-    "street", ["course", "fresh"], ids=["the course's own scan", "a fresh street"]
+    "street", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]
 )
-def test_remove_from_streets(student, seed, street):
+def test_removes_the_ego_car_from_streets(student, seed, street):
     cloud = course_around_the_car() if street == "course" else scan_around_the_car(seed)
     assert_box_filtered(student, "remove_ego_returns", cloud, *EGO_BOX)
 
@@ -421,10 +407,10 @@ def test_remove_from_streets(student, seed, street):
 @hidden(
     "remove_ego_returns",
     weight=3,
-    title="Right for boxes you have not seen",
-    hint="Inside is what lies between minimum and maximum, whatever these are.",
+    title="Works with boxes you have not seen",
+    hint="Compare with minimum and maximum, whatever their values.",
 )
-def test_remove_other_boxes(student, seed):
+def test_works_with_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 1, tall=True):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
@@ -433,10 +419,10 @@ def test_remove_other_boxes(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=3,
-    title="Right where height decides",
-    hint="What is above or below the box is no part of it.",
+    title="Keeps points that are outside in height only",
+    hint="Keep points above and below the box: they are not part of it.",
 )
-def test_remove_heights(student, seed):
+def test_keeps_points_above_and_below(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 2, tall=False):
@@ -446,35 +432,35 @@ def test_remove_heights(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=2,
-    title="Every row keeps its intensity, bright or not",
-    hint="Compare the first three columns; the fourth is no coordinate, and stays.",
+    title="Keeps the intensity of every row, even up to 255",
+    hint="Compare only the first three columns, and keep the fourth, the intensity.",
 )
-def test_remove_columns(student, seed):
-    cloud, inside = clear_cut(scan_around_the_car(seed) * [1, 1, 1, 255], *EGO_BOX)
-    assert_all_columns(ask(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
+def test_removal_keeps_all_columns(student, seed):
+    cloud, inside = inside_on_all_axes_or_none(scan_around_the_car(seed) * [1, 1, 1, 255], *EGO_BOX)
+    assert_all_columns(answer_of(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
 
 
 @hidden(
     "remove_ego_returns",
     weight=1,
-    title="The order of the rows stays, whatever it was",
-    hint="A mask keeps the order by itself.",
+    title="Keeps the order of the rows, whatever it was",
+    hint="Index with a mask: it never changes the order.",
 )
-def test_remove_order(student, seed):
+def test_removal_keeps_the_order(student, seed):
     cloud = scan_around_the_car(seed)
-    cloud, inside = clear_cut(cloud[np.argsort(-cloud[:, 1])], *EGO_BOX)
-    assert_order(ask(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
+    cloud, inside = inside_on_all_axes_or_none(cloud[np.argsort(-cloud[:, 1])], *EGO_BOX)
+    assert_order(answer_of(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
 
 
 @hidden(
     "remove_ego_returns",
     weight=1,
-    title="Right for three columns, single precision and rows that occur twice",
-    hint="The same lines serve every case; what occurs twice stays twice.",
+    title="Works with three columns, float32 and duplicate rows",
+    hint="Your lines handle every case: a row that occurs twice stays twice.",
 )
-def test_remove_kinds_of_clouds(student, seed):
+def test_removes_from_all_kinds_of_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)
-    cloud, _ = clear_cut(scan_around_the_car(seed), *EGO_BOX)
+    cloud, _ = inside_on_all_axes_or_none(scan_around_the_car(seed), *EGO_BOX)
     for variant in other_clouds(cloud):
         assert_box_filtered(student, "remove_ego_returns", variant, *EGO_BOX)
 
@@ -482,27 +468,27 @@ def test_remove_kinds_of_clouds(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=1,
-    title="Right for one point and where nothing is left",
-    hint="The same lines serve every case: no special case is needed.",
+    title="Works on a single point, and when no point is left",
+    hint="Your lines handle every case: no special case is needed.",
 )
-def test_remove_small(student, seed):
+def test_removes_from_small_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud = scan_around_the_car(seed)
-    columns = as_array(ask(student, "remove_ego_returns", cloud, *EGO_BOX)).shape[-1]
+    columns = as_array(answer_of(student, "remove_ego_returns", cloud, *EGO_BOX)).shape[-1]
     low, high = map(np.array, EGO_BOX)
     ours = np.random.default_rng(seed).uniform([*low + 0.05, 0], [*high - 0.05, 1], (50, 4))
-    assert_nothing_left(ask(student, "remove_ego_returns", ours, *EGO_BOX), ours, columns)
+    assert_nothing_left(answer_of(student, "remove_ego_returns", ours, *EGO_BOX), ours, columns)
     assert_box_filtered(student, "remove_ego_returns", np.array([[9.0, 8.0, 2.2, 0.1]]), *EGO_BOX)
 
 
 @hidden(
     "remove_ego_returns",
     weight=1,
-    title="Never writes into the arrays that it is given",
-    hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
+    title="Never modifies the cloud or the corners",
+    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
-def test_remove_input(student, seed):
+def test_removal_leaves_its_input_unchanged(student, seed):
     require_ego_removed(student.remove_ego_returns)
-    # A small part of a scan may contain no returns of the ego car, and so nothing to overwrite.
+    # A patch of a scan may contain no returns of the ego car, so there is nothing to overwrite.
     for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
         assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

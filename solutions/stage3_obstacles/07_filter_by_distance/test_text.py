@@ -34,13 +34,13 @@ def of_kind(kind):
     return TRUTH["classes"] == NAMES.index(kind)
 
 
-def seen(rows, at_least=20):
-    """Return the objects with at least `at_least` returns among rows of x, y, z, object number."""
+def seen(rows, minimum=20):
+    """Return the objects with at least `minimum` returns; rows are x, y, z and object number."""
     numbers, counts = np.unique(rows[:, 3], return_counts=True)
-    return set(numbers[counts >= at_least].astype(int).tolist())
+    return set(numbers[counts >= minimum].astype(int).tolist())
 
 
-def test_tiny_cases():
+def test_the_small_examples_are_right():
     four = np.array([[11.0, 1, 0, 0.1], [6, 2, 9, 0.1], [4, 3, -12, 0.1], [13, 2, -0.2, 0.1]])
     assert filter_by_distance(four).tolist() == [[6, 2, 9, 0.1], [4, 3, -12, 0.1]]
     assert np.hypot(four[:, 0], four[:, 1])[[1, 2]] == pytest.approx([6.3, 5.0], abs=0.05)
@@ -57,11 +57,13 @@ def test_the_length_of_whole_rows_fails_only_with_bright_intensities():
     assert not (kept & of_kind("car")).any()
     near = np.hypot(CLOUD[:, 0], CLOUD[:, 1]) <= 10
     in_space = np.linalg.norm(CLOUD[:, :3], axis=1) <= 10
-    assert ((np.linalg.norm(CLOUD, axis=1) <= 10) != in_space).mean() < 0.001, "hardly shows"
-    assert near.mean() > 0.5, "more than the 1.6 % of the area"
+    assert ((np.linalg.norm(CLOUD, axis=1) <= 10) != in_space).mean() < 0.001, (
+        "with low intensities the mistake hardly shows"
+    )
+    assert near.mean() > 0.5, "the share of points is far above the 1.6 % of the area"
 
 
-def test_a_ball_loses_the_child_and_a_cylinder_keeps_it():
+def test_a_sphere_loses_the_child_and_a_cylinder_keeps_it():
     sensor = Sensor(
         elevations=layers(64, -50, 15), azimuth_step=np.radians(0.3), origin=(0, 0, 3.4)
     )
@@ -72,7 +74,7 @@ def test_a_ball_loses_the_child_and_a_cylinder_keeps_it():
     assert not (np.linalg.norm(child[:, :3], axis=1) <= 6).any()
     assert len(filter_by_distance(child, 6.0)) == len(child)
     low, high = child[:, 2].min(), child[:, 2].max()
-    assert low < -3.1 and high > -2.3, "from head to feet"
+    assert low < -3.1 and high > -2.3, "the child is seen from head to foot"
 
 
 def test_each_metre_adds_thousands_of_points_and_finally_dozens():
@@ -93,7 +95,9 @@ def test_the_car_ahead_is_in_our_lane_and_alone_in_it():
     radius = next(r for r in range(1, 81) if len(filter_by_distance(ahead, r)) >= 20)
     assert 20 <= radius <= 22
     obstacles = CLOUD[~(of_kind("invalid") | of_kind("ground") | of_kind("ego"))]
-    assert len(filter_by_distance(obstacles, 30)) / len(obstacles) > 0.95, "stops growing"
+    assert len(filter_by_distance(obstacles, 30)) / len(obstacles) > 0.95, (
+        "the picture stops growing"
+    )
 
 
 def test_far_points_are_few_but_far_road_users_are_many():
@@ -110,10 +114,10 @@ def test_far_points_are_few_but_far_road_users_are_many():
     assert near[50] > 0.9 and near[50] ** 2 > 0.8
     assert users[50] < 0.75
     assert users[30] < users[50]
-    assert 10 < stops[30] < 12 < stops[50], "10 m are not enough for 30 km/h"
+    assert 10 < stops[30] < 12 < stops[50], "10 m is not enough for 30 km/h"
 
 
-def test_an_oncoming_car_shortens_the_distance():
+def test_an_oncoming_car_comes_nearer_while_the_ego_car_brakes():
     seconds = 0.5 + 50 / 3.6 / 7
     assert seconds == pytest.approx(2.5, abs=0.05)
     car = np.flatnonzero(TRUTH["box_identities"] == 119)[0]
@@ -129,10 +133,14 @@ def test_the_box_reaches_far_with_fewer_points_than_the_circle():
     ahead = USERS[USERS[:, 0] > 0]
     in_street = ahead[np.abs(ahead[:, 1] - 0.5) < 5.5]
     big = seen(filter_by_distance(in_street, 30))
-    assert seen(crop_region(in_street, *REGION)) == big, "as far ahead as the big circle"
+    assert seen(crop_region(in_street, *REGION)) == big, (
+        "the box reaches as far ahead as the big circle"
+    )
     lost = seen(filter_by_distance(ahead, 30)) - seen(crop_region(ahead, *REGION))
     kinds = dict(zip(TRUTH["box_identities"].tolist(), TRUTH["box_kinds"].tolist(), strict=True))
-    assert lost and {kinds[number] for number in lost} == {"pedestrian"}, "who walks there"
+    assert lost and {kinds[number] for number in lost} == {"pedestrian"}, (
+        "only pedestrians on the pavement are lost"
+    )
 
 
 def test_the_ego_car_and_invalid_returns_are_nearest():
@@ -140,10 +148,14 @@ def test_the_ego_car_and_invalid_returns_are_nearest():
     distances = np.sort(np.hypot(close[:, 0], close[:, 1]))
     invalid = int(of_kind("invalid").sum())
     assert (distances == 0).sum() == invalid > 0
-    assert distances[invalid] == pytest.approx(1.3, abs=0.01), "always 1.3 m off"
-    assert (distances < 3).sum() == invalid + of_kind("ego").sum(), "and nothing else"
+    assert distances[invalid] == pytest.approx(1.3, abs=0.01), (
+        "the nearest part of the ego car is 1.3 m away"
+    )
+    assert (distances < 3).sum() == invalid + of_kind("ego").sum(), "nothing else is that near"
     mirrors = np.abs(CLOUD[of_kind("ego"), 1]).max()
-    assert EGO_BOX[1][1] - mirrors == pytest.approx(0.6, abs=0.05), "generous"
+    assert EGO_BOX[1][1] - mirrors == pytest.approx(0.6, abs=0.05), (
+        "the box is 0.6 m wider than the mirrors"
+    )
     assert hdl64().minimum_range == 1.0
     free = remove_ego_returns(close, *EGO_BOX)
     assert len(close) - len(free) == of_kind("ego").sum()
@@ -152,7 +164,7 @@ def test_the_ego_car_and_invalid_returns_are_nearest():
     assert np.hypot(rest[:, 0], rest[:, 1]).min() > 3
 
 
-def test_outside_on_all_axes_loses_the_car_ahead():
+def test_keeping_only_points_outside_on_all_axes_loses_the_car_ahead():
     outside = (CLOUD[:, :3] < EGO_BOX[0]) | (CLOUD[:, :3] > EGO_BOX[1])
     ahead = TRUTH["objects"] == 11
     assert not outside.all(axis=1)[ahead].any()

@@ -1,9 +1,9 @@
 """Hidden tests of lesson 08. Titles and hints are shown to students; the code is not.
 
-The scans are as in the lesson: with noise, intensity, and labels with gaps and in any order. Each
-other test checks one property. Unless the test is about them, labels rise from 1 without gaps, and
-there is neither noise nor intensity. In the same way, the first point of a cluster is neither its
-smallest nor its largest.
+The two tests on scans use data as in the lesson: with noise, intensity, and labels that have gaps
+and come in any order. Every other test covers one property. Unless that property is the subject,
+labels rise from 1 without gaps, there is neither noise nor intensity, and the first point of a
+cluster is neither its smallest nor its largest.
 """
 
 import functools
@@ -18,7 +18,7 @@ from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.lesson_08 import require_three_boxes
 
 
-def boxes_by_hand(cloud, labels):
+def expected_boxes(cloud, labels):
     """Return the right boxes, computed in plain Python, shape (N, 8, 3)."""
     rows = {}
     for label, row in zip(labels.tolist(), cloud[:, :3].tolist(), strict=True):
@@ -40,11 +40,11 @@ def boxes_by_hand(cloud, labels):
 
 
 def assert_boxed(student, cloud, labels):
-    """Check the boxes of a cloud in whole centimetres: rounded boxes fail a visible check only."""
+    """Check the boxes of a cloud in whole centimetres, so that an answer may round to them."""
     cloud = cloud.round(2)
     assert_box_corners(
         student.get_bounding_boxes(cloud.copy(), labels.copy()),
-        boxes_by_hand(cloud, labels),
+        expected_boxes(cloud, labels),
         cloud,
         labels,
     )
@@ -83,7 +83,7 @@ def as_filtered(cloud, labels, noise, seed):
     return frozen((cloud, labels.astype(int)))
 
 
-def one_by_one(cloud, labels):
+def clusters_only(cloud, labels):
     """Return the clusters of a scan without noise and intensity, labelled from 1 without gaps."""
     kept = labels > 0
     return cloud[kept, :3], np.unique(labels[kept], return_inverse=True)[1].ravel() + 1
@@ -94,7 +94,7 @@ def clusters_around_the_origin(rng, count=12, each=20):
     labels = np.repeat(np.arange(1, count + 1), each)
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
     points = rng.uniform(-1, 1, (len(labels), 3)) * sizes
-    points[1::each] = -points[::each]  # on both sides along every axis, whatever was drawn
+    points[1::each] = -points[::each]  # now on both sides along every axis
     return middles_first(points, labels)
 
 
@@ -106,30 +106,30 @@ def without_small(labels, least):
 @hidden(
     "get_bounding_boxes",
     weight=4,
-    title="Right on the course's own scan",
-    hint="Compare with the picture in the notebook: does every obstacle sit in its box?",
+    title="Puts a box around every obstacle in the course's scan",
+    hint="Compare with the picture in the notebook: is every obstacle in its box?",
 )
-def test_course_scan(student, seed):
+def test_boxes_the_course_scan(student, seed):
     assert_boxed(student, *course_clusters(seed))
 
 
 @hidden(
     "get_bounding_boxes",
     weight=4,
-    title="Right on a street you have not seen",
-    hint="On every street each label above 0 that occurs has one box, in ascending order.",
+    title="Puts a box around every obstacle on a street you have not seen",
+    hint="On any street, return one box for each label above 0 that occurs, in ascending order.",
 )
-def test_fresh_street(student, seed):
+def test_boxes_a_new_street(student, seed):
     assert_boxed(student, *street_clusters(seed))
 
 
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for labels with large gaps",
-    hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.",
+    title="Works when labels have large gaps",
+    hint="Loop over np.unique(labels[labels > 0]): it lists the labels that occur.",
 )
-def test_gaps(student, seed):
+def test_works_with_gaps(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = clusters_around_the_origin(rng)
     names = np.sort(rng.choice(np.arange(1, 900), labels.max(), replace=False))
@@ -139,10 +139,11 @@ def test_gaps(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right whichever label comes first in the cloud",
-    hint="The boxes go by the labels, from the smallest up, not by where they first occur.",
+    title="Orders boxes by label, whichever label comes first in the cloud",
+    hint="Return the boxes in ascending order of their labels, not in the order of first "
+    "occurrence.",
 )
-def test_order_of_labels(student, seed):
+def test_orders_boxes_by_label(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = clusters_around_the_origin(rng)
     assert_boxed(student, cloud, np.concatenate([[0], rng.permutation(labels.max()) + 1])[labels])
@@ -151,10 +152,10 @@ def test_order_of_labels(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right when noise is plenty, whatever it holds",
-    hint="Only rows of a label above 0 count, whatever the others hold.",
+    title="Ignores noise, whatever its amount and its values",
+    hint="Use only rows with a label above 0, whatever the other rows contain.",
 )
-def test_noise(student, seed):
+def test_ignores_noise(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = clusters_around_the_origin(rng)
     stray = rng.uniform(-40, 40, (60, 3))
@@ -166,13 +167,13 @@ def test_noise(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for points in {} order",
-    hint="The box is the same in whatever order the points come. The first of them is the smallest "
-    "so far and the largest so far at once.",
+    title="Works for points in {} order",
+    hint="The box does not depend on the order of the points. The first point is both the "
+    "smallest and the largest so far.",
 )
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
-def test_any_order_of_points(student, seed, step):
-    cloud, labels = one_by_one(*street_clusters(seed))
+def test_works_for_any_order_of_points(student, seed, step):
+    cloud, labels = clusters_only(*street_clusters(seed))
     order = np.lexsort([step * cloud.sum(axis=1), labels])
     assert_boxed(student, cloud[order], labels[order])
 
@@ -180,12 +181,12 @@ def test_any_order_of_points(student, seed, step):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right where all coordinates are {}",
-    hint="A cluster may lie on any side of the sensor: all its coordinates may be below 0, or all "
+    title="Works when all coordinates are {}",
+    hint="A cluster may be on any side of the sensor: its coordinates may all be below 0, or all "
     "above.",
 )
 @pytest.mark.parametrize("corner", [-1, 1], ids=["below zero", "above zero"])
-def test_anywhere(student, seed, corner):
+def test_works_in_all_directions(student, seed, corner):
     rng = np.random.default_rng(seed)
     cloud = rng.uniform(5, 9, (60, 3)) * corner
     assert_boxed(student, *middles_first(cloud, rng.integers(1, 4, 60)))
@@ -194,10 +195,10 @@ def test_anywhere(student, seed, corner):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for one point, two points, equal points and points on a line",
-    hint="Nothing special is needed: such a box is flat, or a single place eight times.",
+    title="Works on one point, two points, equal points and points on a line",
+    hint="No special case is needed: such a box may be flat, or consist of eight equal corners.",
 )
-def test_few_points(student, seed):
+def test_works_on_few_points(student, seed):
     rng = np.random.default_rng(seed)
     place = rng.uniform(-9, 9, (1, 3))
     pair = rng.uniform(-9, 9, (2, 3))
@@ -211,10 +212,10 @@ def test_few_points(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for clouds with intensity",
+    title="Works on clouds with intensity",
     hint="Only the first three columns are coordinates.",
 )
-def test_intensity(student, seed):
+def test_works_with_intensity(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = clusters_around_the_origin(rng)
     assert_boxed(student, np.column_stack([cloud, rng.uniform(-50, 50, len(cloud))]), labels)
@@ -223,10 +224,10 @@ def test_intensity(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Right for single precision, and for labels of other whole numbers",
-    hint="The same lines serve every kind of number.",
+    title="Works with float32 points and with 32-bit labels",
+    hint="Your lines handle every number type: no special case is needed.",
 )
-def test_forms(student, seed):
+def test_works_with_other_number_types(student, seed):
     cloud, labels = clusters_around_the_origin(np.random.default_rng(seed))
     assert_boxed(student, cloud.astype(np.float32), labels)
     assert_boxed(student, np.asfortranarray(cloud), labels.astype(np.int32))
@@ -235,20 +236,20 @@ def test_forms(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Right for hundreds of clusters",
-    hint="There are as many boxes as labels above 0, however many that are.",
+    title="Works with hundreds of clusters",
+    hint="Return one box for each label above 0, however many there are.",
 )
-def test_many(student, seed):
+def test_works_with_many_clusters(student, seed):
     assert_boxed(student, *clusters_around_the_origin(np.random.default_rng(seed), 300, 12))
 
 
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Right for no clusters",
-    hint="No cluster gives an array of shape (0, 8, 3).",
+    title="Works on a cloud without clusters",
+    hint="Without clusters, return an array of shape (0, 8, 3).",
 )
-def test_none(student, seed):
+def test_works_without_clusters(student, seed):
     require_three_boxes(student.get_bounding_boxes)
     cloud, none = np.random.default_rng(seed).uniform(-30, 30, (600, 3)), np.zeros(600, dtype=int)
     as_cluster_boxes(student.get_bounding_boxes(cloud.copy(), none.copy()), none)
@@ -257,10 +258,10 @@ def test_none(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Never writes into cloud and labels",
-    hint="Boxes stand in an array of their own; cloud and labels are afterwards what they were.",
+    title="Never modifies the cloud or the labels",
+    hint="Write the boxes into a new array, and leave the cloud and the labels unchanged.",
 )
-def test_input(student, seed):
+def test_leaves_its_input_unchanged(student, seed):
     require_three_boxes(student.get_bounding_boxes)
     cloud, labels = clusters_around_the_origin(np.random.default_rng(seed))
     strays = np.random.default_rng(seed).uniform(-40, 40, (20, 3))

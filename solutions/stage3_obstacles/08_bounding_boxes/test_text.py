@@ -13,7 +13,7 @@ from utils import load_cloud
 from utils.datasets import DATA
 from utils.plots import corners
 
-LOOPS = "the corners from three nested loops, as the text offers"
+LOOPS = "corners from three nested loops, as the text suggests"
 
 
 get_bounding_boxes = taught("get_bounding_boxes")
@@ -44,21 +44,21 @@ def shape_of(label):
     return TRUTH["box_centres"][row], TRUTH["box_sizes"][row], TRUTH["box_yaws"][row]
 
 
-def test_the_promised_length_is_that_of_the_answer():
-    promise = int(
+def test_the_stated_length_matches_the_answer():
+    stated = int(
         re.search(r"roughly (\d+) lines", find_lesson("08_bounding_boxes").source.read_text())[1]
     )
     lines = source_of("get_bounding_boxes").replace(",\n", ", ").strip().splitlines()[1:]
-    assert len(lines) == promise
+    assert len(lines) == stated
 
 
-def test_a_cluster_is_hundreds_of_points_or_thousands():
+def test_clusters_have_hundreds_or_thousands_of_points():
     sizes = np.unique(LABELS[LABELS > 0], return_counts=True)[1]
     assert np.median(sizes) > 100 and sizes.max() > 1000
 
 
 def distance_from_edges(corner, drawn):
-    """Return a corner's distance from the edges that do not end in it, relative to the drawing."""
+    """Return a corner's smallest distance from edges that do not end in it, in drawing widths."""
     far = []
     for start in range(8):
         for axis in (1, 2, 4):
@@ -71,12 +71,12 @@ def distance_from_edges(corner, drawn):
 
 
 @pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
-def test_no_number_of_a_corner_is_drawn_on_another_edge(low, high):
+def test_corner_numbers_are_not_drawn_on_other_edges(low, high):
     drawn = corners._oblique(get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0])
     assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
 
 
-def test_one_box():
+def test_the_box_of_seven_points_is_right():
     seven = np.array(
         [
             [0.5, 0.2, -0.1],
@@ -94,8 +94,8 @@ def test_one_box():
 
 
 @pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
-def test_the_table_of_corners(name):
-    """Corners match the table, which is read from the lesson's text."""
+def test_corners_match_the_table(name):
+    """The table is read from the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
     box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
@@ -103,7 +103,7 @@ def test_the_table_of_corners(name):
         row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
         expected = [corner[int(word.strip() == "max"), axis] for word in row]
         assert box[:, axis].tolist() == expected
-    assert (box[4:, :2] == box[:4, :2]).all(), "the roof stands straight above the floor"
+    assert (box[4:, :2] == box[:4, :2]).all(), "the roof is directly above the floor"
 
 
 def test_the_preview_shows_as_many_boxes_as_the_lesson(boxes):
@@ -118,10 +118,12 @@ def test_boxes_contain_their_clusters(boxes):
     for label, box in zip(PRESENT, boxes, strict=True):
         points = points_of(label)
         assert (points >= box.min(axis=0)).all() and (points <= box.max(axis=0)).all()
-        assert not ((box.min(axis=0) <= 0) & (box.max(axis=0) >= 0)).all(), "reaches the sensor"
+        assert not ((box.min(axis=0) <= 0) & (box.max(axis=0) >= 0)).all(), (
+            "no box contains the sensor"
+        )
 
 
-def test_circles_block_the_lane(boxes):
+def test_more_circles_than_obstacles_reach_into_the_lane(boxes):
     circles, obstacles = set(), set()
     for label in PRESENT:
         xy = points_of(label)[:, :2]
@@ -135,7 +137,7 @@ def test_circles_block_the_lane(boxes):
     assert {"car", "wall"} <= {KINDS[label] for label in circles - obstacles}
 
 
-def test_the_size_of_the_box_of_the_diagonal_car(boxes):
+def test_the_box_of_the_diagonal_car_is_larger_than_the_car(boxes):
     _, size, yaw = shape_of(10)
     length, width = size[:2]
     cosine, sine = abs(np.cos(yaw)), abs(np.sin(yaw))
@@ -153,7 +155,7 @@ def test_the_box_of_a_whole_car_is_largest_at_45_degrees():
     assert along * aside == pytest.approx(formula)
     assert (along * aside).argmax() == 9
     assert along[9] == pytest.approx(aside[9])
-    assert length * width / formula[9] < 0.5, "more than half is air"
+    assert length * width / formula[9] < 0.5, "more than half of the box is empty"
 
 
 def test_unseen_parts_of_vehicles_are_outside_their_boxes(boxes):
@@ -178,7 +180,7 @@ def test_only_one_vehicle_is_diagonal():
 
 def test_boxes_pay_off_after_a_hundred_queries(boxes):
     by_point, by_box = 6 * np.count_nonzero(LABELS), 6 * len(boxes)
-    assert by_point + by_box > by_point, "one question: nothing is gained"
+    assert by_point + by_box > by_point, "nothing is gained with a single query"
     assert by_point + 100 * by_box < 100 * by_point / 50
 
 
@@ -192,14 +194,16 @@ def test_elif_is_right_for_most_maxima_and_wrong_mostly_for_heights():
             tried = values[1:][values[1:] >= np.minimum.accumulate(values)[:-1]]
             if len(tried) and tried.max() < values.max():
                 wrong.append(axis)
-    assert 0 < len(wrong) < 3 * len(PRESENT) / 4, "right for most"
-    assert wrong.count(2) > len(wrong) / 2, "mostly heights"
+    assert 0 < len(wrong) < 3 * len(PRESENT) / 4, "elif is right for most maxima"
+    assert wrong.count(2) > len(wrong) / 2, "most wrong maxima are heights"
 
 
 def test_common_mistakes_look_as_described():
     box = get_bounding_boxes(CLOUD, (LABELS == 0).astype(int))[0]
-    assert (box.min(axis=0) < 0).all() and (box.max(axis=0) > 0).all(), "with us inside"
-    assert np.ptp(box[:, 0]) > 100, "over the whole street"
+    assert (box.min(axis=0) < 0).all() and (box.max(axis=0) > 0).all(), (
+        "the box contains the ego car"
+    )
+    assert np.ptp(box[:, 0]) > 100, "the box covers the whole street"
     assert np.array([]).shape == (0,)
     points = points_of(10)
     cube = get_bounding_boxes(np.array([[points.min()] * 3, [points.max()] * 3]), np.array([1, 1]))[
@@ -207,4 +211,4 @@ def test_common_mistakes_look_as_described():
     ]
     assert np.ptp(np.ptp(cube, axis=0)) == 0
     with pytest.raises(ValueError):
-        points_of(8).min(axis=0)  # a gap
+        points_of(8).min(axis=0)  # label 8 does not occur

@@ -20,26 +20,31 @@ def _loop(end="cluster_labels.max() + 1", read="cluster_labels", more=""):
 
 SLIPS = {
     "filter_clusters": [
-        Slip("`<=` for `<`", "cluster < min", "cluster <= min", SMALL),
-        Slip("the large ones go", "cluster < min", "cluster >= min", USELESS),
-        Slip("labels for sizes", "size_of_its_cluster < min", "cluster_labels < min", USELESS),
-        Slip("-1 for noise", "min_num_points, 0,", "min_num_points, -1,", SMALL),
+        Slip("`<=` instead of `<`", "cluster < min", "cluster <= min", SMALL),
+        Slip("removes the large clusters", "cluster < min", "cluster >= min", USELESS),
         Slip(
-            "points deleted",
+            "compares labels instead of sizes",
+            "size_of_its_cluster < min",
+            "cluster_labels < min",
+            USELESS,
+        ),
+        Slip("writes -1 for noise", "min_num_points, 0,", "min_num_points, -1,", SMALL),
+        Slip(
+            "deletes the points",
             "np.where(size_of_its_cluster < min_num_points, 0, cluster_labels)",
             "cluster_labels[size_of_its_cluster >= min_num_points]",
             USELESS,
         ),
-        Slip("a minimum of its own", "cluster < min_num_points", "cluster < 100", USELESS),
+        Slip("a fixed minimum of 100", "cluster < min_num_points", "cluster < 100", USELESS),
         Slip(
-            "closes the gap in the loop",
+            "renumbers labels inside the loop",
             _COUNT,
             _loop(read="labels", more="\n            labels[labels > label] -= 1"),
             USELESS,
         ),
-        Slip("the last label left out", _COUNT, _loop(end="cluster_labels.max()"), PARTLY),
+        Slip("skips the last label", _COUNT, _loop(end="cluster_labels.max()"), PARTLY),
         Slip(
-            "index for label",
+            "uses the index as the label",
             _COUNT,
             """\
 labels = cluster_labels.copy()
@@ -50,15 +55,20 @@ labels = cluster_labels.copy()
     return labels""",
             USELESS,
         ),
-        Slip("sizes for labels", "0, cluster_labels)", "0, size_of_its_cluster)", USELESS),
-        Slip("largest of nothing", _COUNT, _loop(), SMALL),
         Slip(
-            "large clusters are removed as well",
+            "returns sizes instead of labels",
+            "0, cluster_labels)",
+            "0, size_of_its_cluster)",
+            USELESS,
+        ),
+        Slip("fails on an empty array", _COUNT, _loop(), SMALL),
+        Slip(
+            "also removes large clusters",
             "size_of_its_cluster < min_num_points,",
             "(size_of_its_cluster < min_num_points) | (size_of_its_cluster > 1000),",
             PARTLY,
         ),
-        Slip("the sizes without their rows", "size[row]", "size", USELESS),
+        Slip("`size` instead of `size[row]`", "size[row]", "size", USELESS),
         Slip("no return", "return np.where", "labels = np.where", USELESS),
         Slip(
             "return inside the loop",

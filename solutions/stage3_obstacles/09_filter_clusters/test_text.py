@@ -19,12 +19,12 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 
 @pytest.fixture(scope="module")
 def taught():
-    """Names of the lesson, including its drawings; ten streets take a second or two."""
+    """Names that the lesson defines, with its drawings; the simulation takes a second."""
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
 @pytest.mark.slow
-def test_ten_points(taught):
+def test_ten_points_give_the_printed_results(taught):
     """The notebook prints these results next to "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
@@ -39,11 +39,13 @@ def test_the_slider_reaches_the_default_and_clears_the_road(taught):
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
     assert (100 - low) % step == 0
-    assert value < taught.size_of_puff.max() < 100 < high, "not clear before the first move"
+    assert value < taught.size_of_puff.max() < 100 < high, (
+        "the road is not clear before the slider is moved"
+    )
 
 
 @pytest.mark.slow
-def test_thinned_pictures_count_all_noise(taught):
+def test_thinned_pictures_contain_all_noise(taught):
     for minimum in (5, 10, 100, 500, 600):
         noise = (taught.filter_clusters(taught.cluster_labels, minimum) == 0).sum()
         assert (taught.left_over(minimum) == 0).sum() == noise > 0
@@ -61,12 +63,12 @@ def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(taught):
     assert gone["ghost"][0] > 0.9 and gone["near"][0] < 0.1
 
 
-def test_returns_of_pedestrians_by_distance(taught):
+def test_returns_of_pedestrians_fall_with_the_square_of_the_distance(taught):
     assert taught.theory(20.0) == pytest.approx(taught.theory(10.0) / 4)
     reach = np.sqrt(taught.theory(1.0) / 100)
     assert reach == pytest.approx(15, abs=0.5)
     slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
-    assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "a car that drives slowly"
+    assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "only a slow car can stop in time"
 
 
 def test_the_theory_applies_to_pedestrians_in_plain_view(taught):
@@ -90,7 +92,7 @@ def test_a_list_gets_a_note(taught):
     assert failed == ["returns_an_array"]
 
 
-def test_a_car_brakes_as_in_lesson_07():
+def test_the_car_brakes_as_in_lesson_07():
     ours, theirs = (
         find_lesson(name).source.read_text("utf-8") for name in (NAME, "07_filter_by_distance")
     )
@@ -106,7 +108,7 @@ def test_the_naive_loop_keeps_every_second_small_neighbour(taught):
     assert np.array_equal(taught.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
 
 
-def test_cars_and_walls_interleave():
+def test_cars_and_walls_overlap_in_size():
     truth, scan = np.load(DATA / "cloud_truth.npz"), load_cloud("cloud.txt")
     near = (scan[:, 2] >= -1.2) & (np.hypot(scan[:, 0], scan[:, 1]) < 30)
     sizes = {}
