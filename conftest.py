@@ -244,7 +244,7 @@ A_FEW_OF_MANY = {
     "test_principal_axes_are_what_makes_the_curve_fall": (),
     "test_naive_squares_are_many_on_road_and_on_the_own_car": (),
     "test_what_six_tenths_gain_is_one_stray_point": (),
-    "test_the_list_of_all_pairs_against_the_tree": (),
+    "test_listing_pairs_is_faster_than_querying_and_joining": (),
     "test_what_the_two_sweeps_say": (),
     "test_a_lesson_is_added_by_its_two_places": (),
     "test_nobody_works": (),
