@@ -125,8 +125,7 @@ def test_closeness_sums_inverse_distances_to_the_sides(degrees):
     summed = sum(1 / (distance + 0.05) for distance in apart.tolist())
     assert LESSON.closeness_at(points, angle) == pytest.approx(summed)
     both = LESSON.closeness_at(points, np.array([angle, angle + np.pi / 2]))
-    assert both == pytest.approx([summed, summed]), "closeness must not change after a quarter "
-    "turn"
+    assert both == pytest.approx([summed, summed]), "a quarter turn must not change it"
 
 
 def test_explanations_for_single_vehicles_are_true(street):
@@ -334,8 +333,7 @@ def test_common_mistakes_match_the_table(street):
         tilts.add(np.sign(first[0] * first[1]))
         flat = points * [1, 1, 0]
         q = flat - flat.mean(axis=0)
-        assert abs(np.linalg.eigh(q.T @ q)[1][2, 0]) == pytest.approx(1), "the first eigenvector "
-        "points upwards"
+        assert abs(np.linalg.eigh(q.T @ q)[1][2, 0]) == pytest.approx(1), "it points up"
         with np.errstate(invalid="ignore"):
             score = q / flat.std(axis=0)
         with pytest.raises(np.linalg.LinAlgError):

@@ -85,8 +85,7 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     if yours.dtype.kind == "b":
         message = " This is a mask, True or False."
     elif yours.shape == (len(current), len(previous)):
-        message = " This has the shape of a table of all pairs: return the column that each row "
-        "chooses."
+        message = " This has the shape of a table of all pairs: return one column for each row."
     elif yours.shape == (len(previous),):
         message = f" There are {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:
