@@ -21,7 +21,7 @@ ANSWERS = [(name, variant) for name in LESSON.steps for variant in answers_to(f"
 RIGHT = [(name, variant) for name, variant in ANSWERS if variant.right]
 
 
-def named(answers):
+def parameters_of(answers):
     return [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in answers]
 
 
@@ -62,7 +62,7 @@ def test_the_solution_passes(name):
     assert not run_check(notes_of(name)[0], as_python(function)).failure
 
 
-@pytest.mark.parametrize(("name", "variant"), named(ANSWERS))
+@pytest.mark.parametrize(("name", "variant"), parameters_of(ANSWERS))
 def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     function = function_of(name, variant)
@@ -210,7 +210,7 @@ def test_a_cell_waits_until_its_function_has_passed(capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "variant"), named(RIGHT))
+@pytest.mark.parametrize(("name", "variant"), parameters_of(RIGHT))
 def test_right_answers_give_the_same_results_with_numba(name, variant):
     numba = pytest.importorskip("numba", reason=NUMBA)
     function = as_python(function_of(name, variant, numba.njit))

@@ -348,7 +348,7 @@ def test_scanned_vehicles(student, seed):
     title="Fits boxes tightly around objects that are taller than long",
     hint="The longest direction in space may be up. Find the heading from x and y alone.",
 )
-def test_tall_things(student, seed):
+def test_tall_objects(student, seed):
     rng = np.random.default_rng(seed)
     clusters, areas = [], []
     for row, heading in enumerate(np.arange(5, 180, 30) + rng.uniform(0, 8)):

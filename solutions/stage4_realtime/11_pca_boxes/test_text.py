@@ -69,16 +69,19 @@ def closest_yaw(points):
     return ANGLES[LESSON.closeness_at(points, ANGLES).argmax()]
 
 
-def off(yaw, box):
+def angle_to_side(yaw, box):
     """Return the angle to the nearest side of a box in degrees."""
     return abs((np.degrees(yaw - box.yaw) + 45) % 90 - 45)
 
 
 def errors(street, find):
-    return {label: off(find(points_of(street, label)), street.boxes[label]) for label in VEHICLES}
+    return {
+        label: angle_to_side(find(points_of(street, label)), street.boxes[label])
+        for label in VEHICLES
+    }
 
 
-def hinted(name):
+def function_of_answer(name):
     """Return the function of a kept answer, with the functions that the lesson gives."""
     source = next(
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
@@ -138,7 +141,9 @@ def test_explanations_for_single_vehicles_are_true(street):
         # The first axis leans more than that of an L with evenly spread points, because the near
         # end has most of the points.
         sides = np.sort(np.ptp(seen[label], axis=0))
-        assert off(axis_yaw(points_of(street, label)), street.boxes[label]) > lean(*sides)
+        assert angle_to_side(
+            axis_yaw(points_of(street, label)), street.boxes[label]
+        ) > lean_of_even_l(*sides)
         toward = -LESSON.turned(np.array([street.boxes[label].centre]), -street.boxes[label].yaw)
         along = (seen[label][:, 0] - np.mean([seen[label].min(0)[0], seen[label].max(0)[0]])) * (
             np.sign(toward[0, 0])
@@ -154,7 +159,7 @@ def test_explanations_for_single_vehicles_are_true(street):
     assert (np.minimum(seen[7] - low, high - seen[7]).min(axis=1) < 0.25).mean() > 0.9
 
 
-def lean(short, long):
+def lean_of_even_l(short, long):
     """Return the angle in degrees by which the first axis of an even L leans."""
     n = 2000
     legs = np.vstack(
@@ -188,7 +193,7 @@ def test_each_kind_of_object_has_the_stated_best_method(street):
     for label in np.unique(street.labels[street.labels > 0]).tolist():
         box, points = street.boxes[label], points_of(street, label)
         errors_of_methods = [
-            off(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)
+            angle_to_side(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)
         ]
         kinds.setdefault(box.kind, []).append(errors_of_methods)
         sizes.setdefault(box.kind, []).append(np.ptp(points[:, :2], axis=0).min())
@@ -237,7 +242,7 @@ def test_flattened_boxes_lose_points(street):
     ],
 )
 def test_answers_that_follow_the_hints_give_the_stated_boxes(name, find, street):
-    boxes = hinted(f"the hints followed to the letter, {name}")
+    boxes = function_of_answer(f"the hints followed to the letter, {name}")
     five = LESSON.turned(
         np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
         np.radians(30),
@@ -251,7 +256,9 @@ def test_answers_that_follow_the_hints_give_the_stated_boxes(name, find, street)
     labels = np.unique(street.labels[street.labels > 0]).tolist()
     for label, degrees in errors(street, find).items():
         side = np.subtract(*found[labels.index(label), 1::-1])
-        assert off(np.arctan2(side[1], side[0]), street.boxes[label]) == pytest.approx(degrees)
+        assert angle_to_side(np.arctan2(side[1], side[0]), street.boxes[label]) == pytest.approx(
+            degrees
+        )
 
 
 def test_forty_clusters_are_boxed_quickly():
@@ -322,7 +329,7 @@ def test_common_mistakes_match_the_table(street):
     assert area > 1.3 * 4.2 * 1.8
     assert both_plus.mean(axis=0) == pytest.approx(LESSON.turned(middle[None], 2 * yaw)[0])
     areas = LESSON.floor_area_at(block, ANGLES)
-    assert off(ANGLES[areas.argmax()], Box((0, 0, 0), (1, 1, 1), yaw, "car", 1)) > 43
+    assert angle_to_side(ANGLES[areas.argmax()], Box((0, 0, 0), (1, 1, 1), yaw, "car", 1)) > 43
     assert areas.max() > 2 * areas.min()
     tilts = set()
     for label in VEHICLES:

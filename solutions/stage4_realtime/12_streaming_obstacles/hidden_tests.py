@@ -1,7 +1,7 @@
 """Hidden tests of lesson 12. Titles and hints are shown to students; the code is not.
 
 Each test is about one property. It waits until cars are found or boxes are matched, so that a
-detector without boxes earns nothing. Most tests use a separate square, so that boxes at fixed
+detector without boxes earns nothing. Most tests use different squares, so that boxes at fixed
 places pass at most one test by luck.
 """
 
@@ -196,7 +196,7 @@ def test_parked_cars(student, seed):
 @hidden(
     "detect_obstacles",
     weight=4,
-    title="Returns few boxes without an obstacle on new streets and in a new city",
+    title="Puts few boxes around road or nothing on new streets and in a new city",
     hint="Draw the boxes of scenes.random_street(1). Which of them contain road or nothing? The "
     "road of the city climbs. What does your ground filter leave 20 m ahead?",
 )
@@ -222,7 +222,7 @@ def test_turned_cars(student, seed):
     title="Puts no box around the ego car, however much of it the scanner sees",
     hint="Remove all returns inside the box of the ego car and on its faces.",
 )
-def test_own_car(student, seed):
+def test_ego_car(student, seed):
     frame = square(seed + 1)
     cloud = np.random.default_rng(seed).permutation(np.vstack([frame.cloud, own_car(seed)]))
     assert_no_box_on_ego_car(answer_for(student, cloud, frame), frame)
@@ -389,7 +389,7 @@ def test_new_boxes(student, seed):
 @hidden(
     "match_boxes",
     weight=6,
-    title="Pairs only boxes within max_distance, whatever its value",
+    title="Pairs only boxes that are within max_distance",
     hint="Compare the distance itself, in metres, with max_distance, before you accept a pair.",
 )
 def test_max_distance(student, seed):

@@ -81,7 +81,7 @@ def things(solved):
     ]
 
 
-def kept(solved, cloud, *without):
+def run_steps(solved, cloud, *without):
     """Run the steps of the hints except for the named ones; return the points and boxes."""
 
     def step(name, points, *arguments):
@@ -99,12 +99,12 @@ def kept(solved, cloud, *without):
     return points, solved["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
 
 
-def own_car_boxes(boxes):
+def ego_car_boxes(boxes):
     middles = boxes.mean(axis=1)[:, :2]
     return ((middles > (-1.5, -1.7)) & (middles < (2.6, 1.7))).all(axis=1).sum()
 
 
-def crookedness(box, car):
+def misalignment(box, car):
     """Return the angle between the sides of a box and those of a car in degrees, at most 45."""
     side = box[1, :2] - box[0, :2]
     angle = np.degrees(np.arctan2(side[1], side[0]) - car.yaw)
@@ -158,22 +158,22 @@ def test_boxes_are_aligned_with_cars_within_15_m(solved):
                 continue
             overlaps = scoring.plane_iou(boxes, car.corners[None])[:, 0]
             if overlaps.max(initial=0) >= 0.5:
-                crooked.append(crookedness(boxes[overlaps.argmax()], car))
+                crooked.append(misalignment(boxes[overlaps.argmax()], car))
     assert len(crooked) >= 12
     assert np.median(crooked) < 2 and np.mean(np.array(crooked) < 10) > 0.9
 
 
 def test_each_step_has_the_stated_effect(solved):
     cloud = solved["city"][0].cloud
-    points, boxes = kept(solved, cloud)
-    thick, _ = kept(solved, cloud, "voxel_grid")
-    with_road, slabs = kept(solved, cloud, "ransac_plane", "voxel_grid")
+    points, boxes = run_steps(solved, cloud)
+    thick, _ = run_steps(solved, cloud, "voxel_grid")
+    with_road, slabs = run_steps(solved, cloud, "ransac_plane", "voxel_grid")
     assert 110_000 < len(cloud) < 118_000 and 2_000 < len(points) < 4_000
     assert len(points) < 0.1 * len(thick)
     assert 0.45 < (len(with_road) - len(thick)) / len(with_road) < 0.55  # "half of what is left"
-    assert len(kept(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
-    assert len(kept(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
-    sides = np.ptp(kept(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
+    assert len(run_steps(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
+    assert len(run_steps(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
+    sides = np.ptp(run_steps(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
     assert sides.max() > 20  # everything near the car is one cluster
     assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
 
@@ -182,17 +182,17 @@ def test_a_bad_scan_shows_missing_steps(solved):
     good = solved["city"][0].cloud
     bad = np.vstack([good, solved["bonnet"], solved["lost"]])
     assert len(solved["detect_obstacles"](good)) == len(solved["detect_obstacles"](bad))
-    assert own_car_boxes(kept(solved, good, "remove_ego_returns")[1]) == 0
-    assert own_car_boxes(kept(solved, bad, "remove_ego_returns")[1]) == 1
+    assert ego_car_boxes(run_steps(solved, good, "remove_ego_returns")[1]) == 0
+    assert ego_car_boxes(run_steps(solved, bad, "remove_ego_returns")[1]) == 1
     # Later steps happen to remove the returns that drop_invalid would have removed.
-    assert len(kept(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
+    assert len(run_steps(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
     lost = np.zeros((3000, 3))
     labels = solved["euclidean_clustering_accelerated"](lost, 0.5)
     assert solved["filter_clusters"](labels, 10).all()  # without thinning they are a large cluster
 
 
 def test_half_of_the_returns_fill_nearly_as_many_voxels(solved):
-    whole, half = (len(kept(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
+    whole, half = (len(run_steps(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
     assert whole < 1.3 * half
 
 

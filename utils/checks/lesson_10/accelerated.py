@@ -131,7 +131,7 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="Pairs just above the threshold stay apart",
+    title="Keeps pairs just above the threshold apart",
     why="Points in neighbouring cells need not be close. A gap of half a metre may separate a "
     "pedestrian from a car.",
     hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too far "
@@ -328,7 +328,7 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=16,
     title="Clusters a dense heap of points quickly",
-    why="A wet wall just in front of the sensor, or two merged scans, put thousands of points "
+    why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
     "close together. The number of close pairs then grows with the square of the number of "
     "points, and a list of them fills the memory.",
     hint="Points that share a cell of side threshold / sqrt(3) share a cluster, so no pair of "

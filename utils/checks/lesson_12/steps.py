@@ -312,8 +312,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
     title="Corrects the velocity with the second gain",
     why="The correction teaches a track that a car is coming towards us. If the gain is too "
     "large, a wobble becomes speed although nothing moves.",
-    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are Return "
-    "velocities + beta * off / seconds.",
+    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
+    "beta * off / seconds.",
 )
 def corrects_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
