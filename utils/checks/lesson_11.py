@@ -642,7 +642,7 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     weight=5,
     title="Returns boxes that cover little more ground than their clusters",
     why="The car cannot drive on the ground inside a box.",
-    hint="Take minimum and maximum of the points after you have turned them by minus yaw.",
+    hint="Turn the points by minus yaw before you take their minimum and maximum.",
 )
 def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -944,7 +944,7 @@ mistakes(
         "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),
     Mistake(
-        "Each box is centred on the mean of its points. The mean is near the side with most "
+        "Each box is centred on the mean of its points. The mean is closer to the side with more "
         "points.",
         _around_the_mean,
         "The centre is half-way between minimum and maximum.",

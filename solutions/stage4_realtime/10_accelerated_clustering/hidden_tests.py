@@ -238,7 +238,7 @@ def test_whole_scan(student, seed):
 @hidden(
     NAME,
     weight=12,
-    title="Clusters sixty thousand points on a few walls, quickly and in little memory",
+    title="Clusters sixty thousand points on a few walls, quickly and with little memory",
     hint="Twice as many points on the same wall make four times as many close pairs, but no more "
     "cells. Work with cells instead of pairs of points.",
 )
@@ -253,7 +253,7 @@ def test_dense_walls(student, seed):
 @hidden(
     NAME,
     weight=16,
-    title="Clusters heaps of twenty thousand points, quickly and in little memory",
+    title="Clusters heaps of twenty thousand points, quickly and with little memory",
     hint="In a heap, every point is close to every other point. A list of all pairs grows with "
     "the square of the number of points. Points that share a cell belong together without such a "
     "list.",
@@ -273,7 +273,7 @@ def test_heaps(student, seed):
 @hidden(
     NAME,
     weight=30,
-    title="Decides exactly, in little memory, whether one pair of points joins two heaps",
+    title="Decides exactly and with little memory whether one pair of points joins two heaps",
     hint="You need only the closest pair of points in two crowded cells. Build a kd-tree of one "
     "cell and query it with the points of the other.",
 )
@@ -294,7 +294,7 @@ def _pairs_at_all_offsets(rng):
     A cell that is too large contains both points of a pair only if the pair is in the right place.
     For the side 1 / sqrt(2), that place extends over a fifth of the side along each axis. The
     pairs therefore begin at each tenth of that side along each axis. Wherever such cells begin, at
-    least one of them contains a pair; more than one if the cells are larger.
+    least one of them contains a pair. Larger cells contain more pairs.
     """
     side = 1 / np.sqrt(2)
     tenths = np.stack(np.meshgrid(*[np.arange(10)] * 3), axis=-1).reshape(-1, 3) / 10

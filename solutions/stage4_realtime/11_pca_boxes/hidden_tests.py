@@ -376,7 +376,7 @@ def test_fresh_street(student, seed):
     car, label = blocks_along_the_street(np.random.default_rng(seed), [25.0])
     cloud = np.vstack([cloud, car + [0.0, 0.0, 30.0]])
     labels = np.concatenate([labels, label + labels.max()])
-    # All sensible boxes agree on the size only for the block.
+    # Sensible methods agree on the size of a box only for the block.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
     assert_holds_and_fits(student, cloud, labels, areas)
 

@@ -160,7 +160,7 @@ def test_explanations_for_single_vehicles_are_true(street):
 
 
 def lean_of_even_l(short, long):
-    """Return the angle in degrees by which the first axis of an even L leans."""
+    """Return the lean (degrees) of the first axis of an L with evenly spread points."""
     n = 2000
     legs = np.vstack(
         [

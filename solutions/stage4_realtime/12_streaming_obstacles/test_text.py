@@ -393,7 +393,7 @@ def test_statements_about_wobble_and_gain_are_true(solved, things):
 
 
 def test_most_boxes_move_half_a_metre_per_frame(solved):
-    """Parked objects move because the ego car drives."""
+    """Even parked objects move relative to the ego car."""
     way = [
         np.linalg.norm(after.mean(axis=1)[:, None] - before.mean(axis=1)[None], axis=2).min(axis=1)
         for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)

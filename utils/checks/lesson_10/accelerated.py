@@ -177,7 +177,7 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
 )
 def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
-    with needs("pairs just above the threshold stay apart away from the sensor"):
+    with needs("far from the sensor, pairs just above the threshold stay apart"):
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)

@@ -85,7 +85,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
         float
     )
     right = np.floor(points / (threshold / np.sqrt(3)))
-    cell_rows = as_array(cell_of_point, what="the row of its cell for each point")
+    cell_rows = as_array(cell_of_point, what="for each point, the row of its cell")
     one_per_point = f"one number in cell_of_point for each of the {len(points)} points"
     cell_rows = as_labels(in_shape(cell_rows, (len(points),), one_per_point), len(points))
     n_cells = len(np.unique(right, axis=0))
@@ -211,8 +211,8 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
     "join_cheaply",
     title="Joins neighbours whose representatives are close",
     why="One distance between representatives can replace thousands of distances between points.",
-    hint="Compute one gap for each pair: the distance between its two representatives, with "
-    "axis=1. Join the pairs with gap < threshold.",
+    hint="Compute one gap for each pair, the distance between its two representatives: "
+    "np.linalg.norm(..., axis=1). Join the pairs with gap < threshold.",
 )
 def joins_close_representatives(join_cheaply: Callable) -> None:
     _assert_same_pieces(_join_seven(join_cheaply)[1], _PIECES, _GIVEN)

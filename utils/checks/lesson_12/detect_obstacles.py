@@ -56,7 +56,7 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
     "detect_obstacles",
     weight=5,
     title="Finds isolated cars near the sensor",
-    why="This detector combines the eleven lessons before.",
+    why="This detector combines what you wrote in the previous lessons.",
     hint="Follow the returns near that place. How many are left after each step, and at which "
     "step do they vanish?",
 )

@@ -89,10 +89,7 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     elif yours.shape == (len(previous),):
         message = f" There are {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:
-        message = (
-            " If these are pairs, write the second number of each pair at the index that is the "
-            "first number."
-        )
+        message = " If these are pairs, write answer[first] = second for each pair."
     raise WrongForm(
         f"There must be one index for each of the {len(current)} current boxes.{message}",
         yours=f"shape {yours.shape}",
@@ -374,8 +371,8 @@ def compares_centres(match_boxes: Callable) -> None:
     weight=3,
     title="Works when either list is empty",
     why="There are no boxes before the first frame, and none on an empty road.",
-    hint="argmin of an empty table raises an error. Return early: an array of -1 as long as "
-    "current.",
+    hint="argmin of an empty table raises an error. If the table is empty, return an array of -1 "
+    "that is as long as current.",
 )
 def works_without_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)

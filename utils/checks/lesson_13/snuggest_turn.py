@@ -82,7 +82,7 @@ def finds_the_angle(snuggest_turn: Callable) -> None:
 @visible(
     "snuggest_turn",
     title="Finds the same angle away from the sensor",
-    why="Only the ego car is around the sensor. All other cars are somewhere else.",
+    why="The sensor is never inside the box of another car.",
     hint="Start with np.inf for the smallest and -np.inf for the largest. If you start with 0, "
     "the sensor counts as a point.",
 )

@@ -112,7 +112,7 @@ def keeps_the_pieces(root_of: Callable) -> None:
         wrong = np.flatnonzero(yours != _ROOTS)
         if len(wrong):
             raise CheckFailed(
-                f"Cell {wrong[0]} has another root than before.",
+                f"The root of cell {wrong[0]} has changed.",
                 given=given,
                 yours=f"root {yours[wrong[0]]}; parent {brief(parent)}",
                 expected=f"root {_ROOTS[wrong[0]]}",
