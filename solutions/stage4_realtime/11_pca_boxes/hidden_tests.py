@@ -317,10 +317,10 @@ def test_any_heading(student, seed):
     for first in (12, 27):
         cloud, labels = blocks_along_the_street(rng, np.arange(first, 180, 34) + rng.uniform(0, 6))
         areas = [smallest_area(cloud[labels == label]) for label in range(1, labels.max() + 1)]
-        assert_holds_and_fits(student, cloud, labels, areas)
+        assert_contained_and_tight(student, cloud, labels, areas)
 
 
-def assert_holds_and_fits(student, cloud, labels, areas):
+def assert_contained_and_tight(student, cloud, labels, areas):
     answer = student.get_oriented_boxes(cloud.copy(), labels.copy())
     assert_holds(answer, cloud, labels)
     assert_snug(answer, cloud, labels, areas)
@@ -339,7 +339,7 @@ def test_scanned_vehicles(student, seed):
     cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
     areas = [smallest_area(car) for car in cars]
-    assert_holds_and_fits(student, np.vstack(cars), labels, areas)
+    assert_contained_and_tight(student, np.vstack(cars), labels, areas)
 
 
 @hidden(
@@ -361,7 +361,7 @@ def test_tall_objects(student, seed):
         clusters.append(points + [4.0 * row - 10, rng.uniform(-6, 6), 0.3])
         areas.append(smallest_area(points))
     labels = np.repeat(np.arange(1, len(clusters) + 1), 64)
-    assert_holds_and_fits(student, np.vstack(clusters), labels, areas)
+    assert_contained_and_tight(student, np.vstack(clusters), labels, areas)
 
 
 @hidden(
@@ -378,7 +378,7 @@ def test_fresh_street(student, seed):
     labels = np.concatenate([labels, label + labels.max()])
     # Sensible methods agree on the size of a box only for the block.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
-    assert_holds_and_fits(student, cloud, labels, areas)
+    assert_contained_and_tight(student, cloud, labels, areas)
 
 
 @functools.lru_cache(maxsize=64)
