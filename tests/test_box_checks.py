@@ -25,7 +25,7 @@ def noted(exercise, function):
     "exercise, name, note",
     [
         ("get_bounding_boxes", "08_bounding_boxes", "numbers_the_corners"),
-        ("get_oriented_boxes", "11_pca_boxes", "goes_round"),
+        ("get_oriented_boxes", "11_pca_boxes", "orders_the_corners"),
     ],
 )
 def test_another_order_of_corners_is_a_note(exercise, name, note):
@@ -38,7 +38,7 @@ def test_another_order_of_corners_is_a_note(exercise, name, note):
 def test_boxes_in_a_list_are_a_note():
     for exercise, name, note in (
         ("get_bounding_boxes", "08_bounding_boxes", "returns_an_array"),
-        ("get_oriented_boxes", "11_pca_boxes", "gives_an_array"),
+        ("get_oriented_boxes", "11_pca_boxes", "returns_boxes_as_an_array"),
     ):
         right = getattr(load_reference(name), exercise)
         assert noted(exercise, lambda *given, right=right: right(*given).tolist()) == {note}

@@ -62,7 +62,7 @@ def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_p
     assert least <= judged["principal_axes"].score < 10
 
 
-@pytest.mark.parametrize("axes", ["not centred", "left-handed at times"])
+@pytest.mark.parametrize("axes", ["not centred", "sometimes left-handed"])
 def test_other_wrong_axes_cost_the_boxes_nothing(axes, sandbox, tmp_path):
     assert results(wrong_axes(axes), AS_HINTED, sandbox, tmp_path)["get_oriented_boxes"].score == 20
 

@@ -539,8 +539,8 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
     """The command drives real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     submitted_files = {
-        "right": answers["the functions of the lessons, pasted into cells of their own"],
-        "blind": answers["nothing is ever in the way"],
+        "right": answers["the functions of the lessons, pasted into separate cells"],
+        "blind": answers["returns no boxes"],
         "walls": answers["one box around everything"],
         "raises": returning("1 / 0"),
         "hangs": f"{IMPORTS}def detect_obstacles(cloud):\n    while True: pass\n",

@@ -238,7 +238,7 @@ def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
     """They list all pairs and lose points for the time this takes, but they are not refused."""
     output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
     assert "not allowed" not in output
-    assert "[passed] Finds the one close pair of two crowded cells" in output
+    assert "[passed] Finds the only close pair of points in two crowded cells" in output
     score, reasons = score_of(*TEN, GRAPH_COMPONENTS[way], sandbox, tmp_path)
     assert score > 10 and "not allowed" not in reasons
 

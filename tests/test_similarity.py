@@ -75,11 +75,11 @@ CHANGED = {
     ],
     "get_oriented_boxes": [
         (
-            "edges of the convex hull, a plain box where there is none",
-            "a convex hull where there is none",
+            "edges of the convex hull, an axis-aligned box if there is no hull",
+            "a convex hull of clusters that have none",
         )
     ],
-    "detect_obstacles": [("boxes of the road", "the road stays in")],
+    "detect_obstacles": [("boxes around parts of the road", "the road stays in")],
 }
 
 
@@ -291,7 +291,7 @@ def renamed(source):
 # Copies of these answers are not found, because the lesson suggests such code to every student.
 AS_TAUGHT = {
     "euclidean_clustering": ["a queue and NumPy"],
-    "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
+    "get_oriented_boxes": ["roof corners first, in zigzag order, and a heading by bisection"],
     "insert": ["prints, uses single precision and returns the node"],
     "principal_axes": ["eigenvectors of the covariance"],
     "ransac_plane": ["excludes a point at the threshold", "the loop of the lesson"],

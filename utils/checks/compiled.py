@@ -1,8 +1,8 @@
-"""Check functions that Numba compiles by running their Python code.
+"""Check functions that Numba compiles, by running their Python code.
 
-In compiled code, the stop button cannot interrupt an endless loop, and reading beyond the end of
-an array raises no error. The checks therefore run the Python code. A further property is that the
-function compiles and then gives the same answers.
+The stop button cannot interrupt an endless loop in compiled code, and reading beyond the end of an
+array raises no error there. The checks therefore run the Python code. One more check tests whether
+the function compiles and then gives the same answers.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def as_python(function: Callable) -> Callable:
     Returns
     -------
     callable
-        The function itself unless Numba compiles it. Otherwise a copy, whose globals keep the
-        values that they have now.
+        The function itself, unless it is compiled by Numba. Otherwise a copy whose globals keep
+        their present values.
     """
     if not _is_compiled(function):
         return function
@@ -40,30 +40,35 @@ def as_python(function: Callable) -> Callable:
     return python
 
 
-def assert_compiles(python: Callable, ask: Callable[[Callable], object]) -> None:
-    """Assert that a function compiles and answers as its Python code does; pass without Numba.
+def assert_compiles(python: Callable, call: Callable[[Callable], object]) -> None:
+    """Assert that a function compiles and then gives the same answers; pass without Numba.
 
     Parameters
     ----------
     python : callable
         From `as_python`; its answers are right.
-    ask : callable
-        Takes a function and returns its answer, which is compared with ``==``.
+    call : callable
+        Calls a function and returns its answer, which is compared with ``==``.
     """
     compiled = getattr(python, "compiled", None)
     if compiled is None:
         if "numba" in sys.modules:
-            raise CheckFailed("Numba does not compile it: write `@njit` above its first line.")
+            raise CheckFailed(
+                "Numba does not compile this function: write `@njit` above its first line."
+            )
         return
-    expected = ask(python)
+    expected = call(python)
     try:
-        answer = ask(compiled)
+        answer = call(compiled)
     except Exception as error:
-        raise CheckFailed(f"Numba cannot compile it. {_reason(error, compiled)}") from None
+        raise CheckFailed(
+            f"Numba cannot compile this function. {_reason(error, compiled)}"
+        ) from None
     if answer != expected:
         raise CheckFailed(
-            f"Compiled, it answers {brief(answer)}, and as Python {brief(expected)}: does it reach "
-            "beyond the end of an array? Numba does not look."
+            f"The compiled function returns {brief(answer)}, but the Python code returns "
+            f"{brief(expected)}. Does it read beyond the end of an array? Numba does not check "
+            "this."
         )
 
 
@@ -72,7 +77,7 @@ def _is_compiled(value: object) -> bool:
 
 
 def _with_globals(function: FunctionType, names: dict) -> FunctionType:
-    """Copy a function, with other globals."""
+    """Return a copy of a function with other globals."""
     copied = FunctionType(
         function.__code__, names, function.__name__, function.__defaults__, function.__closure__
     )
@@ -87,13 +92,13 @@ def _no_compilation(function: Callable | None = None, **options: object) -> Call
 
 def _reason(error: Exception, compiled: Callable) -> str:
     """Return Numba's explanation of an error as one sentence, with the line if Numba names it."""
-    # Addresses and paths of this machine do not help the student.
+    # Addresses and paths on this computer do not help the student.
     text = re.sub(r" at 0x\w+|, defined at .*", "", str(error))
     lines = [line.strip() for line in text.splitlines()]
     kept = [line for line in lines if line and not line.startswith(("Failed in", "- "))]
     sentence = " ".join(kept[: 2 if kept and kept[0].endswith(":") else 1]).rstrip(".") + "."
     found = re.findall(r'^File ".*", line (\d+):', str(error), re.M)
     if not found:
-        return f"It says: {sentence}"
+        return f"Its message is: {sentence}"
     code = linecache.getline(compiled.py_func.__code__.co_filename, int(found[-1])).strip()
-    return f"It says of line {found[-1]}, `{code}`: {sentence}"
+    return f"Its message about line {found[-1]}, `{code}`, is: {sentence}"

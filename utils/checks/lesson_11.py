@@ -35,7 +35,7 @@ _MIN_COSINE = np.cos(np.radians(1.0))
 
 
 def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
-    """Return points of shape (n, 3) turned anticlockwise about z."""
+    """Return points, shape (n, 3), turned anticlockwise about z."""
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     x, y, z = points.T
     return np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
@@ -52,15 +52,15 @@ def _grid(length: float, width: float, height: float, steps: int = 4) -> np.ndar
 # The small example of the lesson: points 2 m ahead and behind, 1 m to either side, and 0.5 m up and
 # down.
 _CROSS = frozen(np.vstack([np.diag([2.0, 1.0, 0.5]), -np.diag([2.0, 1.0, 0.5])]))
-# Several headings, because a library may happen to return right-handed axes for any single one.
+# Several headings, because a library may happen to return right-handed axes for one of them.
 _TURNS = (20, 65, 110, 155, 200, 245, 290, 335)
-# Length, width and height of a long, a tall and a thin block. The blocks are centred, because a
-# separate check covers other positions.
+# Length, width and height of a long, a tall and a thin block. The blocks are centred, because
+# another check tests other positions.
 _SIDES = ((4.2, 1.8, 1.0), (1.0, 2.0, 6.0), (5.0, 0.6, 2.4))
 
 
 def as_axes(answer: object) -> np.ndarray:
-    """Convert an answer to three directions of any length, one in each column.
+    """Convert an answer to three directions of any length, in columns.
 
     Returns
     -------
@@ -69,19 +69,20 @@ def as_axes(answer: object) -> np.ndarray:
     Raises
     ------
     CheckFailed
-        If the answer has another shape or holds numbers that are not finite.
+        If the answer has another shape or contains numbers that are not finite.
     """
     axes = as_array(answer, what="three axes, one in each column")
     if axes.shape != (3, 3):
         message = fixed(
-            "Three axes of three components are a 3 x 3 matrix, however many points there are."
+            "Three axes with three components each form a 3 x 3 matrix, however many points there "
+            "are."
         )
         if axes.shape == (4, 4):
-            message = "Intensity is not a direction in space: take the first three columns."
+            message = "Intensity is not a direction in space. Use only the first three columns."
         elif axes.ndim == 2 and axes.shape[0] == axes.shape[1] > 4:
             message += (
-                " A row and a column for each point come of q @ q.T, and of np.cov(q), which takes "
-                "rows for variables: q.T @ q, or np.cov(q, rowvar=False)."
+                " q @ q.T has a row and a column for each point, and so does np.cov(q), which "
+                "takes rows for variables. Use q.T @ q or np.cov(q, rowvar=False)."
             )
         raise WrongForm(message, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
@@ -90,13 +91,13 @@ def as_axes(answer: object) -> np.ndarray:
 
 
 def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Assert that a column runs along each expected axis, in any order, sign and length.
+    """Assert that some column is parallel to each expected axis, whatever its sign and length.
 
     Parameters
     ----------
     answer : object
     expected : numpy.ndarray, shape (3, k)
-        The first k axes in columns, by decreasing spread. The spreads must differ clearly.
+        The first k axes, in columns by decreasing spread. The spreads must differ clearly.
     given : str, optional
         The input of the function, for the message.
     """
@@ -112,8 +113,8 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     raise CheckFailed(
         f"No column runs along the {_NAMES[axis]} direction of the points.",
         given=given,
-        yours=f"the nearest column, {_axis_text(axes[:, nearest])}, is {angle:.0f}° off",
-        expected=f"a column {_axis_text(expected[:, axis])}, or minus that",
+        yours=f"the closest column, {_axis_text(axes[:, nearest])}, is {angle:.0f}° off",
+        expected=f"a column {_axis_text(expected[:, axis])}, or its negative",
     )
 
 
@@ -131,7 +132,7 @@ def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | Non
     spread = np.std(points @ (axes / np.linalg.norm(axes, axis=0)), axis=0)
     if (np.diff(spread) > 1e-3 * spread.max()).any():
         raise CheckFailed(
-            "The columns are not in the order of the spread of the points along them.",
+            "The columns are not sorted by the spread of the points along them.",
             given=given,
             yours=f"standard deviations {brief(spread)}",
             expected=f"the largest first, {brief(np.sort(spread)[::-1])}",
@@ -143,7 +144,7 @@ def assert_right_handed(answer: object) -> None:
     axes = as_axes(answer)
     if np.linalg.det(axes) < 0:
         raise CheckFailed(
-            "The axes are left-handed: they mirror, and no car turns into its own mirror image.",
+            "The axes are left-handed: they describe a reflection, not a rotation.",
             yours=f"determinant {np.linalg.det(axes):.2f}",
             expected="determinant 1",
         )
@@ -187,7 +188,7 @@ def _rotation(yaw: float, pitch: float, roll: float) -> np.ndarray:
     return _turn(np.eye(3), yaw).T @ about_y @ about_x
 
 
-# Enough rotations that any library returns left-handed axes for some of them.
+# With so many rotations, any library returns left-handed axes for some of them.
 _ROTATIONS = tuple(
     frozen(_rotation(yaw, pitch, roll))
     for yaw, pitch, roll in itertools.product((20, 110, 200, 290), (-25, 35), (-30, 40))
@@ -199,7 +200,7 @@ _LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the 
 
 @once
 def require_directions(principal_axes: Callable) -> None:
-    """Assert that the directions of a turned block are found; raise `NotYet` if not."""
+    """Assert that the function finds the directions of a turned block; raise `NotYet` if not."""
     with needs("the columns run along the length, width and height of a block"):
         for sides in _SIDES:
             block = _turn(_grid(*sides), 25)
@@ -209,10 +210,10 @@ def require_directions(principal_axes: Callable) -> None:
 @visible(
     "principal_axes",
     weight=4,
-    title="The columns run along the length, width and height of a block",
-    why="The axes become the sides of the box: where they are crooked, it is.",
+    title="Returns columns along the length, width and height of a block",
+    why="The axes become the sides of the box. If they are wrong, the box is turned the wrong way.",
     hint="The axes are the eigenvectors of the covariance matrix of x, y and z, q.T @ q / len(q), "
-    "one in each column. Draw them: do they run along the block?",
+    "one in each column. Draw them. Are they parallel to the sides of the block?",
 )
 def finds_the_directions(principal_axes: Callable) -> None:
     assert_directions(
@@ -231,12 +232,12 @@ def finds_the_directions(principal_axes: Callable) -> None:
 @visible(
     "principal_axes",
     weight=4,
-    title="The columns run along the sides of a block that leans, too",
-    why="On a hill a car leans with the road, and a kerb has a slope of its own.",
-    hint="The same lines serve every turn. Does anything here treat z differently from x and y, or "
-    "change a row where an axis, a column, is meant?",
+    title="Returns columns along the sides of a block that leans",
+    why="On a hill, a car leans with the road.",
+    hint="The same code works for every rotation. Does any line treat z differently from x and y? "
+    "Does any line change a row, although each axis is a column?",
 )
-def leans_in_space(principal_axes: Callable) -> None:
+def finds_leaning_directions(principal_axes: Callable) -> None:
     require_directions(principal_axes)
     for axes in _ROTATIONS:
         answer = principal_axes(_grid(*_SIDES[0]) @ axes.T)
@@ -245,8 +246,8 @@ def leans_in_space(principal_axes: Callable) -> None:
         except CheckFailed as failure:
             if (row := _flipped_row(answer, axes)) is not None:
                 failure.hint = (
-                    f"With the other sign in row {row} these would be the axes. To turn one axis "
-                    "round, flip a column: axes[:, 2] = -axes[:, 2]. axes[2] is a row."
+                    f"Only the signs in row {row} are wrong. To reverse one axis, flip a column: "
+                    "axes[:, 2] = -axes[:, 2]. axes[2] is a row."
                 )
             raise
 
@@ -264,10 +265,10 @@ def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
 @visible(
     "principal_axes",
     weight=7,
-    title="The first axis is the one of the largest spread, the third that of the smallest",
+    title="Sorts the axes from the largest spread to the smallest",
     why="The first axis becomes the heading of the car.",
-    hint="np.linalg.eigh gives the variances in ascending order: turn the order of the "
-    "columns round, axes[:, ::-1]. np.linalg.eig gives them in no order: sort.",
+    hint="np.linalg.eigh returns the variances in ascending order, so reverse the columns: "
+    "axes[:, ::-1]. np.linalg.eig returns them in no particular order, so sort them.",
 )
 def orders_by_spread(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -282,10 +283,11 @@ def orders_by_spread(principal_axes: Callable) -> None:
 @visible(
     "principal_axes",
     weight=10,
-    title="The axes are right-handed for every heading",
-    why="A left-handed triple is a reflection. Read as a rotation it gives nonsense angles.",
-    hint="Where np.linalg.det(axes) is negative, flip the sign of one column. Ask that last: "
-    "turning the order of three columns round changes the sign of the determinant, too.",
+    title="Returns right-handed axes for every heading",
+    why="Left-handed axes form a reflection. Reading angles from it as if it were a rotation "
+    "gives nonsense.",
+    hint="If np.linalg.det(axes) is negative, flip the sign of one column. Do this last, because "
+    "reversing the order of three columns also changes the sign of the determinant.",
 )
 def stays_right_handed(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -298,9 +300,9 @@ def stays_right_handed(principal_axes: Callable) -> None:
 @visible(
     "principal_axes",
     weight=6,
-    title="Each axis has length 1, and the three are at right angles",
-    why="A box measured along a longer axis is a larger box.",
-    hint="np.linalg.eigh and np.linalg.svd return unit vectors: do not multiply them by the "
+    title="Returns axes of length 1 at right angles to each other",
+    why="If an axis is longer than 1, the measured box is too large.",
+    hint="np.linalg.eigh and np.linalg.svd return unit vectors. Do not multiply them by the "
     "spread.",
 )
 def has_unit_length(principal_axes: Callable) -> None:
@@ -312,7 +314,7 @@ def has_unit_length(principal_axes: Callable) -> None:
 @visible(
     "principal_axes",
     weight=7,
-    title="Where the cluster stands does not matter",
+    title="Does not depend on the position of the cluster",
     why="Without centring, the first axis points from the sensor to the car.",
     hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
@@ -322,7 +324,9 @@ def centres_the_points(principal_axes: Callable) -> None:
     for place in ([25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
         answer = principal_axes(_turn(_grid(*sides), 50) + place)
         assert_directions(
-            answer, _axes_of(sides, 50), f"{_block_text(sides, 50)}, its middle at {brief(place)}"
+            answer,
+            _axes_of(sides, 50),
+            f"{_block_text(sides, 50)}, with its centre at {brief(place)}",
         )
 
 
@@ -354,7 +358,7 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
 
 
 def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Assert that each column runs along the expected axis in that column, in either direction.
+    """Assert that each column is parallel to the expected axis in that column, up to the sign.
 
     Parameters
     ----------
@@ -375,17 +379,19 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
             f"Column {column} does not run along the {_NAMES[column]} direction of the points.",
             given=given,
             yours=f"{_axis_text(axes[:, column])}, {angle:.0f}° off",
-            expected=f"{_axis_text(expected[:, column])}, or minus that",
+            expected=f"{_axis_text(expected[:, column])}, or its negative",
         )
 
 
 @visible(
     "principal_axes",
     weight=26,
-    title="Right for the vehicles of the lesson's street, where they stand",
-    why="This is what the axes are for. All that is asked above comes together here.",
-    hint="Does one of the checks above fail, too? Each asks for one property alone. If not, print "
-    "your axes of one vehicle beside those of np.linalg.svd, which stands above the exercise.",
+    title="Returns the right axes for the vehicles of the lesson's street",
+    why="The axes are meant for vehicles in a scan. This check combines all the properties that "
+    "are checked above.",
+    hint="First fix any check above that also fails, because each of them tests a single "
+    "property. Then print your axes of one vehicle next to those of np.linalg.svd, which the "
+    "lesson uses above the exercise.",
 )
 def finds_vehicles(principal_axes: Callable) -> None:
     for name, points, axes in _vehicles():
@@ -405,49 +411,49 @@ common_checks.fourth_column(
     _BLOCK_CASE,
     "ignores_intensity",
     np.linspace(0, 90, len(_TURNED_BLOCK)),
-    title="A fourth column, intensity, changes nothing",
+    title="Ignores intensity in a fourth column",
     why="Intensity is not a direction in space.",
-    hint="points[:, :3] are the coordinates.",
+    hint="Use only the coordinates, points[:, :3].",
 )
 
 
 @visible(
     "principal_axes",
     weight=2,
-    title="Takes two points, one or none",
-    why="A thin post far away returns a single point, and the pipeline must not stop.",
-    hint="Any right-handed axes will do for a single point, for example np.eye(3). "
-    "q.T @ q is 3 x 3 for any number of points q; np.cov of one point is not a number.",
+    title="Works on two points, one point or none",
+    why="A thin post far away may return a single point, and the pipeline must not stop.",
+    hint="Any right-handed axes will do for a single point, for example np.eye(3). q.T @ q is 3 x "
+    "3 for any number of points q; np.cov of one point is nan.",
 )
-def takes_few_points(principal_axes: Callable) -> None:
+def works_on_few_points(principal_axes: Callable) -> None:
     require_directions(principal_axes)
     pair = np.array([[1.5, 2.0, 0.0], [-1.5, -2.0, 0.0]])
     assert_directions(principal_axes(pair.copy()), np.array([[0.6, 0.8, 0.0]]).T, "two points")
     for points in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
         assert_orthonormal(principal_axes(points.copy()))
-    # Without points no axes are computed, so the fixed answer must be right-handed. Axes of few
-    # points may be mirrored here, because a separate check covers handedness.
+    # Without points the function computes nothing, so its constant answer must be right-handed.
+    # Axes of few points may be mirrored here, because another check tests handedness.
     assert_right_handed(principal_axes(pair[:0].copy()))
 
 
 common_checks.names(
     _BLOCK_CASE.by_itself,
     "keeps_the_name",
-    title="The parameter keeps its name",
-    why="Whoever reads the docstring may call principal_axes(points=...).",
+    title="Keeps the name of the parameter",
+    why="Other programs may call principal_axes(points=...), as the docstring allows.",
 )
 common_checks.untouched(
     _BLOCK_CASE.of(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
-    why="The next step turns the same points.",
-    hint="points - mean is a new array; points -= mean is not.",
+    why="The next step of the pipeline uses the same points.",
+    hint="points - mean creates a new array. points -= mean changes the input.",
 )
 
 
 @noted(
     "principal_axes",
-    title="The axes are an array, not a list",
-    why="The next cells ask for principal_axes(car)[:, 0], which a list cannot give.",
+    title="Returns an array, not a list",
+    why="The next cells take principal_axes(car)[:, 0], which does not work on a list.",
 )
 def returns_an_array(principal_axes: Callable) -> None:
     answer = principal_axes(_grid(*_SIDES[0]))
@@ -455,7 +461,7 @@ def returns_an_array(principal_axes: Callable) -> None:
         raise CheckFailed(f"The axes are a {type(answer).__name__}.")
 
 
-# Blocks away from the origin, each exactly in the direction of one of its own axes. Without
+# Blocks away from the origin, each of them exactly in the direction of one of its axes. Without
 # centring, that axis becomes the first.
 _BLOCKS = tuple(
     frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, axis],))
@@ -471,7 +477,7 @@ def _right_axes(points: np.ndarray) -> np.ndarray:
 
 
 def _uncentred_axes(right: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the axes with the one that points to the mean of the points first."""
+    """Return the axes, with the axis that points to the mean of the points first."""
     if not len(points):
         return right
     first = np.abs(points.mean(axis=0) @ right).argmax()
@@ -490,28 +496,30 @@ def _same_axes(answer: object, predicted: np.ndarray) -> bool:
 mistakes(
     "principal_axes",
     Mistake(
-        "The axes are right, but the columns stand in the order of increasing spread.",
+        "The axes are right, but the columns are in order of increasing spread.",
         lambda right, points: right[:, ::-1],
-        "The largest variance comes first: axes[:, ::-1] turns the order of the columns round.",
+        "The largest variance comes first: axes[:, ::-1] reverses the columns.",
     ),
     Mistake(
-        "The axes are right, but they stand in the rows; each should be a column.",
+        "The axes are right, but they are in the rows. Each axis should be a column.",
         lambda right, points: right.T,
-        "np.linalg.svd returns axes in rows, np.linalg.eigh in columns. Transpose once: .T",
+        "np.linalg.svd returns axes in rows, np.linalg.eigh in columns. Transpose the rows with "
+        ".T.",
     ),
     Mistake(
-        "It is the rows of the matrix that are put in order; each axis is a column.",
+        "The code reorders the rows of the matrix. Each axis is a column, so it should reorder "
+        "the columns.",
         lambda right, points: right[::-1, ::-1],
-        "axes[:, order] changes the order of the columns, axes[order] that of the rows.",
+        "axes[:, order] reorders the columns, axes[order] the rows.",
     ),
     Mistake(
-        "The points are not centred: the first axis points from the sensor to the cluster.",
+        "The points are not centred, so the first axis points from the sensor to the cluster.",
         _uncentred_axes,
         "Subtract points.mean(axis=0) before anything else.",
     ),
     Mistake(
-        "Each coordinate is divided by its own spread. Then x and y are equally wide, and of any "
-        "turned block the first axis is a diagonal, at 45°.",
+        "Each coordinate is divided by its own spread. The spreads of x and y are then equal, and "
+        "the first axis of any turned block is at 45°.",
         lambda right, points: np.sqrt([[0.5, 0, 0.5], [0.5, 0, 0.5], [0, 1, 0]]),
         "Only subtract the mean; do not divide by the standard deviation.",
     ),
@@ -539,13 +547,13 @@ def _street(*headings: float) -> np.ndarray:
     return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
 
 
-# The small example of the lesson: the corners of a rectangle and one point above its centre.
+# The small example of the lesson: the corners of a rectangle, and one point above its centre.
 _FIVE_POINTS = frozen(
     np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]], dtype=float)
 )
 
-# Points on the front halves of both sides of a block, in parts of its length, width and height: the
-# mean is not the middle, and the axes stay as they are.
+# Points on the front halves of both sides of a block, as fractions of its length, width and
+# height. They move the mean away from the centre but do not change the axes.
 _FRONT = frozen(
     np.column_stack([np.repeat(np.linspace(0.1, 0.5, 10), 2), [0.5, -0.5] * 10, np.zeros(20)])
 )
@@ -556,8 +564,8 @@ _STRAIGHT = frozen(_street(0, 0))
 
 @once
 def require_straight_boxes(get_oriented_boxes: Callable) -> None:
-    """Assert that the boxes of straight clusters hold their points; raise `NotYet` if not."""
-    with needs("the boxes of two clusters that stand straight hold their points"):
+    """Assert that the boxes of clusters along x contain their points; raise `NotYet` if not."""
+    with needs("the boxes of two clusters along the x axis contain their points"):
         assert_holds(get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS)
 
 
@@ -572,17 +580,19 @@ def _two_blocks_text(*headings: float) -> str:
 @visible(
     "get_oriented_boxes",
     weight=11,
-    title="Every point of a cluster is inside its box",
-    why="A box is a promise: outside of it the car is free to drive.",
-    hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and "
-    "turn the corners by plus yaw.",
+    title="Returns boxes that contain every point of their clusters",
+    why="The car may drive wherever there is no box, so every point of an obstacle must be inside "
+    "one.",
+    hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and turn "
+    "them by plus yaw.",
 )
 def contains_all_points(get_oriented_boxes: Callable) -> None:
-    # A few points stick out on all four sides; a box that ignores the outermost points misses them.
-    # Most are in front, so the mean is not the middle.
-    tips_outside = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
-    tip_offsets = np.vstack([tips_outside, _FRONT])
-    # 30° comes first, because the angle shows by how much a box is turned the wrong way.
+    # A few points stick out on all four sides, and a box that ignores the outermost points misses
+    # them. Most points are in front, so the mean is not the centre.
+    outer_tips = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
+    tip_offsets = np.vstack([outer_tips, _FRONT])
+    # 30° comes first, because a student can see from this angle by how much a box is turned the
+    # wrong way.
     for heading in (30, *_HEADINGS, 0):
         tips = [
             _turn(tip_offsets * size, heading) + place
@@ -597,11 +607,12 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=9,
-    title="Boxes turn with their clusters",
-    why="A box along x and y around a diagonal car closes twice the street it needs.",
-    hint="The yaw, in radians, is the angle whose closeness_at is largest, or floor_area_at "
-    "smallest; or np.arctan2(y, x) of the first principal axis of the points seen from above. The "
-    "points turn by minus yaw, the corners by plus yaw.",
+    title="Turns each box with its cluster",
+    why="A box along x and y around a diagonal car blocks twice as much of the street as "
+    "necessary.",
+    hint="The yaw, in radians, is the angle with the largest closeness_at or the smallest "
+    "floor_area_at. It can also be np.arctan2(y, x) of the first principal axis of the points "
+    "seen from above. Turn the points by minus yaw and the corners by plus yaw.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -611,7 +622,8 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
         points,
         labels,
         (30,),
-        "five points: the corners of 4 x 2 m, turned by 30°, and one above their middle",
+        "five points: the corners of a 4 x 2 m rectangle, turned by 30°, and one above their "
+        "centre",
     )
     for heading in _HEADINGS:
         street = _street(heading, heading + 15)
@@ -628,9 +640,9 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=5,
-    title="No box covers much more ground than its cluster",
-    why="What a box takes, nobody can drive on.",
-    hint="Minimum and maximum belong to the points as they are after the turn by minus yaw.",
+    title="Returns boxes that cover little more ground than their clusters",
+    why="The car cannot drive on the ground inside a box.",
+    hint="Turn the points by minus yaw before you take their minimum and maximum.",
 )
 def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -643,11 +655,13 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=2,
-    title="Boxes stand upright: turned about z only, floor and roof level",
-    why="A car stands on the road. A box that leans lifts its wheels off the ground.",
-    hint="All four corners of the floor have the same z, and so have those of the roof.",
+    title="Returns upright boxes with a level floor and roof",
+    why="A car is on the road. The floor of a leaning box is partly above the road and partly "
+    "below it.",
+    hint="Turn about z only. All four corners of the floor have the same z, and so do those of "
+    "the roof.",
 )
-def stands_upright(get_oriented_boxes: Callable) -> None:
+def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
     # The bonnet is low and the boot high, so the first principal axis in space is tilted.
     leaning = _street(0, 0)
@@ -658,8 +672,9 @@ def stands_upright(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=2,
-    title="The floor is at the lowest point, the roof at the highest",
-    why="Whether we fit below a branch or over a kerb, the floor and the roof of a box decide.",
+    title="Puts the floor at the lowest point and the roof at the highest",
+    why="The floor and the roof of a box decide whether the car fits under a branch or over a "
+    "kerb.",
     hint="Floor and roof are the smallest and the largest z of the cluster.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
@@ -671,11 +686,12 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=8,
-    title="What is taller than long turns by its heading seen from above, too",
-    why="In space the longest direction of a pedestrian is up. Seen from above, that is nowhere.",
+    title="Finds the heading of an object that is taller than long",
+    why="The longest direction of a pedestrian in space is up, which says nothing about the "
+    "heading seen from above.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
 )
-def looks_from_above(get_oriented_boxes: Callable) -> None:
+def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
     for size, heading, place in (
         ((0.7, 0.3, 1.7), 30, [5.0, -2.0, -0.8]),
@@ -686,7 +702,7 @@ def looks_from_above(get_oriented_boxes: Callable) -> None:
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_block_text(size, heading)}, that leans by 5 cm a metre"
+        given = f"{_block_text(size, heading)}, that leans by 5 cm per metre"
         assert_headings(answer, points, labels, (heading,), given)
 
 
@@ -711,11 +727,11 @@ common_box_checks.noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
 @visible(
     "get_oriented_boxes",
     weight=1,
-    title="Takes clusters of one point, of equal points and of points on a line",
+    title="Works on clusters of one point, of equal points and of points on a line",
     why="Posts return single points, and thin walls return lines.",
-    hint="A box of one point is that point eight times; no special case is needed.",
+    hint="The box of a single point is that point eight times. You need no special case.",
 )
-def takes_small_clusters(get_oriented_boxes: Callable) -> None:
+def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
     line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [1.0, 0.0, 0.0])
     turned_line = _turn(line, 89)  # 89° is the last angle of a search in whole degrees
@@ -726,50 +742,52 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
 
 common_box_checks.no_boxes(
     _BOXES_CASE,
-    "takes_nothing",
+    "works_without_clusters",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
     weight=2,
 )
-common_box_checks.fourth_column(_BOXES_CASE, "boxes_no_intensity")
+common_box_checks.fourth_column(_BOXES_CASE, "ignores_intensity_in_boxes")
 common_checks.names(
     _BOXES_CASE.by_itself,
     "keeps_the_names",
-    why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
+    why="Other programs may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,
 )
 common_box_checks.untouched(
     _BOXES_CASE,
     "leaves_cloud_and_labels",
-    hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",
+    hint="cloud[mask, :3] is already a new array. cloud[:, 2] = 0 changes the input.",
     weight=0.5,
 )
 
 
 @noted(
     "get_oriented_boxes",
-    title="Four corners of the floor, going round, then those above them in the same order",
-    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2: in another "
-    "order it finds another area.",
+    title="Returns the four floor corners in order around the box, then the roof corners above "
+    "them",
+    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2. In another "
+    "order it computes a wrong area.",
 )
-def goes_round(get_oriented_boxes: Callable) -> None:
+def orders_the_corners(get_oriented_boxes: Callable) -> None:
     floor, roof = np.split(
         as_array(get_oriented_boxes(_street(20, 20), _LABELS.copy()))[0].astype(float), 2
     )
     if floor[:, 2].max() > roof[:, 2].min():
-        raise CheckFailed("The first four corners are not all of the floor.")
+        raise CheckFailed("The first four corners are not the corners of the floor.")
     sides = np.roll(floor, -1, axis=0) - floor
     if np.abs((sides * np.roll(sides, -1, axis=0)).sum(axis=1)).max() > 0.1:
-        raise CheckFailed("From corner to corner the floor is crossed, not gone round.")
+        raise CheckFailed("The first four corners are not in order around the floor.")
     if np.abs(roof[:, :2] - floor[:, :2]).max() > 1e-2:
         raise CheckFailed(fixed("Corners 4 to 7 are not above corners 0 to 3, one by one."))
 
 
 @noted(
     "get_oriented_boxes",
-    title="The boxes are an array, not a list",
-    why="floor_area, a few cells below, takes one corner from another, which lists cannot do.",
+    title="Returns the boxes as an array, not as a list",
+    why="floor_area, a few cells below, subtracts one corner from another, which does not work "
+    "with lists.",
 )
-def gives_an_array(get_oriented_boxes: Callable) -> None:
+def returns_boxes_as_an_array(get_oriented_boxes: Callable) -> None:
     answer = get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy())
     if isinstance(answer, (list, tuple)):
         raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
@@ -778,7 +796,7 @@ def gives_an_array(get_oriented_boxes: Callable) -> None:
 def _make_box(
     centre: np.ndarray, length: float, width: float, height: float, degrees: float
 ) -> np.ndarray:
-    """Return the corners of a turned box, shape (8, 3); its length is from corner 0 to corner 1."""
+    """Return the corners of a turned box, shape (8, 3); its length is from corner 0 to 1."""
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
     floor = np.column_stack([signs * [length, width], np.full(4, -height / 2)])
     return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + centre
@@ -793,7 +811,7 @@ def _box_parameters(box: np.ndarray) -> tuple[np.ndarray, float, float, float, f
 
 
 def _enclosing_sides(box: np.ndarray, degrees: float) -> tuple[float, float]:
-    """Return the sides of the smallest rectangle that holds a box and is turned against it."""
+    """Return the sides of the smallest rectangle around a box that is turned relative to it."""
     _, length, width, _, heading = _box_parameters(box)
     cosine, sine = np.abs([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     return length * cosine + width * sine, length * sine + width * cosine
@@ -805,7 +823,7 @@ def _axis_aligned(box: np.ndarray) -> np.ndarray:
 
 
 def _degrees_as_radians(box: np.ndarray) -> np.ndarray:
-    """Return the box for a heading in whole degrees, 0 to 89, that is taken for radians."""
+    """Return the box if its heading, in whole degrees from 0 to 89, is taken for radians."""
     centre, _, _, height, heading = _box_parameters(box)
     yaw = np.degrees(np.round(heading) % 90)
     return _make_box(centre, *_enclosing_sides(box, yaw - heading), height, yaw)
@@ -839,7 +857,7 @@ def _change_each(change: Callable) -> Callable:
 
 
 def _around_the_mean(right: np.ndarray, cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return boxes of the right size around the means of their points."""
+    """Return boxes of the right size, centred on the means of their points."""
     means = [cloud[labels == label, :3].mean(axis=0) for label in (1, 2)]
     return right + (np.array(means) - right.mean(axis=1))[:, None]
 
@@ -871,7 +889,7 @@ def _right_boxes(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 
 def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
-    """Return whether boxes have the same corners in any order, as they are or after half a turn.
+    """Return whether boxes have the same corners, in any order and up to half a turn.
 
     An axis may point forwards or backwards, so a yaw may differ by half a turn.
     """
@@ -888,51 +906,51 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
 mistakes(
     "get_oriented_boxes",
     Mistake(
-        "The boxes are not turned at all: their sides run along x and y.",
+        "The boxes are not turned at all: their sides are parallel to x and y.",
         _change_each(_axis_aligned),
         "Turn the points by minus yaw before you take minimum and maximum.",
     ),
     Mistake(
-        "The corners are turned by minus yaw, as the points were; they must be turned back, by "
-        "plus yaw.",
+        "Both points and corners are turned by minus yaw. The corners must be turned back by plus "
+        "yaw.",
         _turned_about_sensor(-2),
-        "Points by minus yaw, corners by plus yaw.",
+        "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
         "Points and corners are both turned by plus yaw.",
         _change_each(_turned_twice),
-        "Points by minus yaw, corners by plus yaw.",
+        "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
-        "The corners are not turned back: the boxes stand where the turned points were.",
+        "The corners are not turned back, so the boxes are where the turned points were.",
         _turned_about_sensor(-1),
-        "After minimum and maximum turn the corners by plus yaw.",
+        "After you have built the corners from minimum and maximum, turn them by plus yaw.",
     ),
     Mistake(
-        "The boxes are built for minus the heading.",
+        "The boxes are turned by minus the heading.",
         _change_each(_negative_heading),
-        "Are the points turned by minus yaw first, and the corners by plus yaw after that? Does "
-        "np.arctan2 get y first, then x, of one axis, a column?",
+        "Turn the points by minus yaw first, and the corners by plus yaw afterwards. If you use "
+        "np.arctan2, pass y first and then x, from one column of the axes.",
     ),
     Mistake(
-        "The boxes are the largest that touch their points, not the smallest: turned by 45° "
-        "against them.",
+        "The boxes are the largest rectangles around their points, not the smallest, so they are "
+        "off by 45°.",
         _change_each(_turned_by_45),
-        "np.argmin finds where the smallest area stands, np.argmax where the largest.",
+        "np.argmin finds the position of the smallest area, np.argmax that of the largest.",
     ),
     Mistake(
-        "A number of degrees, or the row in which the smallest area stands, is taken for an angle "
-        "in radians.",
+        "A number of degrees, or the index of the smallest area, is taken for an angle in radians.",
         _change_each(_degrees_as_radians),
-        "angles[areas.argmin()] is the angle that belongs to the row; np.radians(30) is 30°.",
+        "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),
     Mistake(
-        "Each box is centred on the mean of its points; the mean lies where most points are.",
+        "Each box is centred on the mean of its points. The mean is closer to the side with more "
+        "points.",
         _around_the_mean,
-        "The middle is half-way between minimum and maximum.",
+        "The centre is half-way between minimum and maximum.",
     ),
     Mistake(
-        "Label 0 gets a box, too. It is no obstacle.",
+        "Label 0 also gets a box, but it is not an obstacle.",
         lambda right, cloud, labels: np.concatenate(
             [np.repeat(cloud[labels == 0], 8, axis=0)[None], right]
         ),

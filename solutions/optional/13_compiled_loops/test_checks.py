@@ -1,4 +1,4 @@
-"""The checks of the optional lesson, with right and wrong answers, as Python and compiled."""
+"""The checks of the optional lesson judge right and wrong answers, as Python and compiled."""
 
 import contextlib
 import sys
@@ -21,7 +21,7 @@ ANSWERS = [(name, variant) for name in LESSON.steps for variant in answers_to(f"
 RIGHT = [(name, variant) for name, variant in ANSWERS if variant.right]
 
 
-def named(answers):
+def parameters_of(answers):
     return [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in answers]
 
 
@@ -56,14 +56,14 @@ def test_each_step_has_checks_and_gives_no_points():
 
 
 @pytest.mark.parametrize("name", LESSON.steps)
-def test_the_lessons_own_answer_passes(name):
+def test_the_solution_passes(name):
     function = getattr(load_reference(LESSON.name, *LESSON.steps), name)
     assert not failures_of(name, function) and diagnose(name, as_python(function)) is None
     assert not run_check(notes_of(name)[0], as_python(function)).failure
 
 
-@pytest.mark.parametrize(("name", "variant"), named(ANSWERS))
-def test_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
+@pytest.mark.parametrize(("name", "variant"), parameters_of(ANSWERS))
+def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     function = function_of(name, variant)
     failed = failures_of(name, function)
@@ -83,7 +83,7 @@ def test_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     assert variant.told in (mistake.says if mistake else "")
 
 
-def test_a_stored_answer_makes_every_known_mistake():
+def test_every_known_mistake_has_a_kept_answer():
     for name in LESSON.steps:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
@@ -91,7 +91,7 @@ def test_a_stored_answer_makes_every_known_mistake():
 
 
 class Compiled:
-    """A fake compiled function with the attributes of Numba's that `check` uses."""
+    """A fake compiled function with those attributes of Numba's functions that `check` uses."""
 
     def __init__(self, py_func, answer=None):
         self.py_func, self.__wrapped__, self.__code__ = py_func, py_func, py_func.__code__
@@ -110,31 +110,31 @@ def numba(monkeypatch):
     return module
 
 
-def endless(*arguments):
-    raise AssertionError("compiled, nobody could stop it")
+def must_not_be_called(*arguments):
+    raise AssertionError("the compiled function must not be called")
 
 
 def test_compiled_functions_are_checked_as_python(numba, monkeypatch, capsys):
     monkeypatch.setattr(core, "SECONDS", 0.2)
     (hangs,) = (answer for answer in answers_to("root_of") if "did not come back" in answer.says)
-    function = function_of("root_of", hangs, lambda made: Compiled(made, endless))
+    function = function_of("root_of", hangs, lambda made: Compiled(made, must_not_be_called))
     with pytest.raises(ChecksFailed):
         check(function)
     shown = capsys.readouterr().out
-    assert "did not come back after 0.2 s: does each round of the loop go on" in shown
+    assert "did not come back after 0.2 s: does each round of the loop move" in shown
     assert not ready(function) and "root_of has not passed" in capsys.readouterr().out
 
 
 def test_compiled_helpers_are_checked_as_python(numba):
     (right,) = (answer for answer in answers_to("unite") if answer.follows_hints)
-    function = function_of("unite", right, lambda made: Compiled(made, endless))
+    function = function_of("unite", right, lambda made: Compiled(made, must_not_be_called))
     assert not failures_of("unite", function)
 
 
 def test_a_wrong_helper_is_named(numba, capsys):
     names = namespace_of(Compiled)
     for name, answer_name in (
-        ("root_of", "the parent"),
+        ("root_of", "returns the parent"),
         ("unite", "the hints followed to the letter"),
     ):
         (variant,) = (answer for answer in answers_to(f"{name}") if answer.name == answer_name)
@@ -144,21 +144,21 @@ def test_a_wrong_helper_is_named(numba, capsys):
     assert "root_of, which this calls, does not pass its own checks" in capsys.readouterr().out
 
 
-def complains(*arguments):
+def raises_like_numba(*arguments):
     raise TypeError(
         "Failed in nopython mode pipeline\nCannot unify x at 0xf00 and y, defined at /b.py (2)\n\n"
-        f'File "a.py", line {complains.line}:\n'
+        f'File "a.py", line {raises_like_numba.line}:\n'
     )
 
 
-complains.line = 2
+raises_like_numba.line = 2
 
 
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        (complains, "It says of line 2, ``: Cannot unify x and y."),
-        (lambda *arguments: 7, "Compiled, it answers 7, and as Python 5"),
+        (raises_like_numba, "Its message about line 2, ``, is: Cannot unify x and y."),
+        (lambda *arguments: 7, "The compiled function returns 7, but the Python code returns 5"),
     ],
 )
 def test_a_note_reports_compiler_errors_and_different_results(numba, capsys, answer, words):
@@ -206,18 +206,18 @@ def test_a_cell_waits_until_its_function_has_passed(capsys):
     wrong = next(answer for answer in answers_to("snuggest_turn") if not answer.right)
     with contextlib.suppress(ChecksFailed):
         check(function_of("snuggest_turn", wrong))
-    assert not ready(function), "a wrong one came after it"
+    assert not ready(function), "a later wrong answer must block the cell"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "variant"), named(RIGHT))
+@pytest.mark.parametrize(("name", "variant"), parameters_of(RIGHT))
 def test_right_answers_give_the_same_results_with_numba(name, variant):
     numba = pytest.importorskip("numba", reason=NUMBA)
     function = as_python(function_of(name, variant, numba.njit))
     assert function.compiled.py_func and not failures_of(name, function)
     outcome = run_check(notes_of(name)[0], function)
     assert not outcome.failure, outcome.failure
-    assert function.compiled.signatures, "it was compiled"
+    assert function.compiled.signatures, "Numba must have compiled it"
 
 
 @pytest.mark.slow
@@ -231,4 +231,4 @@ def test_a_note_quotes_the_error_of_numba(tmp_path):
     exec(compile(file.read_text(), file, "exec"), names)
     notes = SimpleNamespace(python=as_python(names["any_close"]))
     outcome = run_check(notes_of("any_close")[0], notes.python)
-    assert "Numba cannot compile it. It says" in outcome.failure.message
+    assert "Numba cannot compile this function. Its message" in outcome.failure.message

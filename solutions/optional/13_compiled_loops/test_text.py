@@ -90,7 +90,7 @@ def test_the_clusters_are_exact(plain, seed, threshold, width):
     assert truth.max() > 2 and np.array_equal(labels, in_order(truth))
 
 
-def test_clusters_of_the_street(plain):
+def test_the_clusters_of_the_street_are_exact(plain):
     cloud = load_cloud("cloud.txt")
     cloud = cloud[cloud[:, 2] > -1.2][::40]
     truth = DBSCAN(eps=0.9, min_samples=1).fit_predict(cloud[:, :3])
@@ -106,7 +106,7 @@ def test_crowded_cells_are_searched_with_a_tree(plain, gap, clusters):
     assert labels.max() == clusters and len(set(labels[:400])) == 1
 
 
-def test_the_smallest_clouds(plain):
+def test_the_smallest_clouds_are_clustered(plain):
     assert plain.cluster_compiled(np.empty((0, 4))).shape == (0,)
     assert plain.cluster_compiled(np.ones((1, 3))).tolist() == [1]
     assert plain.cluster_compiled(np.ones((3, 4))).tolist() == [1, 1, 1]

@@ -1,8 +1,8 @@
 """Hidden tests of lesson 10. Titles and hints are shown to students; the code is not.
 
-Small clouds come before large ones. An answer that runs too long or out of memory on a large cloud
-is stopped there, and keeps the points that it has earned. Two tests with large clouds also check
-that the clusters are exact.
+Small clouds come before large ones. If an answer runs too long or out of memory on a large cloud,
+the judge stops it there, and it keeps the points that it has earned. Two tests with large clouds
+also check that the clusters are exact.
 """
 
 import functools
@@ -31,15 +31,16 @@ def assert_clusters(student, cloud, threshold=0.5):
 @hidden(
     NAME,
     weight=12,
-    title="Right on obstacles of the course's own scan, point for point",
-    hint="Compare with join_all_pairs on the same points: the same clusters? Where not, draw both.",
+    title="Finds the exact clusters in the course's scan",
+    hint="Compare your clusters with those of join_all_pairs on the same points. If they differ, "
+    "draw both.",
 )
 def test_course_cloud(student, seed):
     cloud = samples.course_cloud()
     far = cloud[(np.hypot(cloud[:, 0], cloud[:, 1]) > 15) & (cloud[:, 2] > -1.1)]
     angle = np.arctan2(far[:, 1], far[:, 0])
     start = np.random.default_rng(seed).uniform(0, 2 * np.pi)
-    # The rows are neither thinned nor shuffled, but as the scanner gives them.
+    # The rows are neither thinned nor shuffled: they stay in the order of the scanner.
     order = np.argsort((angle - start) % (2 * np.pi), kind="stable")
     assert_clusters(student, far[np.sort(order[:2500])])
 
@@ -47,9 +48,9 @@ def test_course_cloud(student, seed):
 @hidden(
     NAME,
     weight=12,
-    title="Right on streets you have not seen",
-    hint="Compare with join_all_pairs on every tenth point of cloud.txt, in any order: what is "
-    "torn, what runs together?",
+    title="Finds the exact clusters on new streets",
+    hint="Shuffle every tenth point of cloud.txt, and compare your clusters with those of "
+    "join_all_pairs. Which clusters are split, and which are merged?",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -59,8 +60,8 @@ def test_fresh_streets(student, seed):
 @hidden(
     NAME,
     weight=32,
-    title="Right at thresholds you have not seen, small and large",
-    hint="Side, neighbours and distances all follow the parameter threshold.",
+    title="Finds the exact clusters at small and large thresholds",
+    hint="The side of a cell and every comparison of distances must use the parameter threshold.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 600)[:, :3]
@@ -74,7 +75,7 @@ def test_other_thresholds(student, seed):
 @hidden(
     NAME,
     weight=6,
-    title="Exact where many points crowd into few cells",
+    title="Finds the exact clusters when many points crowd into few cells",
     hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
 )
 def test_crowded_cells(student, seed):
@@ -90,13 +91,13 @@ def test_crowded_cells(student, seed):
 @hidden(
     NAME,
     weight=3,
-    title="Parts that are hardly apart stay apart, wherever cells begin",
-    hint="Is the side of a cell threshold / sqrt(3), so that nobody in it is too far from anybody "
-    "else?",
+    title="Keeps pairs just above the threshold apart, wherever cells begin",
+    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too far "
+    "apart?",
 )
-def test_hardly_apart(student, seed):
+def test_pairs_just_above_the_threshold(student, seed):
     assert_works(student.euclidean_clustering_accelerated)
-    cloud = _pairs_of_all_phases(np.random.default_rng(seed))
+    cloud = _pairs_at_all_offsets(np.random.default_rng(seed))
     answer = student.euclidean_clustering_accelerated(cloud.copy(), 1.0)
     assert_partition(answer, np.arange(len(cloud)), cloud)
 
@@ -104,8 +105,8 @@ def test_hardly_apart(student, seed):
 @hidden(
     NAME,
     weight=2,
-    title="Long winding chains stay whole",
-    hint="Joining goes on from cell to cell, as far as it reaches.",
+    title="Joins a long winding chain into one cluster",
+    hint="Join from cell to cell until the chain ends.",
 )
 def test_long_chain(student, seed):
     rng = np.random.default_rng(seed)
@@ -119,8 +120,8 @@ def test_long_chain(student, seed):
 @hidden(
     NAME,
     weight=2,
-    title="The order, place and turn of the cloud do not matter",
-    hint="Moving the cloud by 10 cm moves every border of a cell; the clusters must stay.",
+    title="Does not depend on the order, position or rotation of the cloud",
+    hint="If the cloud moves by 10 cm, other points share a cell. The clusters must stay the same.",
 )
 def test_invariance(student, seed):
     rng = np.random.default_rng(seed)
@@ -134,8 +135,8 @@ def test_invariance(student, seed):
 @hidden(
     NAME,
     weight=6,
-    title="Right with intensities, small ones and large ones",
-    hint="cloud[:, :3] are the coordinates.",
+    title="Ignores intensities, whether they are small or large",
+    hint="Use only the coordinates, cloud[:, :3].",
 )
 def test_intensity(student, seed):
     cloud, labels = _boxes_of_points(seed)
@@ -149,8 +150,8 @@ def test_intensity(student, seed):
 @hidden(
     NAME,
     weight=1,
-    title="Takes single precision, and columns first in memory",
-    hint="A cloud may be float32, and need not lie row by row in memory.",
+    title="Works on float32 clouds and on clouds stored column by column",
+    hint="A cloud may be float32, and its rows need not be stored one after the other in memory.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = _boxes_of_points(seed)
@@ -162,8 +163,8 @@ def test_kinds_of_arrays(student, seed):
 @hidden(
     NAME,
     weight=1,
-    title="Right for clouds that are flat, tiny or all in one cell",
-    hint="In such a cloud a list of pairs of cells may be empty.",
+    title="Works on clouds that are flat, tiny or in a single cell",
+    hint="For such a cloud, the list of pairs of cells may be empty.",
 )
 def test_extremes(student, seed):
     assert_works(student.euclidean_clustering_accelerated)
@@ -178,8 +179,8 @@ def test_extremes(student, seed):
 @hidden(
     NAME,
     weight=2,
-    title="Right for hundreds of clusters",
-    hint="Labels go as high as there are clusters: 8 bits end at 255.",
+    title="Finds hundreds of clusters",
+    hint="The largest label is the number of clusters, but an 8-bit integer ends at 255.",
 )
 def test_many_clusters(student, seed):
     assert_works(student.euclidean_clustering_accelerated)
@@ -190,7 +191,7 @@ def test_many_clusters(student, seed):
 
 
 def answer_in_time(student, cloud, threshold, advice):
-    """Return the answer; if the process had to be stopped, raise a failure with advice."""
+    """Return the answer; if the sandbox stopped the process, raise a failure with advice."""
     assert_works(student.euclidean_clustering_accelerated)
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
@@ -200,7 +201,7 @@ def answer_in_time(student, cloud, threshold, advice):
 
 @functools.lru_cache(maxsize=16)
 def whole_scan(seed):
-    """Return all obstacles of a new street, one return per 3 cm: 50 000 read-only points."""
+    """Return all obstacles of a new street, thinned to one return per cube of 3 cm."""
     cloud = samples.fresh_street(seed)[:, :3]
     cloud = cloud[cloud[:, 2] > -1.2]
     places = np.unique(np.floor(cloud / 0.03), axis=0, return_index=True)[1]
@@ -210,9 +211,9 @@ def whole_scan(seed):
 @hidden(
     NAME,
     weight=30,
-    title="A whole scan, exactly and in time",
-    hint="Compare with your euclidean_clustering of lesson 05 on the points of cloud.txt within "
-    "10 m: same partition?",
+    title="Clusters a whole scan exactly and in time",
+    hint="Compare your clusters with those of your euclidean_clustering from lesson 05, on the "
+    "points of cloud.txt within 10 m.",
 )
 def test_whole_scan(student, seed):
     cloud = whole_scan(seed)
@@ -221,11 +222,12 @@ def test_whole_scan(student, seed):
             student,
             cloud.copy(),
             float(threshold),
-            "A scan must be answered in time: loops over points, and lists of neighbours of every "
-            "point, are too long. Work with cells instead of points.",
+            "Loops over points take too long, and so do lists of the neighbours of every point. "
+            "Work with cells instead of points.",
         )
         # The slow oracle runs only after the answer has come in time. If a tiny change of the
-        # threshold changes the clusters, single precision may differ, so the next one is tried.
+        # threshold changes the clusters, single precision may differ, so the test tries the next
+        # threshold.
         labels = samples.cluster_labels(cloud, threshold - 1e-4)
         if np.array_equal(labels, samples.cluster_labels(cloud, threshold + 1e-4)):
             assert_partition(answer, labels, cloud)
@@ -236,14 +238,14 @@ def test_whole_scan(student, seed):
 @hidden(
     NAME,
     weight=12,
-    title="Sixty thousand points on a few walls, in time and in little memory",
-    hint="Twice as many points on the same wall make four times as many near pairs, and not one "
-    "more cell: work with cells instead of pairs of points.",
+    title="Clusters sixty thousand points on a few walls, quickly and with little memory",
+    hint="Twice as many points on the same wall make four times as many close pairs, but no more "
+    "cells. Work with cells instead of pairs of points.",
 )
 def test_dense_walls(student, seed):
     cloud, labels = _walls(seed)
     answer = answer_in_time(
-        student, cloud.copy(), 0.5, "Dense walls must not be compared pair by pair."
+        student, cloud.copy(), 0.5, "Do not compare the points of dense walls pair by pair."
     )
     assert_timed_clusters(answer, labels, cloud)
 
@@ -251,9 +253,10 @@ def test_dense_walls(student, seed):
 @hidden(
     NAME,
     weight=16,
-    title="Heaps of twenty thousand points, in time and in little memory",
-    hint="In a heap everybody is near everybody: a list of all pairs is as long as the square "
-    "of its points. Points that share a cell need no pair.",
+    title="Clusters heaps of twenty thousand points, quickly and with little memory",
+    hint="In a heap, every point is close to every other point. A list of all pairs grows with "
+    "the square of the number of points. Points that share a cell belong together without such a "
+    "list.",
 )
 def test_heaps(student, seed):
     cloud, labels = _heaps(seed)
@@ -261,8 +264,8 @@ def test_heaps(student, seed):
         student,
         cloud.copy(),
         0.5,
-        "Points in heaps must not be compared pair by pair: whoever shares a "
-        "small cell belongs together anyway.",
+        "Do not compare the points of a heap pair by pair: points that share a small cell belong "
+        "together anyway.",
     )
     assert_timed_clusters(answer, labels, cloud)
 
@@ -270,9 +273,9 @@ def test_heaps(student, seed):
 @hidden(
     NAME,
     weight=30,
-    title="Heaps that a single pair of points joins, or nearly, exactly and in little memory",
-    hint="Two crowded cells need only their closest pair: a KD-tree of the one, asked by the "
-    "other.",
+    title="Decides exactly and with little memory whether one pair of points joins two heaps",
+    hint="You need only the closest pair of points in two crowded cells. Build a kd-tree of one "
+    "cell and query it with the points of the other.",
 )
 def test_touching_heaps(student, seed):
     cloud, labels = _heaps_end_to_end(seed)
@@ -280,18 +283,18 @@ def test_touching_heaps(student, seed):
         student,
         cloud.copy(),
         0.5,
-        "Two heaps must not be compared pair by pair: their closest pair is enough.",
+        "Do not compare two heaps pair by pair: their closest pair of points is enough.",
     )
     assert_partition(answer, labels, cloud)
 
 
-def _pairs_of_all_phases(rng):
-    """Return points (2000, 3) in pairs along the diagonals of cells, 1.002 m apart.
+def _pairs_at_all_offsets(rng):
+    """Return 1000 pairs of points, shape (2000, 3); each pair is 1.002 m apart along a diagonal.
 
-    A cell that is too large contains a pair only if the pair is well placed in it. If the side is
-    1 / sqrt(2), the place must be right to a fifth of the side along each axis. The pairs therefore
-    begin at each tenth of that side along each axis. Wherever such cells begin, one of them
-    contains a pair, and many larger cells do.
+    A cell that is too large contains both points of a pair only if the pair is in the right place.
+    For the side 1 / sqrt(2), that place extends over a fifth of the side along each axis. The
+    pairs therefore begin at each tenth of that side along each axis. Wherever such cells begin, at
+    least one of them contains a pair. Larger cells contain more pairs.
     """
     side = 1 / np.sqrt(2)
     tenths = np.stack(np.meshgrid(*[np.arange(10)] * 3), axis=-1).reshape(-1, 3) / 10
@@ -324,7 +327,7 @@ def _heaps_end_to_end(seed):
 
     The ends of two heaps are 0.502 m apart, so that an answer has to search the large heaps
     completely. Each small heap has one point that protrudes towards the other. The heaps are so
-    thin that the nearest point is at an end, where a KD-tree finds it ten times as fast as in a
+    thin that the nearest point is at an end, where a kd-tree finds it ten times as fast as in a
     cube. They are so short that cell borders rarely split one, and never into pieces small enough
     for a table of distances. The arrays are read-only.
     """

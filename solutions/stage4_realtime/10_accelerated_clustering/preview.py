@@ -1,4 +1,4 @@
-"""Lesson 10: a car, connected by all pairs of points and by a few pairs of cells."""
+"""Lesson 10: a car from above, connected by all pairs of points and by few pairs of cells."""
 
 import matplotlib.pyplot as plt
 import numpy as np

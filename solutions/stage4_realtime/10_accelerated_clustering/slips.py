@@ -30,20 +30,20 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "cells compared, not points",
+            "cells compared instead of points",
             _CHEAP,
             "join_cheaply(cells, cells, np.arange(len(cells)), threshold)",
             SMALL,
         ),
         Slip(
-            "only the next cells looked at",
+            "only the next cells searched",
             _CHEAP,
             f'{_CHEAP}\n    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")',
             PARTLY,
         ),
         Slip("no exact step", _EXACT, "", USELESS),
         Slip(
-            "result of the exact step forgotten",
+            "result of the exact step ignored",
             "    label = join_exactly(points",
             "    join_exactly(points",
             USELESS,
@@ -55,7 +55,7 @@ SLIPS = {
             PARTLY,
         ),
         Slip("labels from 0", _RANKS, "np.argsort(np.argsort(start))[which]", SMALL),
-        Slip("pieces of cells for points", _RANKS, "label + 1", USELESS),
+        Slip("labels of cells for labels of points", _RANKS, "label + 1", USELESS),
         Slip("intensity is a coordinate", "np.asarray(cloud)[:, :3]", "np.asarray(cloud)", SMALL),
         Slip(
             "a fixed threshold for the cells",
@@ -64,13 +64,16 @@ SLIPS = {
             PARTLY,
         ),
         Slip(
-            "a fixed threshold for the first step",
+            "a fixed threshold for the cheap step",
             "first, threshold)\n    label",
             "first, 0.5)\n    label",
             SMALL,
         ),
         Slip(
-            "the other labels", "label[cell_of_point], return_index", "label, return_index", USELESS
+            "one label for each cell",
+            "label[cell_of_point], return_index",
+            "label, return_index",
+            USELESS,
         ),
         Slip("no return", "return np.argsort", "labels = np.argsort", USELESS),
     ],

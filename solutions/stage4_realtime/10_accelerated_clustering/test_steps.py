@@ -1,4 +1,4 @@
-"""The checks of the three steps of lesson 10, with right and wrong answers."""
+"""The checks of the three steps of lesson 10 judge right and wrong answers correctly."""
 
 import pytest
 
@@ -18,7 +18,7 @@ def failures_of(name, function):
 
 
 @pytest.mark.parametrize("name", STEPS)
-def test_the_lessons_own_answer_passes(name):
+def test_the_solution_passes(name):
     assert not failures_of(name, getattr(LESSON, name))
 
 
@@ -26,7 +26,7 @@ def test_the_lessons_own_answer_passes(name):
     ("name", "variant"),
     [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
-def test_answers_pass_or_fail_as_claimed(name, variant):
+def test_kept_answers_pass_or_fail_as_claimed(name, variant):
     namespace = dict(getattr(LESSON, name).__globals__)  # includes the lesson's own functions
     exec(variant.source, namespace)
     failed = failures_of(name, namespace[name])

@@ -51,8 +51,8 @@ def open_pairs(label, pairs):
     return label[pairs[:, 0]] != label[pairs[:, 1]]
 
 
-def test_the_steps_on_seven_points():
-    """The results are those that the notebook prints next to "expected"."""
+def test_the_steps_give_the_printed_results_on_seven_points():
+    """The notebook prints the same results next to "expected"."""
     text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
     cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
     assert f"[{', '.join(str(cell) for cell in cells[:, :2].astype(int).tolist())}]" in text
@@ -81,7 +81,9 @@ def test_one_cell_of_each_open_pair_visits_the_other_on_its_floor(obstacles):
     assert np.allclose(p[:, 3], 0.8 * floor_of_p) and np.allclose(q[:, 3], 0.8 * floor_of_q)
     assert len(chosen) > 100
     many, visited = np.bincount(cell_of_point), 0
-    assert (np.bincount(floor_of_p, minlength=len(many)) <= many).all()  # each is at home once
+    assert (
+        np.bincount(floor_of_p, minlength=len(many)) <= many
+    ).all()  # each point is at home once
     for number, (one_cell, other_cell) in enumerate(chosen):
         host, guest = (
             (one_cell, other_cell) if many[one_cell] >= many[other_cell] else (other_cell, one_cell)
@@ -96,14 +98,14 @@ def test_one_cell_of_each_open_pair_visits_the_other_on_its_floor(obstacles):
             left_out = np.array([tuple(point) not in found for point in whole.tolist()])
             assert found <= {*map(tuple, whole.tolist())}
             assert not left_out.any() or len(whole) >= 100
-            assert (gap[left_out] >= 0.4).all()  # these join nothing
+            assert (gap[left_out] >= 0.4).all()  # these points join nothing
         assert {*floor_of_q[pair_of_q == number]} <= {host}
         visited += (pair_of_q == number).any()
     assert visited > 100
 
 
 def test_heaps_end_to_end_need_few_queries():
-    """The steps need few queries; one tree for all heaps took 14 s for rods at an angle."""
+    """The exact step queries few points; one tree for all heaps took 14 s for rods at an angle."""
     rng = np.random.default_rng(5)
     rods = rng.uniform(0, [0.04, 0.002, 0.002], (4, 5000, 3))
     rods += [[[x, 0.0, 0.0]] for x in (0.0, 0.542, 6.0, 6.542)]
@@ -118,8 +120,8 @@ def test_heaps_end_to_end_need_few_queries():
 
 
 @pytest.mark.parametrize("radius", [0.001, 0.2, 1.0])
-def test_the_plan_is_exact_for_a_heap_within_a_shell(radius):
-    """Heap points are nearly equally far from all shell points, which once took seven seconds."""
+def test_clustering_is_exact_for_a_heap_within_a_shell(radius):
+    """Nearly equal distances between heap and shell points once took seven seconds."""
     rng = np.random.default_rng(7)
     v = rng.normal(size=(2, 4000, 3))
     v /= np.linalg.norm(v, axis=2, keepdims=True)
@@ -131,7 +133,7 @@ def test_the_plan_is_exact_for_a_heap_within_a_shell(radius):
             assert labels.max() == clusters and len(set(labels[:4000])) == 1
 
 
-def test_no_open_pairs_need_no_floors():
+def test_on_floors_returns_nothing_without_open_pairs():
     none = np.empty((0, 2), dtype=int)
     p, q, pair_of_q = LESSON.on_floors(LESSON.seven, np.arange(7), none, 0.5)
     assert p.shape == q.shape == (0, 4) and pair_of_q.shape == (0,)
@@ -152,12 +154,12 @@ def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
 
 
 @pytest.mark.slow
-def test_the_cheap_step_settles_nearly_all(obstacles, right):
+def test_the_cheap_step_settles_nearly_all_pairs(obstacles, right):
     labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
     assert len(obstacles) / cells < 10  # "a handful of points" in a cell
     assert 0.01 < still_open / pairs < 0.03  # "about one pair in fifty"
-    assert labels.max() > right.max() + 1  # clusters are torn, and none are merged:
+    assert labels.max() > right.max() + 1  # clusters are split, and none are merged:
     for part in np.unique(labels):
         assert len(np.unique(right[labels == part])) == 1
 
@@ -171,7 +173,7 @@ def test_both_versions_are_exact_and_give_equal_labels(obstacles, right):
         assert LESSON.same_clusters(taught, exact)
 
 
-def test_statements_about_pairs(obstacles):
+def test_statements_about_pairs_are_true(obstacles):
     few, tree = obstacles[::20], cKDTree(obstacles)
 
     def mean_neighbours(tree, points, threshold):
@@ -189,8 +191,8 @@ def test_statements_about_pairs(obstacles):
 
 
 @pytest.mark.slow
-def test_the_list_of_all_pairs_against_the_tree(obstacles):
-    """The list takes about as long as the tree's queries, and far less than queries and joins."""
+def test_listing_pairs_is_faster_than_querying_and_joining(obstacles):
+    """Listing and joining pairs takes about as long as querying alone, and far less than both."""
     by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
     few = np.random.default_rng(1).permutation(obstacles)[:6000]
     for points in (few, obstacles):
@@ -200,7 +202,7 @@ def test_the_list_of_all_pairs_against_the_tree(obstacles):
     assert listed < 1.5 * asking
 
 
-def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):
+def test_larger_thresholds_give_fewer_cells_and_open_pairs(obstacles):
     counts = [
         LESSON.after_two_steps(obstacles[::3], threshold)[1:] for threshold in (0.2, 0.5, 1.0)
     ]
@@ -218,7 +220,7 @@ def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):
 
 
 @pytest.mark.slow
-def test_one_object_in_five_is_torn_if_only_adjacent_cells_are_compared(obstacles, right):
+def test_one_object_in_five_is_split_if_only_adjacent_cells_are_compared(obstacles, right):
     cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
     pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
     label = LESSON.join_exactly(obstacles, which, pairs, np.arange(len(cells)), 0.5)[which]
@@ -240,7 +242,7 @@ def test_an_order_mistaken_for_ranks_gets_a_note():
     assert failed == {"numbers_by_appearance"}
 
 
-def test_a_partition_is_compared_both_ways():
+def test_same_clusters_compares_both_ways():
     assert LESSON.same_clusters(np.array([5, 5, 2]), np.array([0, 0, 1]))
     assert not LESSON.same_clusters(np.array([1, 2, 3]), np.array([0, 0, 1]))
     assert not LESSON.same_clusters(np.array([0, 0, 1]), np.array([1, 2, 3]))
@@ -280,7 +282,7 @@ def test_the_fast_version_is_not_released():
 def test_the_trap_stops_functions_that_would_fill_the_memory(quadratic, capsys):
     sizes = []
 
-    def pretend(cloud):
+    def use_time(cloud):
         sizes.append(len(cloud))
         n = len(cloud) / 1000
         until = process_time() + (0.03 * n**2 if quadratic else 0.03 * n)
@@ -288,7 +290,7 @@ def test_the_trap_stops_functions_that_would_fill_the_memory(quadratic, capsys):
             pass
         return np.zeros(len(cloud), int)
 
-    LESSON.spring_the_trap(pretend, most=6_000)
+    LESSON.spring_the_trap(use_time, most=6_000)
     output = capsys.readouterr().out
     assert ("Stopped" in output) == quadratic
     assert (max(sizes) == 6_000) == quadratic  # at most 3,000 points in each heap
@@ -316,7 +318,7 @@ def test_the_autograded_copy_keeps_the_students_steps():
         assert not any(f"def {name}(" in cell.source for cell in copy.cells)
 
 
-def test_the_reference_search_takes_time_while_the_judge_waits():
+def test_the_reference_time_is_never_zero():
     """The reference time is never 0, which would make every answer look slow on a fast machine."""
     cloud = np.random.default_rng(1).normal(size=(50, 3))
     with _limited_cpu_time(60):

@@ -1,7 +1,7 @@
 """Hidden tests of lesson 11. Titles and hints are shown to students; the code is not.
 
-Each tests one property. Unless the test is about them, points are centred, clusters are aligned
-with the axes and labelled from 1 without gaps, and there is neither noise nor intensity.
+Each test is about one property. In all other tests, points are centred, clusters are aligned with
+the axes and labelled from 1 without gaps, and there is no noise or intensity.
 """
 
 import functools
@@ -41,7 +41,7 @@ def axes_by_svd(points):
 
 @cached_by_content
 def smallest_area(points):
-    """Return the area of the smallest rectangle around points from above, to half a degree."""
+    """Return the area of the smallest rectangle around points seen from above."""
     angles = np.radians(np.arange(0, 90, 0.5))
     along = np.column_stack([np.cos(angles), np.sin(angles)])
     across = np.column_stack([-np.sin(angles), np.cos(angles)])
@@ -50,7 +50,7 @@ def smallest_area(points):
 
 
 def area_along(points, direction):
-    """Return the area of the rectangle around points from above, with a side along a direction."""
+    """Return the area of the rectangle around points seen from above, along a direction."""
     along = np.asarray(direction)[:2] / np.linalg.norm(direction[:2])
     turned = points[:, :2] @ np.array([along, [-along[1], along[0]]]).T
     return float(np.prod(np.ptp(turned, axis=0)))
@@ -59,7 +59,7 @@ def area_along(points, direction):
 # ---- clusters ----
 
 
-def turn_in_space(rng):
+def random_rotation(rng):
     """Return a random rotation matrix, from the QR decomposition of a random matrix."""
     matrix, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     matrix[:, 2] *= np.sign(np.linalg.det(matrix))
@@ -67,7 +67,7 @@ def turn_in_space(rng):
 
 
 def block(rng, sides, n=400):
-    """Return n random points of a solid block around the origin; `sides` are its lengths."""
+    """Return n random points inside a block around the origin; `sides` are its lengths."""
     return rng.uniform(-0.5, 0.5, (n, 3)) * sides
 
 
@@ -81,11 +81,12 @@ def turn_about_z(points, angle):
 
 @functools.lru_cache(maxsize=64)
 def scanned_cars(seed):
-    """Return clusters (n, 4) of scanned vehicles, each rotated to be as diagonal as possible.
+    """Return clusters (n, 4) of scanned vehicles, each turned to be as diagonal as possible.
 
-    If a scanner sees two sides, sensible boxes differ: principal axes lean towards the corner, the
-    smallest rectangle does not. The function keeps clusters on which such methods agree well within
-    `LOOSE`, while a box along x and y is far beyond it.
+    If a scanner sees two sides of a vehicle, sensible methods give different boxes: principal axes
+    lean towards the corner, the smallest rectangle does not. The function keeps only clusters for
+    which the areas of such boxes agree well within `LOOSE`, while the area of a box along x and y
+    is far beyond it.
     """
     from scipy.spatial import ConvexHull
 
@@ -123,7 +124,7 @@ def scanned_cars(seed):
 
 
 def blocks_along_the_street(rng, headings, n=200):
-    """Return cloud and labels of solid blocks of car size, with one heading in degrees each."""
+    """Return the cloud and labels of blocks the size of a car; headings are in degrees."""
     clusters = [
         turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
         + [10.0 * row - 20, rng.uniform(-6, 6), -0.7]
@@ -133,7 +134,7 @@ def blocks_along_the_street(rng, headings, n=200):
 
 
 def straight_blocks(rng, count=4):
-    """Return cloud and labels of symmetric blocks along x, whose principal axes are exact."""
+    """Return the cloud and labels of symmetric blocks along x, whose principal axes are exact."""
     half, labels = blocks_along_the_street(rng, [0.0] * count, 60)
     mirrored = half.copy()
     for label in range(1, count + 1):
@@ -149,25 +150,25 @@ def centred(points):
 def blocks_in_space(rng, count=6):
     """Yield centred blocks with random rotations in space."""
     for _ in range(count):
-        yield centred(block(rng, [4.4, 1.8, 0.7]) @ turn_in_space(rng).T)
+        yield centred(block(rng, [4.4, 1.8, 0.7]) @ random_rotation(rng).T)
 
 
 # ---- principal_axes ----
 
 
-def assert_found(student, points):
-    """Check the axes of centred points, without which no other property can be tested."""
-    with needs("the axes of blocks turned in any way in space are right"):
+def require_axes(student, points):
+    """Assert that the axes of centred points are right; raise `NotYet` if not."""
+    with needs("the axes of randomly rotated blocks are right"):
         assert_directions(student.principal_axes(points.copy()), axes_by_svd(points))
 
 
 @hidden(
     "principal_axes",
     weight=4,
-    title="Right for blocks turned in any way in space",
-    hint="Centre, covariance, eigenvectors.",
+    title="Finds the axes of randomly rotated blocks",
+    hint="Centre the points, compute their covariance matrix, and take its eigenvectors.",
 )
-def test_any_turn(student, seed):
+def test_random_rotations(student, seed):
     for points in blocks_in_space(np.random.default_rng(seed), 8):
         assert_directions(student.principal_axes(points.copy()), axes_by_svd(points))
 
@@ -175,23 +176,23 @@ def test_any_turn(student, seed):
 @hidden(
     "principal_axes",
     weight=7,
-    title="By decreasing variance, whichever way a block is turned",
+    title="Sorts the axes of rotated blocks by decreasing variance",
     hint="The eigenvector of the largest variance comes first.",
 )
 def test_order(student, seed):
     require_directions(student.principal_axes)
     for points in blocks_in_space(np.random.default_rng(seed)):
-        assert_found(student, points)
+        require_axes(student, points)
         assert_sorted_by_spread(student.principal_axes(points.copy()), points)
 
 
 @hidden(
     "principal_axes",
     weight=10,
-    title="Right-handed, whichever way a block is turned",
-    hint="A negative determinant: flip the sign of one column.",
+    title="Returns right-handed axes for rotated blocks",
+    hint="If the determinant is negative, flip the sign of one column.",
 )
-def test_handed(student, seed):
+def test_handedness(student, seed):
     require_directions(student.principal_axes)
     for points in blocks_in_space(np.random.default_rng(seed), 12):
         assert_right_handed(student.principal_axes(points.copy()))
@@ -200,11 +201,11 @@ def test_handed(student, seed):
 @hidden(
     "principal_axes",
     weight=26,
-    title="Right for vehicles as a scanner sees them, where they stand",
-    hint="All that the visible checks ask for comes together here: centred, along the sides, the "
-    "largest spread first.",
+    title="Returns the right axes for scanned vehicles",
+    hint="This test combines the properties of the visible checks: centred points, axes along the "
+    "sides, and the largest spread first.",
 )
-def test_scanned(student, seed):
+def test_axes_of_scanned_vehicles(student, seed):
     checked = 0
     for points in (car[:, :3] for car in scanned_cars(seed) + scanned_cars(seed + 1)):
         spread = np.linalg.svd(centred(points), compute_uv=False)
@@ -219,13 +220,13 @@ def test_scanned(student, seed):
 @hidden(
     "principal_axes",
     weight=7,
-    title="Right wherever the cluster stands",
-    hint="Subtract the mean of the points, over the rows.",
+    title="Finds the same axes wherever the cluster is",
+    hint="Subtract points.mean(axis=0), the mean over the rows.",
 )
-def test_place(student, seed):
+def test_position(student, seed):
     rng = np.random.default_rng(seed)
     for points in blocks_in_space(rng):
-        assert_found(student, points)
+        require_axes(student, points)
         away = points + rng.uniform(10, 20, 3) * rng.choice([-1, 1], 3)
         assert_directions(student.principal_axes(away), axes_by_svd(points))
 
@@ -233,14 +234,14 @@ def test_place(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Neither the order of the points nor the size of the cluster matters",
-    hint="No length and no number of points may be written into the function.",
+    title="Does not depend on the order of the points or the size of the cluster",
+    hint="Do not write lengths or numbers of points into the function as constants.",
 )
-def test_size(student, seed):
+def test_order_and_size(student, seed):
     rng = np.random.default_rng(seed)
     points = next(blocks_in_space(rng))
     right = axes_by_svd(points)
-    assert_found(student, points)
+    require_axes(student, points)
     for variant in (rng.permutation(points), 1000 * points, 0.01 * points):
         answer = student.principal_axes(variant.copy())
         assert_directions(answer, right)
@@ -250,14 +251,14 @@ def test_size(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Right for few points, points on a line and on a plane",
-    hint="The covariance matrix is 3 x 3 for any number of points; np.cov and the short form "
-    "of the SVD are not always.",
+    title="Works on few points, on points on a line and on points on a plane",
+    hint="The covariance matrix q.T @ q is 3 x 3 for any number of points. The results of np.cov "
+    "and of the SVD with full_matrices=False may have another shape or contain nan.",
 )
 def test_few_points(student, seed):
     require_directions(student.principal_axes)
     rng = np.random.default_rng(seed)
-    turn = turn_in_space(rng)
+    turn = random_rotation(rng)
     triangle = centred(np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 1.0, 0.0]]) @ turn.T)
     assert_directions(student.principal_axes(triangle.copy()), axes_by_svd(triangle)[:, :2])
     line = centred(np.outer(rng.uniform(-2, 2, 30), turn[:, 0]))
@@ -276,13 +277,13 @@ def test_few_points(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Right for points with intensity",
-    hint="Only the first three columns are coordinates.",
+    title="Ignores the intensity of points",
+    hint="Use only the first three columns, because they are the coordinates.",
 )
 def test_points_with_intensity(student, seed):
     rng = np.random.default_rng(seed)
     points = next(blocks_in_space(rng))
-    assert_found(student, points)
+    require_axes(student, points)
     bright = np.column_stack([points, rng.uniform(-50, 50, len(points))])
     assert_directions(student.principal_axes(bright), axes_by_svd(points))
 
@@ -290,13 +291,13 @@ def test_points_with_intensity(student, seed):
 @hidden(
     "principal_axes",
     weight=1,
-    title="Right for single precision",
-    hint="The same lines serve every kind of number.",
+    title="Works on float32 arrays and on arrays stored column by column",
+    hint="The same code works for every type of number. Do not test for a type.",
 )
-def test_forms_of_points(student, seed):
+def test_array_types_of_points(student, seed):
     points = next(blocks_in_space(np.random.default_rng(seed)))
     right = axes_by_svd(points)
-    assert_found(student, points)
+    require_axes(student, points)
     assert_directions(student.principal_axes(points.astype(np.float32)), right)
     assert_directions(student.principal_axes(np.asfortranarray(points)), right)
 
@@ -307,19 +308,19 @@ def test_forms_of_points(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=16,
-    title="Snug around blocks at any heading",
-    hint="A yaw in degrees, of the wrong sign or of the wrong axis gives a box that is too "
-    "large, or leaves points outside.",
+    title="Fits boxes tightly around blocks at any heading",
+    hint="A box is too large or leaves points outside if the yaw is in degrees, has the wrong "
+    "sign or belongs to the wrong axis.",
 )
 def test_any_heading(student, seed):
     rng = np.random.default_rng(seed)
     for first in (12, 27):
         cloud, labels = blocks_along_the_street(rng, np.arange(first, 180, 34) + rng.uniform(0, 6))
         areas = [smallest_area(cloud[labels == label]) for label in range(1, labels.max() + 1)]
-        assert_holds_and_fits(student, cloud, labels, areas)
+        assert_contained_and_tight(student, cloud, labels, areas)
 
 
-def assert_holds_and_fits(student, cloud, labels, areas):
+def assert_contained_and_tight(student, cloud, labels, areas):
     answer = student.get_oriented_boxes(cloud.copy(), labels.copy())
     assert_holds(answer, cloud, labels)
     assert_snug(answer, cloud, labels, areas)
@@ -328,26 +329,26 @@ def assert_holds_and_fits(student, cloud, labels, areas):
 @hidden(
     "get_oriented_boxes",
     weight=8,
-    title="Right for diagonal vehicles as a scanner sees them",
-    hint="The points of a real car do not lie evenly around its middle: take minimum and "
-    "maximum along each side, in the turned frame.",
+    title="Fits boxes tightly around diagonal scanned vehicles",
+    hint="The points of a real car are not evenly spread around its centre. Turn the points by "
+    "minus yaw, and take the minimum and maximum along each side.",
 )
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
-    # At 20° a heading of the wrong sign differs clearly, unlike at 45°.
+    # At 20°, unlike at 45°, a heading of the wrong sign gives a clearly different box.
     cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
     areas = [smallest_area(car) for car in cars]
-    assert_holds_and_fits(student, np.vstack(cars), labels, areas)
+    assert_contained_and_tight(student, np.vstack(cars), labels, areas)
 
 
 @hidden(
     "get_oriented_boxes",
     weight=8,
-    title="Snug around what is taller than long, at any heading",
-    hint="The longest direction in space may be up. The heading is found from x and y alone.",
+    title="Fits boxes tightly around objects that are taller than long",
+    hint="The longest direction in space may be up. Find the heading from x and y alone.",
 )
-def test_tall_things(student, seed):
+def test_tall_objects(student, seed):
     rng = np.random.default_rng(seed)
     clusters, areas = [], []
     for row, heading in enumerate(np.arange(5, 180, 30) + rng.uniform(0, 8)):
@@ -360,24 +361,24 @@ def test_tall_things(student, seed):
         clusters.append(points + [4.0 * row - 10, rng.uniform(-6, 6), 0.3])
         areas.append(smallest_area(points))
     labels = np.repeat(np.arange(1, len(clusters) + 1), 64)
-    assert_holds_and_fits(student, np.vstack(clusters), labels, areas)
+    assert_contained_and_tight(student, np.vstack(clusters), labels, areas)
 
 
 @hidden(
     "get_oriented_boxes",
     weight=5,
-    title="Contains every point of a street you have not seen",
-    hint="Poles, people, hedges and walls have headings, too, if only by chance; the box must "
-    "hold all of their points whatever it is.",
+    title="Contains every point of the clusters on a new street",
+    hint="Poles, people, hedges and walls also get a heading. Whatever it is, the box must "
+    "contain all of their points.",
 )
 def test_fresh_street(student, seed):
     cloud, labels = street_clusters(seed)
     car, label = blocks_along_the_street(np.random.default_rng(seed), [25.0])
     cloud = np.vstack([cloud, car + [0.0, 0.0, 30.0]])
     labels = np.concatenate([labels, label + labels.max()])
-    # All sensible boxes agree on the size only for the block.
+    # Sensible methods agree on the size of a box only for the block.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
-    assert_holds_and_fits(student, cloud, labels, areas)
+    assert_contained_and_tight(student, cloud, labels, areas)
 
 
 @functools.lru_cache(maxsize=64)
@@ -394,8 +395,8 @@ def street_clusters(seed):
 @hidden(
     "get_oriented_boxes",
     weight=2,
-    title="Upright, from the lowest to the highest point",
-    hint="Turn about z only; floor and roof are the smallest and the largest z.",
+    title="Returns upright boxes from the lowest to the highest point",
+    hint="Turn about z only. The floor is at the smallest z and the roof at the largest.",
 )
 def test_upright(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -408,8 +409,8 @@ def test_upright(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=2,
-    title="Right for round clusters and few points",
-    hint="Where no direction is special any heading will do, as long as all points are inside.",
+    title="Works on round clusters and on few points",
+    hint="For a round cluster any heading is right, as long as all points are inside the box.",
 )
 def test_round_and_few(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -431,10 +432,11 @@ def test_round_and_few(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Right for labels with large gaps",
-    hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.",
+    title="Works with labels that have large gaps",
+    hint="np.unique(labels[labels > 0]) lists the labels that occur. Return one box for each of "
+    "them, in that order.",
 )
-def test_gaps(student, seed):
+def test_gaps_in_labels(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
     cloud, labels = straight_blocks(np.random.default_rng(seed))
     labels = np.array([0, 7, 40, 41, 400])[labels]
@@ -444,8 +446,9 @@ def test_gaps(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Right whichever label comes first in the cloud",
-    hint="The boxes go by the labels, from the smallest up, not by where they first occur.",
+    title="Sorts the boxes by label, whichever label comes first in the cloud",
+    hint="Return the boxes in ascending order of their labels, not in the order in which the "
+    "labels first occur.",
 )
 def test_order_of_labels(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -458,8 +461,8 @@ def test_order_of_labels(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=7,
-    title="Right when noise is plenty, whatever it holds",
-    hint="Only rows of a label above 0 count; what the others hold must not matter.",
+    title="Ignores many noise points, even if they contain nan",
+    hint="Use only rows with a label above 0. The values in all other rows must not matter.",
 )
 def test_noise(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -474,8 +477,8 @@ def test_noise(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Right for clouds with intensity",
-    hint="Only the first three columns are coordinates.",
+    title="Ignores intensity in a fourth column",
+    hint="Use only the first three columns, because they are the coordinates.",
 )
 def test_intensity(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -488,10 +491,10 @@ def test_intensity(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Right for single precision",
-    hint="The same lines serve every kind of number.",
+    title="Works on float32 arrays and on arrays stored column by column",
+    hint="The same code works for every type of number. Do not test for a type.",
 )
-def test_forms(student, seed):
+def test_array_types(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
     cloud, labels = straight_blocks(np.random.default_rng(seed))
     for form in (cloud.astype(np.float32), np.asfortranarray(cloud)):
@@ -501,10 +504,10 @@ def test_forms(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Right for many clusters",
-    hint="No number of boxes may be written into the function.",
+    title="Works with many clusters",
+    hint="Do not write a number of boxes into the function as a constant.",
 )
-def test_many(student, seed):
+def test_many_clusters(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
     cloud, labels = straight_blocks(np.random.default_rng(seed), 40)
     assert_holds(student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels)
@@ -513,10 +516,10 @@ def test_many(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=2,
-    title="Right for no clusters",
-    hint="No cluster gives an array of shape (0, 8, 3).",
+    title="Returns an empty array if there are no clusters",
+    hint="Without clusters, return an array of shape (0, 8, 3).",
 )
-def test_none(student, seed):
+def test_no_clusters(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
     cloud = np.random.default_rng(seed).uniform(-30, 30, (300, 3))
     none = np.zeros(len(cloud), dtype=int)

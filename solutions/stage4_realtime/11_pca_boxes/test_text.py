@@ -50,7 +50,7 @@ def points_of(street, label):
     return street.cloud[street.labels == label, :3]
 
 
-def in_its_frame(street, label):
+def in_box_frame(street, label):
     """Return the points (n, 2) of a cluster, along and across its true box."""
     box = street.boxes[label]
     return LESSON.turned(points_of(street, label) - box.centre, -box.yaw)[:, :2]
@@ -69,17 +69,20 @@ def closest_yaw(points):
     return ANGLES[LESSON.closeness_at(points, ANGLES).argmax()]
 
 
-def off(yaw, box):
+def angle_to_side(yaw, box):
     """Return the angle to the nearest side of a box in degrees."""
     return abs((np.degrees(yaw - box.yaw) + 45) % 90 - 45)
 
 
 def errors(street, find):
-    return {label: off(find(points_of(street, label)), street.boxes[label]) for label in VEHICLES}
+    return {
+        label: angle_to_side(find(points_of(street, label)), street.boxes[label])
+        for label in VEHICLES
+    }
 
 
-def hinted(name):
-    """Return a stored answer that follows the hints, with the functions that the lesson gives."""
+def function_of_answer(name):
+    """Return the function of a kept answer, with the functions that the lesson gives."""
     source = next(
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
     )
@@ -89,7 +92,7 @@ def hinted(name):
     return space["get_oriented_boxes"]
 
 
-def test_a_line_lags_behind_steep_cars():
+def test_a_fitted_line_is_too_flat_for_steep_cars():
     block = np.random.default_rng(1).uniform(-0.5, 0.5, (600, 3)) * [4.2, 1.8, 1.4]
     for degrees, least, most in ((20, 17, 20), (70, 35, 50)):
         x, y, _ = LESSON.turned(block, np.radians(degrees)).T
@@ -125,19 +128,22 @@ def test_closeness_sums_inverse_distances_to_the_sides(degrees):
     summed = sum(1 / (distance + 0.05) for distance in apart.tolist())
     assert LESSON.closeness_at(points, angle) == pytest.approx(summed)
     both = LESSON.closeness_at(points, np.array([angle, angle + np.pi / 2]))
-    assert both == pytest.approx([summed, summed]), "a quarter turn changes nothing"
+    assert both == pytest.approx([summed, summed]), "a quarter turn must not change it"
 
 
-def test_explanations_for_single_vehicles(street):
-    seen = {label: in_its_frame(street, label) for label in VEHICLES}
+def test_explanations_for_single_vehicles_are_true(street):
+    seen = {label: in_box_frame(street, label) for label in VEHICLES}
     # Vehicle 5 is next to the scanner, with one end ahead of it and one behind it.
     ends = street.boxes[5].corners[:, 0]
     assert ends.min() < 0 < ends.max()
     assert np.ptp(seen[4][:, 0]) < 0.6 * street.boxes[4].size[0]
     for label in set(VEHICLES) - {5}:
-        # It leans more than an even L of its sides, as the near end has most of the points.
+        # The first axis leans more than that of an L with evenly spread points, because the near
+        # end has most of the points.
         sides = np.sort(np.ptp(seen[label], axis=0))
-        assert off(axis_yaw(points_of(street, label)), street.boxes[label]) > lean(*sides)
+        assert angle_to_side(
+            axis_yaw(points_of(street, label)), street.boxes[label]
+        ) > lean_of_even_l(*sides)
         toward = -LESSON.turned(np.array([street.boxes[label].centre]), -street.boxes[label].yaw)
         along = (seen[label][:, 0] - np.mean([seen[label].min(0)[0], seen[label].max(0)[0]])) * (
             np.sign(toward[0, 0])
@@ -145,7 +151,7 @@ def test_explanations_for_single_vehicles(street):
         assert np.mean(along > 0) > 0.5, label
         inside = np.array(street.boxes[label].size[:2]) / 2 - np.abs(seen[label])
         on_top = np.mean(inside.min(axis=1) > 0.15)
-        assert (on_top > 0.3) == (label != 7), "bonnet and roof; a lorry has none to be seen"
+        assert (on_top > 0.3) == (label != 7), "bonnet and roof are visible, except on the lorry"
     # The lorry is higher than the scanner, so hardly any points are between its two sides.
     lorry = street.boxes[7]
     assert lorry.corners[:, 2].max() > 1
@@ -153,8 +159,8 @@ def test_explanations_for_single_vehicles(street):
     assert (np.minimum(seen[7] - low, high - seen[7]).min(axis=1) < 0.25).mean() > 0.9
 
 
-def lean(short, long):
-    """Return the angle in degrees by which the first axis of an even L leans."""
+def lean_of_even_l(short, long):
+    """Return the lean (degrees) of the first axis of an L with evenly spread points."""
     n = 2000
     legs = np.vstack(
         [
@@ -182,12 +188,12 @@ def test_area_grows_at_once_and_a_thin_l_has_two_smallest_rectangles():
     assert LESSON.floor_area_at(rim, ANGLES).shape == (90,)
 
 
-def test_the_best_method_for_each_kind_of_object(street):
+def test_each_kind_of_object_has_the_stated_best_method(street):
     kinds, sizes = {}, {}
     for label in np.unique(street.labels[street.labels > 0]).tolist():
         box, points = street.boxes[label], points_of(street, label)
         errors_of_methods = [
-            off(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)
+            angle_to_side(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)
         ]
         kinds.setdefault(box.kind, []).append(errors_of_methods)
         sizes.setdefault(box.kind, []).append(np.ptp(points[:, :2], axis=0).min())
@@ -235,8 +241,8 @@ def test_flattened_boxes_lose_points(street):
         ("principal axes in the plane", axis_yaw),
     ],
 )
-def test_the_hinted_boxes_are_as_the_lesson_says(name, find, street):
-    boxes = hinted(f"the hints to the letter, {name}")
+def test_answers_that_follow_the_hints_give_the_stated_boxes(name, find, street):
+    boxes = function_of_answer(f"the hints followed to the letter, {name}")
     five = LESSON.turned(
         np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
         np.radians(30),
@@ -250,7 +256,9 @@ def test_the_hinted_boxes_are_as_the_lesson_says(name, find, street):
     labels = np.unique(street.labels[street.labels > 0]).tolist()
     for label, degrees in errors(street, find).items():
         side = np.subtract(*found[labels.index(label), 1::-1])
-        assert off(np.arctan2(side[1], side[0]), street.boxes[label]) == pytest.approx(degrees)
+        assert angle_to_side(np.arctan2(side[1], side[0]), street.boxes[label]) == pytest.approx(
+            degrees
+        )
 
 
 def test_forty_clusters_are_boxed_quickly():
@@ -288,7 +296,9 @@ def test_headings_of_a_stream_jump_and_can_be_unwrapped():
         jumps = np.degrees(np.diff(values))
         jumps = jumps[abs(jumps) > 60]
         assert len(jumps)
-        if steps > 90:  # the turn of the car and its lean also change between two frames
+        if (
+            steps > 90
+        ):  # the heading of the car and the lean of the axis also change between two frames
             assert (abs(abs(jumps) - steps) < 30).any()
     truth = np.unwrap(truth)
     wrong = {}
@@ -297,7 +307,7 @@ def test_headings_of_a_stream_jump_and_can_be_unwrapped():
         smooth += np.round((truth[0] - smooth[0]) / quarter) * quarter
         wrong[name] = np.degrees(smooth - truth)
     assert np.median(abs(wrong["axis"])) > 8 and abs(wrong["axis"]).max() > 20
-    assert wrong["axis"].min() < -8 and wrong["axis"].max() > 8, "it swings to both sides"
+    assert wrong["axis"].min() < -8 and wrong["axis"].max() > 8, "the error has both signs"
     assert np.median(abs(wrong["rectangle"])) < 1 and abs(wrong["rectangle"]).max() < 3
 
 
@@ -319,7 +329,7 @@ def test_common_mistakes_match_the_table(street):
     assert area > 1.3 * 4.2 * 1.8
     assert both_plus.mean(axis=0) == pytest.approx(LESSON.turned(middle[None], 2 * yaw)[0])
     areas = LESSON.floor_area_at(block, ANGLES)
-    assert off(ANGLES[areas.argmax()], Box((0, 0, 0), (1, 1, 1), yaw, "car", 1)) > 43
+    assert angle_to_side(ANGLES[areas.argmax()], Box((0, 0, 0), (1, 1, 1), yaw, "car", 1)) > 43
     assert areas.max() > 2 * areas.min()
     tilts = set()
     for label in VEHICLES:
@@ -330,7 +340,7 @@ def test_common_mistakes_match_the_table(street):
         tilts.add(np.sign(first[0] * first[1]))
         flat = points * [1, 1, 0]
         q = flat - flat.mean(axis=0)
-        assert abs(np.linalg.eigh(q.T @ q)[1][2, 0]) == pytest.approx(1), "ascending: upwards"
+        assert abs(np.linalg.eigh(q.T @ q)[1][2, 0]) == pytest.approx(1), "it points up"
         with np.errstate(invalid="ignore"):
             score = q / flat.std(axis=0)
         with pytest.raises(np.linalg.LinAlgError):
@@ -341,4 +351,4 @@ def test_common_mistakes_match_the_table(street):
         mirrored = LESSON.principal_axes(points) * [1, 1, -1]
         with pytest.raises(ValueError, match="determinant"):
             Rotation.from_matrix(mirrored)
-    assert tilts == {-1, 1}, "45° to either side"
+    assert tilts == {-1, 1}, "45° in both directions"

@@ -1,8 +1,8 @@
 """Hidden tests of lesson 12. Titles and hints are shown to students; the code is not.
 
-Each tests one property, and only if cars are found or boxes are matched, so that a detector without
-boxes earns nothing. Most tests have a square of their own, so that boxes at fixed places succeed by
-luck at most once.
+Each test is about one property. It waits until cars are found or boxes are matched, so that a
+detector without boxes earns nothing. Most tests use different squares, so that boxes at fixed
+places pass at most one test by luck.
 """
 
 import functools
@@ -14,20 +14,20 @@ from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import CheckFailed, needs
 from utils.checks.detections import (
     as_boxes,
-    assert_apart,
-    assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
-    assert_cars_seen,
-    assert_dry,
-    assert_gone,
-    assert_kind_reached,
-    assert_nothing_at_sensor,
-    assert_own_car_free,
+    assert_contained,
+    assert_few_ghosts,
+    assert_kind_contained,
+    assert_no_box_at_sensor,
+    assert_no_box_left,
+    assert_no_box_on_ego_car,
     assert_people_found,
-    assert_reached,
-    assert_sees,
+    assert_raindrops_ignored,
+    assert_separate_boxes,
     detected,
+    require_cars_found,
+    require_cars_found_in_frame,
 )
 from utils.checks.lesson_12.match_boxes import (
     assert_limit_respected,
@@ -83,34 +83,34 @@ def empty_road():
     return observe(world_of(Ground(), ()), half_sensor(), 3)
 
 
-def sees(student, frame):
-    """Return the detector's boxes in a frame, after a check that it finds the frame's cars."""
-    assert_cars_seen(student.detect_obstacles, frame)
+def boxes_in(student, frame):
+    """Return the detector's boxes in a frame, after requiring that it finds the cars."""
+    require_cars_found_in_frame(student.detect_obstacles, frame)
     return detected(student.detect_obstacles, frame)
 
 
-def assert_seen_on_climbs(student, seed, kind):
-    """Require the cars of a square, then each thing of a kind on two roads that climb."""
-    assert_cars_seen(student.detect_obstacles, square(seed))
+def assert_found_on_climbs(student, seed, kind):
+    """Require the cars of a square, then assert objects of a kind on two climbing roads."""
+    require_cars_found_in_frame(student.detect_obstacles, square(seed))
     for frame in (climb(seed), climb(seed + 1)):
-        assert_kind_reached(detected(student.detect_obstacles, frame), kind, frame)
+        assert_kind_contained(detected(student.detect_obstacles, frame), kind, frame)
 
 
 def answer_for(student, cloud, frame):
-    """Return the detector's boxes in a changed cloud, after a check that they contain the cars."""
+    """Return the detector's boxes in a changed cloud; require that they contain the cars."""
     answer = student.detect_obstacles(cloud)
-    assert_sees(answer, frame)
+    require_cars_found(answer, frame)
     return answer
 
 
 @hidden(
     "detect_obstacles",
     weight=5,
-    title="Finds the cars of streets you have not seen",
-    hint="Try other scenes: scenes.random_street(1), (2), (3) with their true boxes.",
+    title="Finds the cars on new streets",
+    hint="Try other scenes with their true boxes: scenes.random_street(1), (2) and (3).",
 )
 def test_fresh_streets(student, seed):
-    assert_cars_seen(student.detect_obstacles, square(seed))
+    require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frames = fresh_streets(seed)
     assert_cars_found([detected(student.detect_obstacles, frame) for frame in frames], frames)
 
@@ -118,11 +118,11 @@ def test_fresh_streets(student, seed):
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Finds the cars of a drive through the city",
-    hint="Draw your boxes on several frames of scenes.city_block: where is a car without one?",
+    title="Finds the cars during a drive through a new city",
+    hint="Draw your boxes on several frames of scenes.city_block. Where is a car without a box?",
 )
 def test_city(student, seed):
-    assert_cars_seen(student.detect_obstacles, square(seed))
+    require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frame = city_frame(seed)
     assert_cars_found([detected(student.detect_obstacles, frame)], [frame])
 
@@ -130,154 +130,156 @@ def test_city(student, seed):
 @hidden(
     "detect_obstacles",
     weight=9,
-    title="Finds people in places you have not seen",
-    hint="A person near by has 20 to 40 points after thinning: which of your steps asks for more?",
+    title="Finds people in new places",
+    hint="A nearby person has 20 to 40 points after thinning. Does one of your steps need more?",
 )
 def test_people(student, seed):
     frame = walk(seed)
-    assert_people_found(sees(student, frame), frame)
+    assert_people_found(boxes_in(student, frame), frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Looks 10 m ahead",
-    hint="A region of interest that ends before 10 m cuts through cars that stand nearer.",
+    title="Finds obstacles up to 10 m ahead",
+    hint="A region of interest that ends before 10 m may cut through a closer car.",
 )
 def test_reach(student, seed):
-    assert_cars_seen(student.detect_obstacles, square(seed))
+    require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frame = crossing(seed)
-    assert_reached(detected(student.detect_obstacles, frame), car_across(frame), frame)
+    assert_contained(detected(student.detect_obstacles, frame), car_across(frame), frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="A person next to the bumper has a box, on either side",
-    hint="remove_ego_returns takes away the box of the own car and nothing beyond it.",
+    title="Finds a person next to the bumper, on either side",
+    hint="remove_ego_returns must remove the box of the ego car and nothing outside it.",
 )
 def test_person_at_the_bumper(student, seed):
-    assert_seen_on_climbs(student, seed, "pedestrian")
+    assert_found_on_climbs(student, seed, "pedestrian")
 
 
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Cars at the edge of the road have boxes, on either side",
-    hint="Where does your region of interest end to the side?",
+    title="Finds cars at the edge of the road, on either side",
+    hint="How far to the side does your region of interest reach?",
 )
 def test_edge_of_the_road(student, seed):
-    assert_seen_on_climbs(student, seed, "car")
+    assert_found_on_climbs(student, seed, "car")
 
 
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Lorries have boxes",
+    title="Finds lorries",
     hint="A cluster of a thousand points is a wall or a lorry.",
 )
 def test_lorries(student, seed):
-    assert_seen_on_climbs(student, seed, "truck")
+    assert_found_on_climbs(student, seed, "truck")
 
 
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Cars that are parked closely have boxes of their own",
-    hint="Two things are one cluster where the threshold is larger than the gap between them.",
+    title="Gives closely parked cars separate boxes",
+    hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
 def test_parked_cars(student, seed):
-    with needs("cars at the edge of the road have boxes"):
-        assert_seen_on_climbs(student, seed, "car")
+    with needs("the detector finds cars at the edge of the road"):
+        assert_found_on_climbs(student, seed, "car")
     for frame in (climb(seed), climb(seed + 1)):
-        assert_apart(detected(student.detect_obstacles, frame), frame, GAP)
+        assert_separate_boxes(detected(student.detect_obstacles, frame), frame, GAP)
 
 
 @hidden(
     "detect_obstacles",
     weight=4,
-    title="Sees few ghosts in streets and a city you have not seen",
-    hint="Draw the boxes of scenes.random_street(1): which hold road, which hold nothing? The road "
-    "of the city climbs: what does your ground filter leave 20 m ahead?",
+    title="Puts few boxes around road or nothing on new streets and in a new city",
+    hint="Draw the boxes of scenes.random_street(1). Which of them contain road or nothing? The "
+    "road of the city climbs. What does your ground filter leave 20 m ahead?",
 )
 def test_few_ghosts(student, seed):
     for frames in (fresh_streets(seed), [city_frame(seed)]):
-        assert_boxes_real([sees(student, frame) for frame in frames], frames)
+        assert_few_ghosts([boxes_in(student, frame) for frame in frames], frames)
 
 
 @hidden(
     "detect_obstacles",
     weight=12,
-    title="Turns the boxes of cars that stand at an angle",
+    title="Turns the boxes of cars at an angle",
     hint="Seen from above, the sides of a box should run along the sides of the car.",
 )
 def test_turned_cars(student, seed):
     frame = square(seed)
-    assert_boxes_turned(sees(student, frame), frame)
+    assert_boxes_turned(boxes_in(student, frame), frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=12,
-    title="Does not take its own car for an obstacle, however much of it the scanner sees",
-    hint="All that lies in the box of the own car has to go, up to its faces.",
+    title="Puts no box around the ego car, however much of it the scanner sees",
+    hint="Remove all returns inside the box of the ego car and on its faces.",
 )
-def test_own_car(student, seed):
+def test_ego_car(student, seed):
     frame = square(seed + 1)
     cloud = np.random.default_rng(seed).permutation(np.vstack([frame.cloud, ego_car_points(seed)]))
-    assert_own_car_free(answer_for(student, cloud, frame), frame)
+    assert_no_box_on_ego_car(answer_for(student, cloud, frame), frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="Copes with scans with thousands of lost returns",
-    hint="Let drop_invalid be the very first step.",
+    title="Works on scans with thousands of lost returns",
+    hint="Call drop_invalid first.",
 )
-def test_dirty_scan(student, seed):
+def test_lost_returns(student, seed):
     frame = square(seed + 2)
     cloud = with_invalid(frame.cloud, seed)
-    assert_nothing_at_sensor(answer_for(student, cloud, frame), frame)
+    assert_no_box_at_sensor(answer_for(student, cloud, frame), frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=11,
-    title="Does not take single returns in the air, such as drops of rain, for obstacles",
-    hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
-    "labels that get boxes?",
+    title="Ignores single returns in the air, such as raindrops",
+    hint="filter_clusters returns new labels, without the clusters of a few points. Fit boxes to "
+    "these labels.",
 )
 def test_rain(student, seed):
     frame, drops = square(seed + 3), rain(seed + 3)
-    assert_dry(answer_for(student, np.vstack([frame.cloud, drops]), frame), frame, drops)
+    assert_raindrops_ignored(
+        answer_for(student, np.vstack([frame.cloud, drops]), frame), frame, drops
+    )
 
 
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="No box is left where a car stood a moment ago",
-    hint="Every call starts anew, with nothing but its cloud.",
+    title="Returns no box where a car was a moment ago",
+    hint="Every call must use only its own cloud, and nothing from earlier calls.",
 )
-def test_gone(student, seed):
+def test_removed_car(student, seed):
     car = clear_cars(square(seed + 4))[seed % 3]
     frame = without(car, square(seed + 4))
-    # The test is about boxes that this call leaves behind, so no other test uses this square.
+    # The test is about boxes that this call may leave behind, so no other test uses this square.
     detected(student.detect_obstacles, square(seed + 4))
-    assert_gone(answer_for(student, frame.cloud.copy(), frame), car, frame)
+    assert_no_box_left(answer_for(student, frame.cloud.copy(), frame), car, frame)
 
 
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="An empty road has no obstacles",
-    hint="Each step must cope with nothing being left: no points, no labels, no clusters.",
+    title="Finds no obstacles on an empty road",
+    hint="Each step must work when nothing is left: no points, no labels, no clusters.",
 )
 def test_empty_road(student, seed):
-    assert_cars_seen(student.detect_obstacles, square(seed + 4))
+    require_cars_found_in_frame(student.detect_obstacles, square(seed + 4))
     boxes = as_boxes(student.detect_obstacles(empty_road().cloud.copy()))
     if len(boxes) > 3:
         raise CheckFailed(
-            "A level road without a single thing on it has obstacles.",
+            "The detector finds obstacles on a level, empty road.",
             yours=f"{len(boxes)} boxes",
             expected="0 boxes",
         )
@@ -286,8 +288,8 @@ def test_empty_road(student, seed):
 @hidden(
     "detect_obstacles",
     weight=1,
-    title="Right for any order of returns",
-    hint="Nothing may depend on which return comes first.",
+    title="Does not depend on the order of the returns",
+    hint="The result must not depend on which return comes first.",
 )
 def test_order(student, seed):
     frame = square(seed + 5)
@@ -298,10 +300,11 @@ def test_order(student, seed):
 @hidden(
     "detect_obstacles",
     weight=1,
-    title="Right in single precision",
-    hint="Scanners store 32 bits: let astype(float) come first if a step of yours needs 64.",
+    title="Works in single precision",
+    hint="Scanners store 32-bit numbers. Begin with astype(float) if one of your steps needs 64 "
+    "bits.",
 )
-def test_precision(student, seed):
+def test_single_precision(student, seed):
     frame = square(seed + 6)
     cloud = np.asfortranarray(frame.cloud.astype(np.float32))
     assert_cars_found([student.detect_obstacles(cloud)], [frame])
@@ -310,12 +313,12 @@ def test_precision(student, seed):
 @hidden(
     "detect_obstacles",
     weight=1,
-    title="Takes scans of a few returns",
-    hint="Some steps need three points or more; what do they do with one?",
+    title="Works on scans of a few returns",
+    hint="Some steps need three or more points. What do they do with one?",
 )
 def test_small_scans(student, seed):
     cloud = square(seed + 4).cloud
-    assert_cars_seen(student.detect_obstacles, square(seed + 4))
+    require_cars_found_in_frame(student.detect_obstacles, square(seed + 4))
     for count in (1, 2, 4):
         boxes = as_boxes(student.detect_obstacles(cloud[-count:].copy()))
         if len(boxes) > count:
@@ -326,16 +329,16 @@ def test_small_scans(student, seed):
             )
 
 
-def scattered(rng, count):
+def scattered_places(rng, count):
     """Return random places (count, 2) in the plane, more than 7 m apart."""
     cells = rng.permutation(100)[:count]
     grid = np.column_stack([cells % 10, cells // 10]) * 9.0 - 45
     return grid + rng.uniform(-0.9, 0.9, (count, 2))
 
 
-def moved_on(rng, count=12, gone=0, new=0, step=0.8):
+def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
     """Return the centres of two frames, and the right partner of each box in the second."""
-    places = scattered(rng, count + new)
+    places = scattered_places(rng, count + new)
     stay = rng.permutation(count)[gone:]
     angle, length = rng.uniform([[0], [0.9]], [[2 * np.pi], [1]], (2, len(stay)))
     moved = places[stay] + step * (length * [np.cos(angle), np.sin(angle)]).T
@@ -347,53 +350,53 @@ def moved_on(rng, count=12, gone=0, new=0, step=0.8):
 
 def rivals(rng):
     """Return the centres of two frames; two boxes, the nearer first, compete for each place."""
-    previous = scattered(rng, 8)
+    previous = scattered_places(rng, 8)
     offset = rng.uniform(0, 2 * np.pi, 8)
     aside = np.column_stack([np.cos(offset), np.sin(offset)])
     return previous, np.vstack([previous + 0.3 * aside, previous - 1.1 * aside])
 
 
-def assert_pairs(student, previous, current, distance, partner, look_at=slice(None)):
+def assert_pairs(student, previous, current, distance, partner, compared_rows=slice(None)):
     answer = student.match_boxes(previous.copy(), current.copy(), distance)
-    assert_matched(answer, partner, previous, current, look_at)
+    assert_matched(answer, partner, previous, current, compared_rows)
 
 
 @hidden(
     "match_boxes",
     weight=4,
-    title="Follows many boxes, whatever order they come in",
-    hint="Draw both frames with plots.boxes and names=True, and go through your pairs.",
+    title="Matches many boxes in any order",
+    hint="Draw both frames with plots.boxes and names=True, and compare them with your pairs.",
 )
 def test_many_boxes(student, seed):
     rng = np.random.default_rng(seed)
     for step in (0.3, 0.8, 1.2):
-        previous, current, partner = moved_on(rng, step=step)
+        previous, current, partner = moved_boxes(rng, step=step)
         assert_pairs(student, cubes(previous), cubes(current), 1.6, partner)
 
 
 @hidden(
     "match_boxes",
     weight=2,
-    title="Whoever comes into view is new",
-    hint="The answer has -1 wherever no pair was made.",
+    title="Marks boxes that come into view as new",
+    hint="Return -1 for each box without a partner.",
 )
-def test_new_ones(student, seed):
+def test_new_boxes(student, seed):
     require_matching(student.match_boxes)
-    previous, current, partner = moved_on(np.random.default_rng(seed), new=4)
+    previous, current, partner = moved_boxes(np.random.default_rng(seed), new=4)
     assert_pairs(student, cubes(previous), cubes(current), 1.6, partner, partner < 0)
 
 
 @hidden(
     "match_boxes",
     weight=6,
-    title="Partners are within max_distance, whatever it is",
+    title="Pairs only boxes that are within max_distance",
     hint="Compare the distance itself, in metres, with max_distance, before you accept a pair.",
 )
-def test_limit(student, seed):
+def test_max_distance(student, seed):
     require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     for step, limit, near in ((2.2, 2.4, True), (0.7, 0.6, False), (2.2, 1.9, False)):
-        previous, current, partner = moved_on(rng, gone=3, new=3, step=step)
+        previous, current, partner = moved_boxes(rng, gone=3, new=3, step=step)
         expected = partner if near else np.full(len(partner), -1)
         boxes = cubes(previous), cubes(current)
         assert_limit_respected(student.match_boxes(*boxes, limit), expected, *boxes, limit)
@@ -407,8 +410,8 @@ def test_limit(student, seed):
 @hidden(
     "match_boxes",
     weight=10,
-    title="One to one, also in a crowd",
-    hint="Two that want the same partner: what does the second one get?",
+    title="Gives each box at most one partner, even in a crowd",
+    hint="If two boxes are close to the same partner, what does the second one get?",
 )
 def test_one_to_one(student, seed):
     require_matching(student.match_boxes)
@@ -421,24 +424,26 @@ def test_one_to_one(student, seed):
 @hidden(
     "match_boxes",
     weight=4,
-    title="Of many rivals the nearer ones win",
-    hint="Sort all pairs by distance, and go through them from the closest.",
+    title="Gives partners to the nearer of many rivals",
+    hint="Sort all pairs by distance, and start with the closest.",
 )
-def test_nearer(student, seed):
+def test_nearer_rival(student, seed):
     require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     previous, current = rivals(rng)
     partner = np.concatenate([np.arange(8), np.full(8, -1)])
     for order in (np.arange(16)[::-1], rng.permutation(16)):
-        look_at = partner[order] >= 0
-        assert_pairs(student, cubes(previous), cubes(current[order]), 1.6, partner[order], look_at)
+        compared_rows = partner[order] >= 0
+        assert_pairs(
+            student, cubes(previous), cubes(current[order]), 1.6, partner[order], compared_rows
+        )
 
 
 @hidden(
     "match_boxes",
     weight=2,
-    title="Of two earlier boxes near by the nearer one is the partner",
-    hint="A box that has its partner takes no second one, whoever is left.",
+    title="Chooses the nearer of two nearby previous boxes",
+    hint="A box that has a partner must not get a second one, even if a previous box is left.",
 )
 def test_second_choice(student, seed):
     require_matching(student.match_boxes)
@@ -452,13 +457,14 @@ def test_second_choice(student, seed):
 @hidden(
     "match_boxes",
     weight=6,
-    title="The order of a box's corners does not matter",
-    hint="A box that turns a little may start its corners elsewhere. The mean of all eight stays.",
+    title="Does not depend on the order of a box's corners",
+    hint="The corners of a box that turns slightly may be in another order. The mean of all eight "
+    "does not depend on the order.",
 )
 def test_order_of_corners(student, seed):
     require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
-    previous, current, partner = moved_on(rng, step=0.3)
+    previous, current, partner = moved_boxes(rng, step=0.3)
     turned = cubes(current, 2.0, turn=2)
     mixed = np.stack([box[rng.permutation(8)] for box in turned])
     assert_pairs(student, cubes(previous, 2.0), turned, 0.7, partner)
@@ -468,12 +474,12 @@ def test_order_of_corners(student, seed):
 @hidden(
     "match_boxes",
     weight=1,
-    title="The place and turn of the scene do not matter",
-    hint="Only distances between centres count.",
+    title="Does not depend on the position or rotation of the scene",
+    hint="Use only the distances between centres.",
 )
-def test_anywhere(student, seed):
+def test_position_and_rotation(student, seed):
     rng = np.random.default_rng(seed)
-    previous, current, partner = moved_on(rng)
+    previous, current, partner = moved_boxes(rng)
     angle = rng.uniform(0, 2 * np.pi)
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     shift = rng.uniform(-40, 40, 2)
@@ -484,11 +490,11 @@ def test_anywhere(student, seed):
 @hidden(
     "match_boxes",
     weight=1,
-    title="Right in single precision",
-    hint="Only distances between centres count, to the centimetre.",
+    title="Works in single precision",
+    hint="Use only the distances between centres. A centimetre must not matter.",
 )
-def test_precision_of_boxes(student, seed):
-    previous, current, partner = moved_on(np.random.default_rng(seed))
+def test_single_precision_of_boxes(student, seed):
+    previous, current, partner = moved_boxes(np.random.default_rng(seed))
     boxes = cubes(previous).astype(np.float32), cubes(current).astype(np.float32)
     assert_pairs(student, *boxes, 1.6, partner)
 
@@ -496,14 +502,14 @@ def test_precision_of_boxes(student, seed):
 @hidden(
     "match_boxes",
     weight=2,
-    title="More boxes than before, fewer than before, and one alone",
+    title="Matches more boxes than before, fewer boxes, and a single box",
     hint="The answer is as long as current, whatever the length of previous.",
 )
-def test_lengths(student, seed):
+def test_unequal_counts(student, seed):
     rng = np.random.default_rng(seed)
     for gone, new in ((0, 8), (9, 0)):
-        previous, current, partner = moved_on(rng, gone=gone, new=new)
-        look_at = partner >= 0
-        assert_pairs(student, cubes(previous), cubes(current), 1.6, partner, look_at)
+        previous, current, partner = moved_boxes(rng, gone=gone, new=new)
+        compared_rows = partner >= 0
+        assert_pairs(student, cubes(previous), cubes(current), 1.6, partner, compared_rows)
     single = cubes([[3.0, 4.0]])
     assert_pairs(student, single, single + 0.2, 1.6, [0])

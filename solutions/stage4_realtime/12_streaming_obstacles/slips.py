@@ -15,11 +15,13 @@ _EGO = "    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -
 SLIPS = {
     "detect_obstacles": [
         Slip("the road stays in", _PLANE, "", USELESS),
-        Slip("the road alone stays", "low[near])) > 0.3", "low[near])) < 0.3", USELESS),
-        Slip("the plane of all returns", "ransac_plane(low,", "ransac_plane(points,", USELESS),
-        Slip("the own car stays in", _EGO, "", PARTLY),
+        Slip("only the road stays in", "low[near])) > 0.3", "low[near])) < 0.3", USELESS),
         Slip(
-            "result of filter_clusters forgotten",
+            "the plane fitted to all returns", "ransac_plane(low,", "ransac_plane(points,", USELESS
+        ),
+        Slip("the ego car stays in", _EGO, "", PARTLY),
+        Slip(
+            "result of filter_clusters ignored",
             "labels = filter_clusters(labels",
             "filter_clusters(labels",
             PARTLY,
@@ -45,16 +47,16 @@ boxes = []
     return np.array(boxes).reshape(-1, 8, 3)""",
             PARTLY,
         ),
-        Slip("only with intensity", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL),
-        Slip("everything within four metres goes", "(2.6, 1.7, -0.4)", "(4.0, 4.0, 4.0)", SMALL),
+        Slip("works only with intensity", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL),
+        Slip("everything within four metres removed", "(2.6, 1.7, -0.4)", "(4.0, 4.0, 4.0)", SMALL),
         Slip(
-            "a lane for a region",
+            "a region as narrow as a lane",
             "minimum, maximum)\n",
             "(-15.0, -3.5, -3.0), (35.0, 3.5, 1.0))\n",
             SMALL,
         ),
         Slip(
-            "large clusters go",
+            "large clusters removed",
             "labels = filter_clusters(labels, min_num_points)",
             "labels = filter_clusters(labels, min_num_points)\n"
             "    labels = np.where(np.bincount(labels)[labels] > 400, 0, labels)",
@@ -67,7 +69,7 @@ boxes = []
             SMALL,
         ),
         Slip(
-            "the high points for the road",
+            "the high points used for the plane",
             "points[points[:, 2] < ground_level]",
             "points[points[:, 2] > ground_level]",
             USELESS,
@@ -87,24 +89,32 @@ boxes = []
             PARTLY,
         ),
         Slip("first corners compared", _CENTRES, "current[:, 0][:, None] - previous[:, 0]", PARTLY),
-        Slip("the column not struck out", _STRUCK, "distances[row, :] = np.inf", PARTLY),
-        Slip("the row not struck out", _STRUCK, "distances[:, column] = np.inf", SMALL),
-        Slip("however far", "distances.min() <= max_distance", "distances.min() < np.inf", PARTLY),
-        Slip("a distance of its own", "<= max_distance", "<= 1.5", PARTLY),
+        Slip("the column not crossed out", _STRUCK, "distances[row, :] = np.inf", PARTLY),
+        Slip("the row not crossed out", _STRUCK, "distances[:, column] = np.inf", SMALL),
         Slip(
-            "squares compared",
+            "max_distance ignored",
+            "distances.min() <= max_distance",
+            "distances.min() < np.inf",
+            PARTLY,
+        ),
+        Slip("a fixed maximum distance", "<= max_distance", "<= 1.5", PARTLY),
+        Slip(
+            "squared distances compared",
             f"np.linalg.norm({_CENTRES}, axis=2)",
             f"(({_CENTRES}) ** 2).sum(axis=2)",
             PARTLY,
         ),
         Slip("0 for new ones", "np.full(len(current), -1)", "np.zeros(len(current), int)", PARTLY),
         Slip(
-            "as long as previous", "np.full(len(current), -1)", "np.full(len(previous), -1)", PARTLY
+            "an answer as long as previous",
+            "np.full(len(current), -1)",
+            "np.full(len(previous), -1)",
+            PARTLY,
         ),
-        Slip("smallest of nothing", "distances.size and ", "", SMALL),
+        Slip("no special case for no boxes", "distances.size and ", "", SMALL),
         Slip("return inside the loop", "    return partners", "        return partners", USELESS),
         Slip(
-            "x alone",
+            "only x compared",
             "current.mean(axis=1)[:, None] - previous.mean(axis=1)",
             "(current.mean(axis=1)[:, None] - previous.mean(axis=1))[..., :1]",
             PARTLY,

@@ -27,7 +27,7 @@ def failures_of(name, function):
 
 
 @pytest.mark.parametrize("name", STEPS)
-def test_the_lessons_own_answer_passes(name):
+def test_the_solution_passes(name):
     step = getattr(load_reference(LESSON.name, *STEPS), name)
     assert not failures_of(name, step) and diagnose(name, step) is None
 
@@ -36,7 +36,7 @@ def test_the_lessons_own_answer_passes(name):
     ("name", "variant"),
     [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
-def test_answers_pass_or_fail_as_claimed(name, variant):
+def test_kept_answers_pass_or_fail_as_claimed(name, variant):
     function = function_of(name, variant)
     failed = failures_of(name, function)
     if variant.right:
@@ -52,14 +52,14 @@ def test_answers_pass_or_fail_as_claimed(name, variant):
     assert variant.told in (mistake.says if mistake else "")
 
 
-def test_a_stored_answer_makes_every_known_mistake():
+def test_every_known_mistake_has_a_kept_answer():
     for name in STEPS:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
             assert any(words in mistake.says for words in claims), mistake.says
 
 
-def settled_gains(wobble, acceleration, seconds):
+def steady_state_gains(wobble, acceleration, seconds):
     """Return the steady-state gains of a constant-velocity Kalman filter, by Riccati recursion."""
     step = np.array([[1, seconds], [0, 1]])
     push = np.array([seconds**2 / 2, seconds]) * acceleration
@@ -74,9 +74,9 @@ def settled_gains(wobble, acceleration, seconds):
 @pytest.mark.parametrize(
     ("wobble", "acceleration", "seconds"), [(0.085, 2.0, 0.1), (0.02, 3.0, 0.1), (0.3, 0.7, 0.25)]
 )
-def test_the_gains_are_those_of_a_settled_kalman_filter(wobble, acceleration, seconds):
+def test_the_gains_are_those_of_a_steady_state_kalman_filter(wobble, acceleration, seconds):
     lesson = names_of(LESSON.name, "gain_for", "correct_boxes")
-    alpha, beta_per_second = settled_gains(wobble, acceleration, seconds)
+    alpha, beta_per_second = steady_state_gains(wobble, acceleration, seconds)
     gain = lesson["gain_for"](wobble, acceleration, seconds)
     assert gain == pytest.approx(alpha, rel=1e-6)
     box = np.zeros((1, 8, 3))

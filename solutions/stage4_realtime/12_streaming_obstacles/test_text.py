@@ -12,13 +12,13 @@ from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from utils import load_my_functions, scenes, scoring
 from utils.checks.core import checks_of, notes_of, run_check
-from utils.checks.detections import _holds_obstacle
+from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
 from utils.checks.run_cache import one_run
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 
-pytestmark = pytest.mark.slow  # three seconds of a city take some to make
+pytestmark = pytest.mark.slow  # simulating three seconds of a city takes some time
 
 LESSON = find_lesson("12_streaming_obstacles")
 OWN_CAR = ((-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
@@ -81,8 +81,8 @@ def things(solved):
     ]
 
 
-def kept(solved, cloud, *without):
-    """Run the chain of the hints without the named steps; return its points and boxes."""
+def run_steps(solved, cloud, *without):
+    """Run the steps of the hints except for the named ones; return the points and boxes."""
 
     def step(name, points, *arguments):
         return points if name in without else solved[name](points, *arguments)
@@ -99,19 +99,19 @@ def kept(solved, cloud, *without):
     return points, solved["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
 
 
-def own_car_boxes(boxes):
+def ego_car_boxes(boxes):
     middles = boxes.mean(axis=1)[:, :2]
     return ((middles > (-1.5, -1.7)) & (middles < (2.6, 1.7))).all(axis=1).sum()
 
 
-def crookedness(box, car):
+def misalignment(box, car):
     """Return the angle between the sides of a box and those of a car in degrees, at most 45."""
     side = box[1, :2] - box[0, :2]
     angle = np.degrees(np.arctan2(side[1], side[0]) - car.yaw)
     return abs((angle + 45) % 90 - 45)
 
 
-def test_naive_squares_are_many_on_road_and_on_the_own_car(solved):
+def test_naive_squares_cover_road_and_the_ego_car(solved):
     first = solved["city"][0]
     middles = solved["occupied_squares"](first.cloud).mean(axis=1)[:, :2]
     assert len(middles) > 3 * len(first.boxes)
@@ -127,7 +127,7 @@ def test_naive_squares_are_many_on_road_and_on_the_own_car(solved):
 def test_no_box_is_on_empty_road(solved):
     for number in (0, 4, 8):
         frame = solved["city"][number]
-        assert all(_holds_obstacle(box, frame) for box in solved["detected"][number])
+        assert all(_contains_obstacle(box, frame) for box in solved["detected"][number])
 
 
 def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
@@ -141,7 +141,9 @@ def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
             boxes = solved["get_oriented_boxes"](points, solved["filter_clusters"](labels, 10))
         else:
             boxes = solved["detected"][4]
-        ghosts = np.array([box.mean(axis=0)[0] for box in boxes if not _holds_obstacle(box, frame)])
+        ghosts = np.array(
+            [box.mean(axis=0)[0] for box in boxes if not _contains_obstacle(box, frame)]
+        )
         found.append(ghosts)
     assert len(found[0]) == 0 and len(found[1]) > 0
     assert found[1].min() > 15  # a region that ends at 15 m is safe
@@ -156,22 +158,22 @@ def test_boxes_are_aligned_with_cars_within_15_m(solved):
                 continue
             overlaps = scoring.plane_iou(boxes, car.corners[None])[:, 0]
             if overlaps.max(initial=0) >= 0.5:
-                crooked.append(crookedness(boxes[overlaps.argmax()], car))
+                crooked.append(misalignment(boxes[overlaps.argmax()], car))
     assert len(crooked) >= 12
     assert np.median(crooked) < 2 and np.mean(np.array(crooked) < 10) > 0.9
 
 
-def test_the_effect_of_each_step(solved):
+def test_each_step_has_the_stated_effect(solved):
     cloud = solved["city"][0].cloud
-    points, boxes = kept(solved, cloud)
-    thick, _ = kept(solved, cloud, "voxel_grid")
-    with_road, slabs = kept(solved, cloud, "ransac_plane", "voxel_grid")
+    points, boxes = run_steps(solved, cloud)
+    thick, _ = run_steps(solved, cloud, "voxel_grid")
+    with_road, slabs = run_steps(solved, cloud, "ransac_plane", "voxel_grid")
     assert 110_000 < len(cloud) < 118_000 and 2_000 < len(points) < 4_000
     assert len(points) < 0.1 * len(thick)
     assert 0.45 < (len(with_road) - len(thick)) / len(with_road) < 0.55  # "half of what is left"
-    assert len(kept(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
-    assert len(kept(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
-    sides = np.ptp(kept(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
+    assert len(run_steps(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
+    assert len(run_steps(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
+    sides = np.ptp(run_steps(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
     assert sides.max() > 20  # everything near the car is one cluster
     assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
 
@@ -180,17 +182,17 @@ def test_a_bad_scan_shows_missing_steps(solved):
     good = solved["city"][0].cloud
     bad = np.vstack([good, solved["bonnet"], solved["lost"]])
     assert len(solved["detect_obstacles"](good)) == len(solved["detect_obstacles"](bad))
-    assert own_car_boxes(kept(solved, good, "remove_ego_returns")[1]) == 0
-    assert own_car_boxes(kept(solved, bad, "remove_ego_returns")[1]) == 1
+    assert ego_car_boxes(run_steps(solved, good, "remove_ego_returns")[1]) == 0
+    assert ego_car_boxes(run_steps(solved, bad, "remove_ego_returns")[1]) == 1
     # Later steps happen to remove the returns that drop_invalid would have removed.
-    assert len(kept(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
+    assert len(run_steps(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
     lost = np.zeros((3000, 3))
     labels = solved["euclidean_clustering_accelerated"](lost, 0.5)
     assert solved["filter_clusters"](labels, 10).all()  # without thinning they are a large cluster
 
 
-def test_twice_the_returns_fall_into_much_the_same_voxels(solved):
-    whole, half = (len(kept(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
+def test_half_of_the_returns_fill_nearly_as_many_voxels(solved):
+    whole, half = (len(run_steps(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
     assert whole < 1.3 * half
 
 
@@ -199,7 +201,9 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
     space = {"__name__": "__main__", "load_my_functions": load_my_functions}
     exec(f"mine = load_my_functions({str(notebook)!r})\n{DETECTORS}", space)
     note = next(
-        candidate for candidate in notes_of("detect_obstacles") if candidate.name == "stands_alone"
+        candidate
+        for candidate in notes_of("detect_obstacles")
+        if candidate.name == "uses_this_notebook_only"
     )
     failures = {name: run_check(note, space[name]).failure for name in space if name[:4] == "from"}
     assert failures.pop("from_here") is None
@@ -208,21 +212,21 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
         assert "functions of another notebook" in failure.message
 
 
-def test_the_car_of_cardboard_has_one_box(solved):
+def test_a_cardboard_car_gets_one_box(solved):
     boxes = solved["detect_obstacles"](solved["cardboard_street"]())
     assert len(boxes) == 1
     sides = sorted(np.linalg.norm(boxes[0][[1, 2]] - boxes[0][[0, 1]], axis=1))
     assert np.allclose(sides, (1.8, 4.0), atol=0.15)
 
 
-def test_principal_axes_are_what_makes_the_curve_fall(solved):
+def test_principal_axes_make_the_curve_fall(solved):
     f1 = solved["f1_of_kinds"](solved["streams"]["streets"], solved["carriageway"])
     fall = {kind: values[0] - values[2] for kind, (values, _) in f1.items()}
     assert fall["principal axes"] > 0.5
     assert max(fall["along the axes"], fall["smallest rectangle"]) < 0.25
 
 
-def test_statements_about_the_score_card(solved):
+def test_statements_about_the_score_card_are_true(solved):
     card = solved["card_of"]("streets")
     assert card["recall in plain view"].texts[0] == "0.84 ± 0.03"
     assert card["recall, partly hidden"].texts[0] == "0.92 ± 0.05"
@@ -271,7 +275,7 @@ def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(solved)
         assert np.allclose(said, expected, atol=0.0051)
 
 
-def test_far_rectangles_may_be_turned_badly(solved):
+def test_distant_rectangles_may_have_wrong_headings(solved):
     off = {True: [], False: []}  # the key says whether the object is within 15 m
     for frame in solved["streams"]["streets"]:
         for thing in counted(frame, solved["carriageway"]):
@@ -285,13 +289,13 @@ def test_far_rectangles_may_be_turned_badly(solved):
     assert np.quantile(off[True], 0.9) < 3 and np.quantile(off[False], 0.9) > 8
 
 
-def test_what_the_two_sweeps_say(solved):
+def test_statements_about_the_two_sweeps_are_true(solved):
     precision, recall, f1 = solved["sweep"]("threshold", [0.2, 0.5, 1.0])
     assert precision[0, 0] < precision[0, 1] and recall[0, 0] < recall[0, 1] > recall[0, 2]
     assert f1[0].argmax() == 1
     precision, recall, f1 = solved["sweep"]("min_num_points", [2, 10, 80])
     assert (np.diff(precision[0]) > 0).all() and recall[0, 2] < recall[0, 1]
-    assert f1[0].argmax() == 2  # more points than a pedestrian has
+    assert f1[0].argmax() == 2  # a pedestrian has fewer points
 
 
 def test_a_person_ten_metres_away_has_about_thirty_points(solved):
@@ -306,14 +310,15 @@ def test_a_person_ten_metres_away_has_about_thirty_points(solved):
     assert 20 <= np.median(counts) <= 40 and max(counts) < 80
 
 
-def test_the_effect_of_each_step_of_the_tracker(solved, things):
+def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
     """Each step reduces switches in the lesson's stream, at the table's distance and at others."""
     made = {
         use: {limit: solved["mistakes_of"](limit, use) for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)}
         for use in ((), ("predict",), ("predict", "correct"), solved["ALL"])
     }
     alone, predicted, corrected, coasting = made.values()
-    # Below the ego car's own motion, matching alone loses parked cars; prediction does not.
+    # At distances below the ego car's motion, matching alone loses parked cars; prediction does
+    # not.
     assert alone[0.3].switches > 200 > 3 * predicted[0.5].switches / 2
     assert alone[0.3].switches > 2 * predicted[0.3].switches
     assert predicted[1.0].switches < 0.7 * alone[1.0].switches
@@ -338,8 +343,8 @@ def drives(solved):
     return made
 
 
-def over(drives, solved, name, *arguments):
-    """Run an experiment of the lesson on each of eight streets."""
+def on_eight_streets(drives, solved, name, *arguments):
+    """Run an experiment of the lesson on each of the eight streets."""
     kept = {key: solved[key] for key in ("detected", "things", "city")}
     answers = []
     try:
@@ -352,11 +357,11 @@ def over(drives, solved, name, *arguments):
 
 
 @pytest.mark.proof
-def test_statements_about_switches_on_eight_streets(solved, drives):
+def test_statements_about_switches_on_eight_streets_are_true(solved, drives):
     said = {(): (76, 29), ("predict",): (38, 11), ("predict", "correct"): (38, 11)}
     counts = {}
     for use, expected in {**said, solved["ALL"]: (18, 8)}.items():
-        made = over(drives, solved, "mistakes_of", 1.0, use)
+        made = on_eight_streets(drives, solved, "mistakes_of", 1.0, use)
         counts[use] = np.array([mistakes.switches for mistakes in made])
         assert (round(counts[use].mean()), round(counts[use].std(ddof=1))) == expected
         shared = np.array([mistakes.shared for mistakes in made])
@@ -366,9 +371,9 @@ def test_statements_about_switches_on_eight_streets(solved, drives):
 
 
 @pytest.mark.proof
-def test_statements_about_gains_on_eight_streets(solved, drives):
+def test_statements_about_gains_on_eight_streets_are_true(solved, drives):
     gains = [0.3, 0.5, 0.7]
-    curves = np.array(over(drives, solved, "gain_curve", gains))
+    curves = np.array(on_eight_streets(drives, solved, "gain_curve", gains))
     for place, (switches, spread, error) in enumerate(
         [(38, 14, 0.06), (18, 8, 0.08), (16, 7, 0.15)]
     ):
@@ -376,11 +381,11 @@ def test_statements_about_gains_on_eight_streets(solved, drives):
         assert round(curves[:, 0, place].std(ddof=1)) == spread
         assert curves[:, 1, place].mean() == pytest.approx(error, abs=0.0051)
         assert curves[:, 1, place].std(ddof=1) < 0.025
-    wobbles = over(drives, solved, "wobble_of", 1.0)
+    wobbles = on_eight_streets(drives, solved, "wobble_of", 1.0)
     assert all(0.44 < solved["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
 
 
-def test_statements_about_wobble_and_gain(solved, things):
+def test_statements_about_wobble_and_gain_are_true(solved, things):
     assert 0.05 < solved["wobble_of"](1.0) < 0.1
     switches, error = solved["gain_curve"]([0.1, 0.5, 0.9])
     assert switches[0] > 2 * switches[1]
@@ -388,7 +393,7 @@ def test_statements_about_wobble_and_gain(solved, things):
 
 
 def test_most_boxes_move_half_a_metre_per_frame(solved):
-    """Parked objects move because the ego car drives."""
+    """Even parked objects move relative to the ego car."""
     way = [
         np.linalg.norm(after.mean(axis=1)[:, None] - before.mean(axis=1)[None], axis=2).min(axis=1)
         for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)
@@ -396,14 +401,14 @@ def test_most_boxes_move_half_a_metre_per_frame(solved):
     assert 0.4 < np.median(np.concatenate(way)) < 0.7
 
 
-def test_the_tiny_case_of_match_boxes(solved):
+def test_match_boxes_solves_the_tiny_case(solved):
     box = np.zeros((8, 3))
     before = box + np.array([[0.0, 0, 0], [10, 0, 0]])[:, None]
     after = box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
     assert solved["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
 
 
-def test_the_highway_needs_settings_of_its_own(solved):
+def test_the_highway_needs_other_settings(solved):
     frame = scenes.highway(frames=1)[0]
     true = solved["corners_of"](frame.boxes)
     settings = {"threshold": 2.0, "min_num_points": 3, "ground_level": -2.1}
@@ -415,7 +420,7 @@ def test_the_highway_needs_settings_of_its_own(solved):
         assert scoring.score_boxes(boxes, true, 0.05).true_positives == 1
 
 
-def test_the_model_answer_on_the_second_data_set(solved):
+def test_the_model_answer_has_the_stated_scores_on_the_second_data_set(solved):
     around, wide = ((-15, 35), (-20, 20)), {"minimum": (-15, -18.5, -3), "maximum": (35, 18.5, 1)}
     for settings, expected in (
         ({}, (1.00, 0.50, 0.67)),
@@ -445,25 +450,25 @@ def test_the_cyclist_keeps_one_track_id(solved):
 # ---- counting of mistakes ------------------------------------------------------------------------
 
 
-def names_of(*frames):
+def arrays_of(*frames):
     return [np.array(frame) for frame in frames]
 
 
 def test_switches_and_shared_track_ids_are_counted():
-    things = names_of([1, 2, 0], [2, 1], [1], [2, 3])
-    assert name_mistakes(things, names_of([7, 8, 9], [8, 7], [7], [8, 9])).switches == 0
-    assert name_mistakes(things, names_of([7, 8, 9], [8, 7], [7], [8, 9])).shared == 0
-    swapped = name_mistakes(things, names_of([7, 8, 9], [7, 8], [8], [7, 9]))
+    things = arrays_of([1, 2, 0], [2, 1], [1], [2, 3])
+    assert name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).switches == 0
+    assert name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).shared == 0
+    swapped = name_mistakes(things, arrays_of([7, 8, 9], [7, 8], [8], [7, 9]))
     assert (swapped.switches, swapped.shared) == (2, 2)
-    passed_on = name_mistakes(things, names_of([7, 8, 9], [8, 7], [7], [8, 7]))
+    passed_on = name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 7]))
     assert (passed_on.switches, passed_on.shared) == (0, 1)
-    new = name_mistakes(things, names_of([1, 2, 3], [4, 5], [6], [7, 8]))
+    new = name_mistakes(things, arrays_of([1, 2, 3], [4, 5], [6], [7, 8]))
     assert (new.switches, new.shared) == (4, 0)
 
 
 def test_an_object_in_two_boxes_may_have_two_track_ids():
-    things = names_of([1, 1], [1], [1, 1])
-    assert name_mistakes(things, names_of([1, 2], [2], [2, 3])).switches == 0
+    things = arrays_of([1, 1], [1], [1, 1])
+    assert name_mistakes(things, arrays_of([1, 2], [2], [2, 3])).switches == 0
 
 
 def test_boxes_belong_to_the_object_with_most_points():

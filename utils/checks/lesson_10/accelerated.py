@@ -1,7 +1,7 @@
 """Visible checks of `euclidean_clustering_accelerated`.
 
-Separate checks cover correctness and speed. Any rule that joins cells is right on the timed clouds,
-and the clouds that need an exact rule are small.
+Separate checks cover correctness and speed. On the timed clouds, any rule that joins cells gives
+the right clusters. The clouds that need an exact rule are small.
 """
 
 import functools
@@ -50,16 +50,16 @@ from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN_POINTS, WIDE_THRESHOLD
 
 _NAME = "euclidean_clustering_accelerated"
-# Side of a cell whose diagonal is the threshold, in thresholds.
+# Side of a cell whose diagonal is the threshold, as a multiple of the threshold.
 _CELL_SIDE = 1 / np.sqrt(3)
 
 
 @visible(
     _NAME,
     weight=3,
-    title="Groups far apart are clusters of their own",
-    why="A cluster is an obstacle: two cars must not become one, nor one car two.",
-    hint="From pieces of cells to points: label_of_cell[cell_of_point].",
+    title="Puts groups that are far apart into separate clusters",
+    why="Each cluster becomes one obstacle. Two cars must not merge, and one car must not split.",
+    hint="Write label_of_cell[cell_of_point] to get from labels of cells to labels of points.",
 )
 def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
@@ -68,12 +68,12 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="The seven points of the lesson: six of them hang together",
-    why="Each of the three steps has its part in them.",
-    hint="If you go by the three steps: run each on the seven points, in the cells where they are "
-    "written. Which is the first to differ from what is expected?",
+    title="Joins six of the lesson's seven points",
+    why="Each of the three steps joins some of these points.",
+    hint="If you use the three steps, run the cells that try each of them on the seven points. "
+    "Which step is the first to differ from the expected result?",
 )
-def clusters_the_seven(euclidean_clustering_accelerated: Callable) -> None:
+def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])
     assert_clusters(
         euclidean_clustering_accelerated(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
@@ -86,9 +86,10 @@ def clusters_the_seven(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=8,
-    title="Labels are the whole numbers 1 to N",
-    why='Later lessons use 0 for "no obstacle" and count by the largest label.',
-    hint="Pieces count from 0, labels from 1.",
+    title="Numbers N clusters from 1 to N",
+    why='Later lessons use 0 for "no obstacle" and take the largest label as the number of '
+    "clusters.",
+    hint="components numbers pieces from 0. Add 1 to get labels.",
 )
 def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -98,12 +99,12 @@ def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=3,
-    title="A chain of neighbours is one cluster, however long",
-    why="A wall crosses dozens of cells and is one obstacle.",
-    hint="Joining must go on: cell to cell to cell. connected_components does that for all "
+    title="Joins a chain of neighbours into one cluster, however long it is",
+    why="A wall crosses dozens of cells but is one obstacle.",
+    hint="Join from cell to cell until the chain ends. connected_components does that for all "
     "joined pairs at once.",
 )
-def follows_chains(euclidean_clustering_accelerated: Callable) -> None:
+def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
     wall = row_of_points([2.0, 1.0, 0.5], 0.3, 40, (0.6, 0.8, 0.0))
     cloud = np.vstack([wall, wall + [0.0, 0.0, 8.0]])
     order = np.random.default_rng(5).permutation(len(cloud))
@@ -114,11 +115,11 @@ def follows_chains(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="Pairs just below the threshold join, in every direction and across borders",
-    why="A short cut that looks only at the nearest cells tears whatever has few points: poles, "
-    "signs, people far away.",
-    hint="With cells of side threshold / sqrt(3), close points lie up to two cells apart "
-    "along each axis: 5 x 5 x 5 cells, corners included.",
+    title="Joins pairs just below the threshold in every direction, also across cell borders",
+    why="A short cut that looks only at adjacent cells splits objects with few points, such as "
+    "poles, signs and distant people.",
+    hint="With cells of side threshold / sqrt(3), close points may be two cells apart along each "
+    "axis. Search 5 x 5 x 5 cells, corners included.",
 )
 def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -130,13 +131,13 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="Pairs just above the threshold stay apart",
-    why="Sharing a cell, or lying in the next one, is no proof of being close: half a metre "
-    "parts a pedestrian from a car.",
-    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too "
-    "far apart? Is the distance of points in neighbouring cells really measured?",
+    title="Keeps pairs just above the threshold apart",
+    why="Points in neighbouring cells need not be close. A gap of half a metre may separate a "
+    "pedestrian from a car.",
+    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too far "
+    "apart? Do you measure the distance between points in neighbouring cells?",
 )
-def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
+def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
     for cloud in (_pairs_of_points(1.01), _diagonal_pairs()):
         answer = euclidean_clustering_accelerated(cloud.copy(), 1.0)
@@ -146,16 +147,16 @@ def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=5,
-    title="Pairs just above the threshold stay apart, also where the cloud begins with a heap",
-    why="A scan begins with thousands of returns of the same wall. What lies far behind it must "
-    "not run together for that.",
-    hint="Are the two points that you measure really points of the two cells? The row of a cell in "
-    "the list of cells is not the row of a point in the cloud.",
+    title="Keeps pairs just above the threshold apart when the cloud begins with a heap",
+    why="A scan may begin with thousands of returns from one wall. They must not change which of "
+    "the other points are joined.",
+    hint="Do the two points that you measure belong to the two cells? The row of a cell in the "
+    "list of cells is not the row of a point in the cloud.",
 )
-def parts_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
+def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
     pairs = _pairs_of_points(1.01)
-    with needs("pairs just above the threshold stay apart, where nothing else is"):
+    with needs("pairs just above the threshold stay apart in a cloud without a heap"):
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
     # The heap has more points within 0.2 m than the cloud has cells.
@@ -169,13 +170,14 @@ def parts_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="Cells around the sensor are as large as all others",
-    why="The sensor is where coordinates change their sign, and right there stands our own car.",
-    hint="Below zero, np.floor and .astype(int) differ: .astype(int) alone rounds towards 0.",
+    title="Uses cells of the same size around the sensor as elsewhere",
+    why="Coordinates change their sign at the sensor. If cells are larger there, objects near the "
+    "ego car merge.",
+    hint="np.floor and .astype(int) differ below zero: .astype(int) alone rounds towards 0.",
 )
-def parts_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
+def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
-    with needs("pairs just above the threshold stay apart, away from the sensor"):
+    with needs("far from the sensor, pairs just above the threshold stay apart"):
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
@@ -188,14 +190,14 @@ def parts_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=6,
-    title="Finds the one close pair of two crowded cells",
-    why="Two bumpers touch at a single point. If only one point of each cell is asked, one "
-    "obstacle becomes two, and which one depends on the order of the scan.",
-    hint="Representatives far apart prove nothing. Where the pieces of two neighbouring cells "
-    "still differ, compare their points: is any pair closer than the threshold? Then all cells of "
-    "the one piece get the label of the other.",
+    title="Finds the only close pair of points in two crowded cells",
+    why="Two parts of a car may be close at a single pair of points. If only one point of each "
+    "cell is compared, one obstacle becomes two, depending on the order of the scan.",
+    hint="Two cells may be close even if their representatives are far apart. If the pieces of "
+    "two neighbouring cells still differ, compare all their points. If any pair is closer than "
+    "the threshold, give all cells of one piece the label of the other.",
 )
-def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
+def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
     cloud, labels = _touching_rods()
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.3), labels, cloud, 0.3)
@@ -204,10 +206,10 @@ def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=19,
-    title="Right on the far end of the lesson's own street",
-    why="This is the scan that the picture above shows.",
+    title="Finds the right clusters at the far end of the lesson's street",
+    why="The picture above shows this scan.",
     hint="The picture of the pieces after two steps shows the same end of the street. Draw your "
-    "labels there, and beside them those of join_all_pairs: what is torn, what runs together?",
+    "labels next to those of join_all_pairs. Which clusters are split, and which are merged?",
 )
 def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -218,12 +220,12 @@ def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=6,
-    title="The parameter threshold decides which points are close",
-    why="The threshold decides what counts as one object, and it decides the size of a cell.",
-    hint="Everything scales with the parameter threshold: sides, neighbours and distances, also "
-    "in the exact step.",
+    title="Uses the parameter threshold to decide which points are close",
+    why="The threshold determines which points form one object, and how large a cell is.",
+    hint="Use the parameter threshold for the side of a cell and for every distance, also in the "
+    "exact step.",
 )
-def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
+def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # Gaps of 0.1, 1 and 10 m, so that each threshold joins a different number of points.
     cloud = row_of_points([2.0, 1.0, 1.0], 0.1, 2)
     cloud = np.vstack([cloud, cloud + [1.1, 0.0, 0.0], cloud[:1] + [11.2, 0.0, 0.0]])
@@ -234,10 +236,10 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     ):
         answer = euclidean_clustering_accelerated(cloud.copy(), threshold)
         assert_clusters(answer, np.array(labels), cloud, threshold)
-    # Two points in neighbouring cells, so that the exact step decides. They are closer than 0.5 m,
-    # but not closer than 0.3 m.
+    # The exact step must decide about these two points, because they are in neighbouring cells.
+    # They are closer than 0.5 m, but not closer than 0.3 m.
     pair = np.array([2.0, 1.0, 1.0]) + np.outer([0.0, 0.4], np.ones(3) / np.sqrt(3))
-    with needs("points in neighbouring cells that are not close stay apart"):
+    with needs("points in neighbouring cells stay apart if they are not close"):
         answer = euclidean_clustering_accelerated(pair / 0.6, 0.5)
         assert_partition(answer, np.array([1, 2]), pair)
     answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
@@ -255,7 +257,7 @@ _CASE = common_cluster_checks.case_of(__name__, _NAME)
 common_cluster_checks.default(
     _CASE,
     "keeps_the_default",
-    why="Later cells call euclidean_clustering_accelerated(obstacles) and rely on it.",
+    why="Later cells call euclidean_clustering_accelerated(obstacles) without a threshold.",
 )
 common_checks.names(
     _CASE,
@@ -267,9 +269,9 @@ common_checks.names(
 @visible(
     _NAME,
     weight=2,
-    title="Measures in x, y and z",
+    title="Measures distances in x, y and z",
     why="A bridge is above the road, not on it.",
-    hint="cloud[:, :3] are the coordinates, all three of them.",
+    hint="Use all three coordinates, cloud[:, :3].",
 )
 def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -282,21 +284,21 @@ def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
 common_cluster_checks.intensity(
     _CASE,
     "ignores_intensity",
-    why="A number plate is bright, not far away. Many recordings count intensity from 0 to 255.",
+    why="A bright number plate is no farther away than the dark bumper next to it. Many "
+    "recordings store intensity from 0 to 255.",
     weight=8,
 )
 common_cluster_checks.few_points(
     _CASE,
-    "takes_the_smallest",
-    why="Filters leave nothing now and then.",
-    hint="Return an array of length 0 early when len(cloud) == 0. A list of pairs may be "
-    "empty, too.",
+    "works_on_smallest_clouds",
+    why="Filters sometimes leave no points.",
+    hint="Return an array of length 0 early if len(cloud) == 0. A list of pairs may also be empty.",
     weight=2,
 )
 common_cluster_checks.equal_points(
     _CASE,
     "joins_equal_points",
-    hint="Equal points share a cell, so that there is nothing to measure.",
+    hint="Equal points share a cell, so there is nothing to measure.",
 )
 common_cluster_checks.untouched(_CASE, "leaves_its_input")
 
@@ -307,10 +309,10 @@ common_cluster_checks.untouched(_CASE, "leaves_its_input")
 @visible(
     _NAME,
     weight=4,
-    title="Many points on many objects are clustered quickly",
-    why="The scanner delivers ten times as many points, ten times a second.",
-    hint="Where is the time spent? Comparing each point with all others takes n * n steps, "
-    "however short each is. Work with cells: their number is what counts.",
+    title="Clusters many points on many objects quickly",
+    why="A scanner delivers ten times as many points as this cloud, ten times a second.",
+    hint="Where is the time spent? Comparing each point with all others takes n * n steps. Work "
+    "with cells instead, because there are far fewer of them.",
 )
 def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     # Fourteen walls at least 3 m apart, with points every 0.1 m.
@@ -325,14 +327,14 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=16,
-    title="A heap of points costs no list of all its pairs",
-    why="A wet wall just in front of the sensor, or two merged scans, put thousands of points "
-    "close together: the pairs of near points are then the square of the points, and fill the "
-    "memory.",
-    hint="Points that share a cell of side threshold / sqrt(3) share a cluster: no pair of points "
-    "inside has to be listed or measured.",
+    title="Clusters a dense heap of points quickly",
+    why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
+    "close together. The number of close pairs then grows with the square of the number of "
+    "points, and a list of them fills the memory.",
+    hint="Points that share a cell of side threshold / sqrt(3) share a cluster, so no pair of "
+    "points inside has to be listed or measured.",
 )
-def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
+def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     cloud, labels = _two_heaps(2500, 5.0)
     assert_in_time(euclidean_clustering_accelerated, cloud, labels, 25)
 
@@ -340,13 +342,13 @@ def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=12,
-    title="Two heaps side by side cost no table of their distances",
-    why="The exact test of two cells is the old trouble in a corner that no street shows: "
-    "thousands of points against thousands.",
-    hint="The closest pair of two cells needs no table of all distances between them: "
-    "cKDTree(p).query(q) finds the nearest in p for each in q.",
+    title="Compares two neighbouring heaps quickly",
+    why="Two crowded cells with thousands of points each have millions of distances between them. "
+    "Ordinary streets do not show this problem, but merged scans do.",
+    hint="You do not need a table of all distances to find the closest pair of two cells. "
+    "cKDTree(p).query(q) finds the nearest point of p for each point of q.",
 )
-def takes_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
+def is_quick_on_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
     # The gap is slightly larger than the threshold, so the exact test cannot stop early.
     cloud, labels = _two_heaps(3000, 0.51)
     assert_in_time(euclidean_clustering_accelerated, cloud, labels, 20)
@@ -355,11 +357,12 @@ def takes_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
 def assert_in_time(
     euclidean_clustering: Callable, cloud: np.ndarray, labels: np.ndarray, times: float
 ) -> None:
-    """Assert that clusters at 0.5 m are right and take at most a multiple of a reference time.
+    """Assert that the clusters at 0.5 m are right and do not take too long to compute.
 
-    The reference is one search for the nearest neighbour of each point. It takes n log n steps,
-    and more time on a slow machine. A right answer, even in plain Python, needs at most a fifth of
-    the allowed time. Processor time is measured, so that other programs have no influence.
+    The limit is a multiple of a reference time: one search for the nearest neighbour of each
+    point. The search takes n log n steps, and more time on a slow machine. A right answer, even in
+    plain Python, needs at most a fifth of the allowed time. Processor time is measured, so that
+    other programs have no influence.
 
     Parameters
     ----------
@@ -368,7 +371,7 @@ def assert_in_time(
     labels : numpy.ndarray of int, shape (n,)
         The right clusters.
     times : float
-        Allowed time, as a multiple of the reference.
+        Allowed time, as a multiple of the reference time.
     """
     assert_works(euclidean_clustering)
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
@@ -381,8 +384,8 @@ def assert_in_time(
             break
     if best > allowed:
         raise CheckFailed(
-            f"The clusters are right, but took {ceil(best / allowed * times)} times as long as "
-            "finding the nearest neighbour of every point.",
+            f"The clusters are right, but they took {ceil(best / allowed * times)} times as long "
+            "as finding the nearest neighbour of every point.",
             given=f"{len(cloud)} points; threshold 0.5 m",
             yours=f"{best:.2f} s of processor time",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
@@ -403,7 +406,8 @@ def assert_timed_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray)
         assert_partition(answer, labels, cloud)
     except CheckFailed as failure:
         failure.hint = (
-            "This is not about time: the clusters are wrong. First the checks of small clouds."
+            "The time is not the problem: the clusters are wrong. Look at the checks of small "
+            "clouds first."
         )
         raise
 
@@ -411,8 +415,8 @@ def assert_timed_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray)
 def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
-    # Use thread time: while a timer like the judge's watches process time, Linux updates the latter
-    # only once per tick. A quick machine needs less than a tick.
+    # Use thread time. While a timer such as the judge's watches process time, Linux updates
+    # process time only once per tick, and a fast machine needs less than a tick.
     begin = thread_time()
     cKDTree(cloud).query(cloud, k=2)
     return thread_time() - begin
@@ -432,19 +436,18 @@ def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
 
 @noted(
     _NAME,
-    title="Labels are whole numbers by type",
-    why="Labels serve as row numbers further down, and floating point numbers cannot: let the "
-    "answer end with .astype(int).",
+    title="Returns labels of an integer type",
+    why="Later cells use labels as row numbers, which must be integers. End with .astype(int).",
 )
-def has_whole_labels(euclidean_clustering_accelerated: Callable) -> None:
+def has_integer_labels(euclidean_clustering_accelerated: Callable) -> None:
     assert_integer_labels(euclidean_clustering_accelerated)
 
 
 @noted(
     _NAME,
-    title="The numbers of the clusters have no gaps",
-    why="Later lessons count obstacles by the largest label. Where pieces are joined in the exact "
-    "step a number falls out: count anew at the end.",
+    title="Numbers the clusters without gaps",
+    why="Later lessons take the largest label as the number of obstacles. When the exact step "
+    "joins two pieces, one number is no longer used. Number the clusters again at the end.",
 )
 def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     cloud, _ = _touching_rods()
@@ -453,10 +456,9 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
 
 @noted(
     _NAME,
-    title="Clusters are numbered as they first appear in the cloud",
-    why="The docstring says so. With other numbers two answers cannot be compared label by "
-    "label: with lesson 05, or from one scan to the next. np.argsort once gives an order; the "
-    "argsort of that gives the ranks.",
+    title="Numbers the clusters in the order of their first points",
+    why="The docstring says so, and only then can you compare the labels with those of lesson 05 "
+    "one by one. np.argsort gives an order; np.argsort of that order gives the ranks.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
@@ -471,11 +473,11 @@ def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
 
 @noted(
     _NAME,
-    title="Two points exactly at the threshold are not close",
-    why='The docstring says "closer than", which is <; on measured points it hardly ever matters, '
-    "on a regular grid it does.",
+    title="Does not join two points exactly at the threshold",
+    why='The docstring says "closer than", which is <. The difference hardly ever matters for '
+    "measured points, but it does on a regular grid.",
 )
-def parts_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
+def separates_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     assert_separates_at_the_threshold(euclidean_clustering_accelerated)
 
 
@@ -486,7 +488,8 @@ def parts_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
 def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
     """Return the obstacle points 20 to 40 m ahead in the course's scan, and their clusters.
 
-    If the distance of two points is within 1 mm of the threshold, 0.5 m, one of them is left out.
+    If the distance between two points is within 1 mm of the threshold, 0.5 m, one of them is left
+    out.
     """
     from scipy.spatial import cKDTree
 
@@ -535,9 +538,9 @@ def _diagonal_pairs() -> np.ndarray:
 
 
 def _touching_rods() -> tuple[np.ndarray, np.ndarray]:
-    """Return pairs of rods, shape (n, 3), of which only the facing ends are close at 0.3 m.
+    """Return pairs of rods, shape (n, 3), and the labels of their points, shape (n,).
 
-    The second result has the labels of the points.
+    Only the facing ends of two rods are closer than 0.3 m.
     """
     rng = np.random.default_rng(8)
     rod = np.column_stack([np.linspace(0, 0.57, 15), np.zeros((15, 2))])
@@ -557,9 +560,9 @@ def _directions(n: int) -> np.ndarray:
 
 
 def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield centres and directions, both of shape (3,), of pairs that reach across zero.
+    """Yield centres and directions, both of shape (3,), of pairs of points on both sides of zero.
 
-    All coordinates change their sign between the two points, or one coordinate alone.
+    Between the two points, either all coordinates change their sign or only one does.
     """
     for direction in _directions(8):
         yield np.zeros(3), direction
@@ -577,13 +580,13 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
     Parameters
     ----------
     side : float
-        Side of a cell in thresholds.
+        Side of a cell, as a multiple of the threshold.
     joins : callable
-        Takes three arrays with an entry for each pair of neighbours and returns which are joined:
-        their distance in thresholds, the steps between their cells, and the distance in thresholds
-        between the first points of these cells.
+        Takes three arrays with an entry for each pair of neighbours: their distance, the steps
+        between their cells, and the distance between the first points of these cells. Distances
+        are multiples of the threshold. Returns which pairs are joined.
     rounding : callable
-        Takes coordinates in cells; returns the cells.
+        Rounds coordinates, measured in sides of a cell, to whole cells.
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
@@ -601,12 +604,12 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
     return predicts
 
 
-def _joined_by_rows(takes_points: bool) -> Callable:
+def _joined_by_rows(uses_points: bool) -> Callable:
     """Return the prediction of a mistake that confuses cells and points in the cheap step.
 
-    With `takes_points` it takes the rows of two cells for rows of points. Otherwise it measures the
-    distance between cells, in cells, and compares it with metres. The exact step still joins all
-    points that are close.
+    If `uses_points` is true, the mistake takes rows of cells for rows of points. Otherwise it
+    counts the distance between two cells in cells and compares it with metres. In both cases the
+    exact step still joins all points that are close.
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
@@ -616,7 +619,7 @@ def _joined_by_rows(takes_points: bool) -> Callable:
         cells, cell_of_point = np.unique(
             np.floor(xyz / (threshold * _CELL_SIDE)), axis=0, return_inverse=True
         )
-        measured, cell_of_point = (xyz if takes_points else cells), cell_of_point.ravel()
+        measured, cell_of_point = (xyz if uses_points else cells), cell_of_point.ravel()
         pairs = cKDTree(cells).query_pairs(2.5, p=np.inf, output_type="ndarray")
         joined = pairs[length(measured[pairs[:, 0]] - measured[pairs[:, 1]]) < threshold]
         representatives = np.unique(cell_of_point, return_index=True)[1]
@@ -636,9 +639,9 @@ def _same(answer: object, predicted: np.ndarray) -> bool:
     return same_clusters(in_order(yours) + yours.min(), in_order(predicted) + predicted.min())
 
 
-# Directions, and places along them in thresholds. A cell is 0.577 long along an axis, so close
-# points may be two cells apart. It is 1 long along the diagonal, so points that share a larger cell
-# may be too far apart.
+# Directions, and positions along them as multiples of the threshold. A cell is 0.577 long along an
+# axis, so close points may be two cells apart. It is 1 long along the diagonal, so points that
+# share a larger cell may be too far apart.
 _AXIS = ([1.0, 0.0, 0.0], [0.52, 14.46, -0.53, 5.21, 15.5, 4.6, 10.9, 9.25, 14.98, 20.3])
 _DIAGONAL = (
     [_CELL_SIDE, _CELL_SIDE, _CELL_SIDE],
@@ -647,19 +650,19 @@ _DIAGONAL = (
 
 
 def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
-    """Return cases, (cloud, threshold), in which every rule about cells gives other clusters."""
+    """Return cases (cloud, threshold) for which each wrong rule about cells changes clusters."""
     cases = []
     for threshold, (direction, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
             cases.append((on_a_line(scale * np.array(places), direction=direction), abs(scale)))
-    # Two points on both sides of the sensor are not close, however cells are rounded. A function
-    # that adds coordinates instead of subtracting them joins these points.
+    # Two points on opposite sides of the sensor are not close, however cells are rounded. A
+    # function that adds coordinates instead of subtracting them joins these points.
     cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], direction=_AXIS[0]), 1.0))
     return frozen_cases(cases)
 
 
 def _lines_behind_a_heap() -> tuple[tuple[np.ndarray, float], ...]:
-    """Return cases that begin with a heap; the cells behind it have no close points."""
+    """Return cases that begin with a heap; no two points behind it are close."""
     cases = []
     for threshold in (0.7, 1.4, 2.1):
         behind = 3.05 + 1.15 * np.arange(8)
@@ -672,40 +675,41 @@ mistakes(
     _NAME,
     *distance_mistakes(),
     Mistake(
-        "Cells have the side threshold: two points in one may be 1.7 thresholds apart.",
+        "The side of a cell is the threshold, so two points in one cell may be 1.7 thresholds "
+        "apart.",
         _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
-        "The side is threshold / sqrt(3): then the diagonal is the threshold.",
+        "The side is threshold / sqrt(3), which makes the diagonal equal to the threshold.",
     ),
     Mistake(
-        "Cells have the side threshold / sqrt(2), which is right in the plane only.",
+        "The side of a cell is threshold / sqrt(2), which is right only in the plane.",
         _joined_by_cells(1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
-        "In space the diagonal is side * sqrt(3): the side is threshold / sqrt(3).",
+        "In space the diagonal is side * sqrt(3), so the side is threshold / sqrt(3).",
     ),
     Mistake(
         "Neighbouring cells are joined without measuring, or at too large a distance.",
         _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps <= 2),
-        "Neighbours may be close: join them if a point of the one is closer than the threshold to "
-        "a point of the other.",
+        "Neighbouring cells need not be close. Join two cells only if a point of one is closer "
+        "than the threshold to a point of the other.",
     ),
     Mistake(
-        "Only the next cell on each side is looked at; close points may be two cells apart.",
+        "Only the next cell on each side is searched, but close points may be two cells apart.",
         _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
-        "5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
+        "Search 5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
     ),
     Mistake(
-        "Two cells whose representatives are far apart stay apart, also where other points of "
-        "theirs are close.",
+        "Two cells whose representatives are far apart stay apart, even if other points in them "
+        "are close.",
         _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
-        "Where the pieces of two neighbouring cells still differ, compare all their points, and "
-        "go on with what comes of it.",
+        "If the pieces of two neighbouring cells still differ, compare all their points, and join "
+        "the pieces if two of these points are close.",
     ),
     Mistake(
-        "Each cell is a cluster: none are joined.",
+        "Each cell is a cluster, because no cells are joined.",
         _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps == 0),
-        "Join neighbouring cells that hold close points, and number the pieces.",
+        "Join neighbouring cells that contain close points, and number the pieces.",
     ),
     Mistake(
-        "Cells are rounded towards 0: those around the sensor are twice as wide.",
+        "Cells are rounded towards 0, so those around the sensor are twice as wide.",
         _joined_by_cells(
             _CELL_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc
         ),
@@ -713,16 +717,17 @@ mistakes(
     ),
     *label_mistakes(),
     Mistake(
-        "The rows of two cells are taken for rows of points: what is measured are points that have "
-        "nothing to do with these cells.",
-        _joined_by_rows(takes_points=True),
-        "pairs[:, 0] are rows of cells, first[pairs[:, 0]] are rows of points: "
-        "points[first[pairs[:, 0]]].",
+        "Rows of cells are taken for rows of points, so the measured points do not belong to "
+        "these cells.",
+        _joined_by_rows(uses_points=True),
+        "pairs[:, 0] are rows of cells and first[pairs[:, 0]] are rows of points. Measure between "
+        "points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]].",
     ),
     Mistake(
-        "The distance is measured from cell to cell, in cells, and compared with metres.",
-        _joined_by_rows(takes_points=False),
-        "Measure between representatives: points[first[pairs[:, 0]]], and not cells[pairs[:, 0]].",
+        "The distance between two cells is counted in cells and compared with metres.",
+        _joined_by_rows(uses_points=False),
+        "Measure between representatives, such as points[first[pairs[:, 0]]], and not between "
+        "cells, cells[pairs[:, 0]].",
     ),
     cases=(*lines_of_points(), *_lines_across_cells(), *_lines_behind_a_heap()),
     right=labels_on_a_line,

@@ -1,4 +1,4 @@
-"""Visible checks of the three steps, on the seven points of the lesson.
+"""Visible checks of the three steps of lesson 10, mostly on its seven points.
 
 The steps give no points, because a solution need not use them. If the exercise calls a step that
 fails here, `check` says so.
@@ -53,7 +53,7 @@ def _results(answer: object, names: Sequence[str]) -> tuple:
     """Return the results of a step as a tuple with one result for each name."""
     if not isinstance(answer, (tuple, list)) or len(answer) != len(names):
         raise WrongForm(
-            f"The step returns {len(names)} things: {', '.join(names)}.", yours=brief(answer)
+            f"The step must return {len(names)} results: {', '.join(names)}.", yours=brief(answer)
         )
     return tuple(answer)
 
@@ -64,7 +64,7 @@ def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> Non
     shared, number_yours, number_expected = overlaps(yours, expected)
     if not shared == number_yours == number_expected:
         raise CheckFailed(
-            "Other cells hang together.",
+            "The cells are not joined into the right pieces.",
             given=given,
             yours=f"pieces {_pieces_text(yours)}",
             expected=f"pieces {_pieces_text(expected)}",
@@ -81,24 +81,26 @@ def _pieces_text(label: np.ndarray) -> str:
 
 def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
     cells, first, cell_of_point = _results(answer, ("cells", "first", "cell_of_point"))
-    cells = as_array(cells, columns=3, what="cells, three numbers each", each="cell").astype(float)
+    cells = as_array(cells, columns=3, what="cells with three numbers each", each="cell").astype(
+        float
+    )
     right = np.floor(points / (threshold / np.sqrt(3)))
-    cell_rows = as_array(cell_of_point, what="a row of cells for each point")
+    cell_rows = as_array(cell_of_point, what="for each point, the row of its cell")
     one_per_point = f"one number in cell_of_point for each of the {len(points)} points"
     cell_rows = as_labels(in_shape(cell_rows, (len(points),), one_per_point), len(points))
     n_cells = len(np.unique(right, axis=0))
     if len(cells) != n_cells or cell_rows.min() < 0 or cell_rows.max() >= len(cells):
         raise CheckFailed(
-            f"The points lie in {n_cells} different cells, {fixed('numbered from 0')}.",
+            f"The points are in {n_cells} different cells, {fixed('numbered from 0')}.",
             given=given,
-            yours=f"{len(cells)} cells; of the points {brief(cell_rows)}",
+            yours=f"{len(cells)} cells; cell_of_point is {brief(cell_rows)}",
             expected=f"{n_cells} cells",
         )
     wrong = np.flatnonzero((cells[cell_rows] != right).any(axis=1))
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
-            f"Point {row}, at {brief(points[row])}, lies in another cell.",
+            f"The cell of point {row}, at {brief(points[row])}, is wrong.",
             given=given,
             yours=f"cell {brief(cells[cell_rows[row]])}",
             expected=f"cell {brief(right[row])}",
@@ -106,7 +108,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     rows = as_array(first, what="one row for each cell")
     if rows.shape != (n_cells,) or not np.isin(rows, np.arange(len(points))).all():
         raise WrongForm(
-            "There must be one representative for each cell: the row of one of the points.",
+            "There must be one representative for each cell: the row of one of its points.",
             yours=brief(rows),
             expected=f"{n_cells} rows from 0 to {len(points) - 1}",
         )
@@ -114,7 +116,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     if len(misplaced):
         cell = misplaced[0]
         raise CheckFailed(
-            f"The representative of cell {cell} lies in another cell.",
+            f"The representative of cell {cell} is in another cell.",
             given=given,
             yours=f"row {rows[cell]:g}",
             expected=f"one of the rows {brief(np.flatnonzero(cell_rows == cell))}",
@@ -123,10 +125,11 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
 
 @visible(
     "points_in_cells",
-    title="The seven points lie in six cells",
-    why="Points that share a cell are one cluster without measuring: the cell must be right.",
-    hint="The side is threshold / np.sqrt(3), here 1 m. rows = np.floor(points / side) are the "
-    "cells of all points, below zero as well; np.unique of their numbers finds first and "
+    title="Finds the six cells of the seven points",
+    why="Points that share a cell are joined without measuring. A wrong cell joins points that "
+    "are far apart.",
+    hint="The side is threshold / np.sqrt(3), here 1 m. rows = np.floor(points / side) gives the "
+    "cell of every point, also below zero. np.unique(as_numbers(rows), ...) finds first and "
     "cell_of_point, and rows[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
@@ -137,13 +140,13 @@ def finds_the_cells(points_in_cells: Callable) -> None:
 
 @visible(
     "points_in_cells",
-    title="A cell is threshold / √3 wide, at any threshold",
-    why="In a larger cell points need not be close; smaller ones are only slower.",
-    hint="side = threshold / np.sqrt(3): from corner to corner a cell is then as long as the "
-    "threshold.",
+    title="Makes cells that are threshold / √3 wide at any threshold",
+    why="Two points in a larger cell may be too far apart to be neighbours. Smaller cells only "
+    "take longer.",
+    hint="Write side = threshold / np.sqrt(3). The diagonal of a cell then equals the threshold.",
 )
-def follows_the_side(points_in_cells: Callable) -> None:
-    with needs("the seven points lie in six cells"):
+def scales_with_the_threshold(points_in_cells: Callable) -> None:
+    with needs("the function finds the six cells of the seven points"):
         _assert_cells(
             points_in_cells(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
             SEVEN_POINTS,
@@ -159,18 +162,21 @@ def follows_the_side(points_in_cells: Callable) -> None:
 
 @visible(
     "points_in_cells",
-    title="Leaves the points where they are",
-    why="Whoever runs a cell a second time would start from other points, and so does step 2.",
-    hint="points / side is a new array; points /= side changes the one that was given.",
+    title="Does not change the points",
+    why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
+    "and a cell that you run twice starts from other points.",
+    hint="points / side creates a new array. points /= side changes the array that the function "
+    "received.",
 )
-def leaves_the_points(points_in_cells: Callable) -> None:
+def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
     assert_left_alone(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
 
 
 # ---- step 2 ------------------------------------------------------------------------------------
 
-# Six points in the first cell, then one point in each of three cells that are two steps further
-# along x, y and z. The first four points are close together, while no two of the four cells are.
+# Six points in the first cell, then one point in each of three cells, each of them two cells
+# further along x, y or z. The first four points are close together, so code that takes rows of
+# cells for rows of points joins all four cells. No two of these cells are close.
 _HEAP = frozen(np.vstack([0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), 2.05 * np.tri(3)]))
 _HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [2, 2, 2]]))
 _HEAP_FIRST = frozen(np.array([0, 6, 7, 8]))
@@ -183,10 +189,10 @@ def _join_seven(join_cheaply: Callable) -> tuple:
 
 @visible(
     "join_cheaply",
-    title="Of the six cells, seven pairs are neighbours",
-    why="Pairs that are left out here are never measured: things tear.",
-    hint="cKDTree(cells).query_pairs(2, p=np.inf, output_type='ndarray') finds all cells at most "
-    "two steps apart along each axis. All of them are returned, joined or not.",
+    title="Finds all seven pairs of neighbouring cells",
+    why="A pair that is missing here is never measured, so one object can become two clusters.",
+    hint="cKDTree(cells).query_pairs(2, p=np.inf, output_type='ndarray') finds all pairs of cells "
+    "at most two steps apart along each axis. Return all of these pairs, joined or not.",
 )
 def finds_the_neighbours(join_cheaply: Callable) -> None:
     pairs = _join_seven(join_cheaply)[0]
@@ -194,7 +200,7 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
     yours = np.unique(np.sort(pairs, axis=1), axis=0)
     if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
         raise CheckFailed(
-            "These are not the pairs of cells at most two steps apart, all of them and each once.",
+            "pairs must contain each pair of cells at most two steps apart exactly once.",
             given=_GIVEN,
             yours=brief(yours.tolist()),
             expected=brief(_PAIRS.tolist()),
@@ -203,34 +209,36 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
 
 @visible(
     "join_cheaply",
-    title="Neighbours whose representatives are close share a piece",
-    why="One distance settles what would take thousands.",
-    hint="The gap between two representatives is one distance for each pair, axis=1; joined are "
-    "the pairs with gap < threshold.",
+    title="Joins neighbours whose representatives are close",
+    why="One distance between representatives can replace thousands of distances between points.",
+    hint="Compute one gap for each pair, the distance between its two representatives: "
+    "np.linalg.norm(..., axis=1). Join the pairs with gap < threshold.",
 )
-def joins_what_is_close(join_cheaply: Callable) -> None:
+def joins_close_representatives(join_cheaply: Callable) -> None:
     _assert_same_pieces(_join_seven(join_cheaply)[1], _PIECES, _GIVEN)
 
 
 @visible(
     "join_cheaply",
-    title="What is measured are points, not the numbers of their cells",
-    why="Cell 3 is not point 3. On the street, things far apart become one.",
+    title="Measures distances between representatives",
+    why="Cell 3 is not point 3. Code that confuses the two joins objects that are far apart.",
     hint="pairs[:, 0] are rows of cells. first[pairs[:, 0]] are rows of points, and "
-    "points[first[pairs[:, 0]]] are the points: x, y and z all count.",
+    "points[first[pairs[:, 0]]] are the points, whose x, y and z all count.",
 )
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE_THRESHOLD
     _, label = _results(join_cheaply(*arguments), ("pairs", "label"))
     given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
-    _assert_same_pieces(label, np.arange(4), f"{given}; from cell to cell about 2 m, threshold √3")
+    _assert_same_pieces(
+        label, np.arange(4), f"{given}; neighbouring cells are about 2 m apart, threshold √3 m"
+    )
 
 
 # ---- step 3 ------------------------------------------------------------------------------------
 
-# Five cells in a row, two steps apart, with three points in each and four in the last, so there are
-# more points at home than guests. The first points of neighbouring cells are too far apart. Other
-# points of theirs are close, except in the last two cells.
+# Five cells in a row, two steps apart. Each has three points, and the last has four, so that there
+# are more hosts than guests. The first points of neighbouring cells are too far apart. Other
+# points of these cells are close, except in the last two cells.
 _IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
 _ROW = frozen(
     np.outer(np.append((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), 8.92), np.eye(3)[0])
@@ -245,14 +253,14 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 
 @visible(
     "join_exactly",
-    title="Points 3 and 4 join their pieces, and all cells of these",
-    why="Where only one cell of a piece changes sides, the rest of a car stays behind.",
-    hint="Where a distance is below the threshold, all cells of both pieces get one number: "
-    "components of pieces, picked out with [label]; or, in a loop over pairs of cells, "
-    "label[label == label[b]] = label[a].",
+    title="Joins the whole pieces that points 3 and 4 connect",
+    why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
+    hint="If a distance is below the threshold, give all cells of both pieces one number: compute "
+    "the components of the pieces and index them with [label]. In a loop over pairs of cells, "
+    "write label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
-    # Pieces are numbered in any order, so either of the two to join may have the larger number.
+    # Pieces may be numbered in any order, so either of the two pieces may have the larger number.
     for label in (_PIECES, 2 - _PIECES):
         answer = join_exactly(
             *(np.copy(argument) for argument in _exact_arguments(label)[:-1]), WIDE_THRESHOLD
@@ -264,28 +272,30 @@ def joins_exactly(join_exactly: Callable) -> None:
 
 @visible(
     "join_exactly",
-    title="Leaves the labels of step 2 as they are",
-    why="Whoever runs the cell below a second time would start from pieces that are joined.",
-    hint="label = label.copy() before anything is written into it.",
+    title="Does not change the labels of step 2",
+    why="If you run the cell below a second time, it must start from the pieces of step 2, not "
+    "from joined ones.",
+    hint="Write label = label.copy() before you change any label.",
 )
-def leaves_the_labels(join_exactly: Callable) -> None:
-    with needs("points 3 and 4 join their pieces, and all cells of these"):
+def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
+    with needs("the function joins the whole pieces that points 3 and 4 connect"):
         joins_exactly(join_exactly)
     assert_left_alone(observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES))
 
 
 @visible(
     "join_exactly",
-    title="A row of pieces becomes one, as far as its points are close",
-    why="A wall falls into dozens of pieces, and each is close to the next one only.",
+    title="Joins a row of pieces as far as their points are close",
+    why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
+    "next.",
     hint="Several points of q may belong to one open pair: pair_of_q[near] are the rows of the "
-    "open pairs to join, and components joins on from piece to piece.",
+    "open pairs to join, and components joins them from piece to piece.",
 )
-def joins_on_and_on(join_exactly: Callable) -> None:
+def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
     answer = join_exactly(_ROW.copy(), _ROW_CELLS.copy(), _ROW_PAIRS.copy(), label, WIDE_THRESHOLD)
     given = (
-        "five cells in a row, a piece each, with three or four points in each; up to the fourth a "
-        "point of each is 1.2 m from one of the next, threshold √3 m"
+        "five cells in a row, each a separate piece with three or four points; the closest points "
+        "of neighbouring cells are 1.2 m apart up to the fourth cell, threshold √3 m"
     )
     _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), given)

@@ -1,4 +1,4 @@
-"""Visible checks of `detect_obstacles`: further properties are judged only if cars are found."""
+"""Visible checks of `detect_obstacles`; most of them wait until cars are found."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from utils.checks.assertions import (
 from utils.checks.core import noted, visible
 from utils.checks.detections import (
     as_boxes,
-    assert_apart,
-    assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
-    assert_cars_seen,
-    assert_dry,
-    assert_kind_reached,
-    assert_nothing_at_sensor,
-    assert_own_car_free,
+    assert_contained,
+    assert_few_ghosts,
+    assert_kind_contained,
+    assert_no_box_at_sensor,
+    assert_no_box_on_ego_car,
+    assert_no_boxes_on_road,
     assert_people_found,
-    assert_reached,
-    assert_road_free,
-    assert_sees,
+    assert_raindrops_ignored,
+    assert_separate_boxes,
     assert_upright,
     detected,
+    require_cars_found,
+    require_cars_found_in_frame,
 )
 from utils.checks.failures import fixed
 from utils.checks.scans import (
@@ -55,14 +55,14 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 @visible(
     "detect_obstacles",
     weight=5,
-    title="Each car that stands free near the sensor has a box of its own",
-    why="This is what the other eleven lessons were for.",
-    hint="Follow the returns near that place: how many are left after each step, and at which do "
-    "they vanish?",
+    title="Finds isolated cars near the sensor",
+    why="This detector combines what you wrote in the previous lessons.",
+    hint="Follow the returns near that place. How many are left after each step, and at which "
+    "step do they vanish?",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
-    # Cover every scan that later checks use, one by one, because those checks can be judged only if
-    # the cars in their scan are found.
+    # Include every scan that later checks use, because those checks wait until the cars in their
+    # scan are found.
     for frame in (street(), street_before(), square(SQUARE_SEED), walk(WALK_SEED)):
         assert_cars_found([detected(detect_obstacles, frame)], [frame])
 
@@ -70,179 +70,181 @@ def finds_cars(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=9,
-    title="People who stand free near the sensor have boxes, too",
-    why="They are the smallest that there is on a road, and the ones that matter most.",
-    hint="How many points of a person are left before clustering? min_num_points must be smaller.",
+    title="Finds isolated people near the sensor",
+    why="People are the smallest road users, and missing them is the worst mistake.",
+    hint="How many points of a person are left before clustering? min_num_points must not be "
+    "larger.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, walk(WALK_SEED))
+    require_cars_found_in_frame(detect_obstacles, walk(WALK_SEED))
     assert_people_found(detected(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="A car across the road has a box, 8 to 10 m ahead",
-    why="At 30 km/h a car needs 9 m to stop: who looks less far brakes too late.",
-    hint="Where does your region of interest end? It must reach 10 m ahead, and a little more.",
+    title="Finds a car across the road, 8 to 10 m ahead",
+    why="At 30 km/h a car needs 9 m to brake. A detector with a shorter range finds obstacles too "
+    "late.",
+    hint="Where does your region of interest end? It must reach a little more than 10 m ahead.",
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+    require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
     frame = crossing(SQUARE_SEED)
-    assert_reached(detected(detect_obstacles, frame), car_across(frame), frame)
+    assert_contained(detected(detect_obstacles, frame), car_across(frame), frame)
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="Boxes are around obstacles, not around road or nothing",
-    why="A car that brakes for its own road will not be driven for long.",
-    hint="Look at the ghosts from the side: road that rises above the ground level, where a plane "
-    "(lesson 03) would rise with it? Pieces of a few points, which filter_clusters should have "
-    "removed?",
+    title="Puts boxes around obstacles, not around road or nothing",
+    why="A car that brakes for the road itself is useless.",
+    hint="Look from the side at the boxes that contain no obstacle. If the road rises above the "
+    "ground level, use a plane (lesson 03), which rises with it. If they contain only a few "
+    "points, filter_clusters should have removed them.",
 )
-def leaves_the_road(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, street_before())
-    assert_boxes_real([detected(detect_obstacles, street_before())], [street_before()])
+def avoids_ghosts(detect_obstacles: Callable) -> None:
+    require_cars_found_in_frame(detect_obstacles, street_before())
+    assert_few_ghosts([detected(detect_obstacles, street_before())], [street_before()])
 
 
-def _assert_seen_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
-    """Require the cars of a simple street, then each thing of a kind on the road that climbs."""
-    assert_cars_seen(detect_obstacles, street_before())
+def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
+    """Require the cars of a simple street, then assert objects of a kind on a climbing road."""
+    require_cars_found_in_frame(detect_obstacles, street_before())
     frame = climb(CLIMB_SEED)
-    assert_kind_reached(detected(detect_obstacles, frame), kind, frame)
+    assert_kind_contained(detected(detect_obstacles, frame), kind, frame)
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="A person next to the bumper has a box",
-    why="Whoever crosses in front of a standing car is nearer than anything else.",
-    hint="remove_ego_returns takes away the box of the own car, from (-1.5, -1.7, -1.0) to "
-    "(2.6, 1.7, -0.4), and nothing beyond it.",
+    title="Finds a person next to the bumper",
+    why="A person who crosses in front of a standing car is closer than anything else.",
+    hint="remove_ego_returns must remove the box of the ego car, from (-1.5, -1.7, -1.0) to (2.6, "
+    "1.7, -0.4), and nothing outside it.",
 )
 def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
-    _assert_seen_on_the_climb(detect_obstacles, "pedestrian")
+    _assert_found_on_the_climb(detect_obstacles, "pedestrian")
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="Cars at the edge of the road, up to 7 m to the side, have boxes",
-    why="A parked car pulls out, and a door opens: both begin next to the lane.",
-    hint="Where does your region of interest end to the side?",
+    title="Finds cars at the edge of the road, up to 7 m to the side",
+    why="A parked car may pull out, or its door may open.",
+    hint="How far to the side does your region of interest reach?",
 )
 def looks_to_the_side(detect_obstacles: Callable) -> None:
-    _assert_seen_on_the_climb(detect_obstacles, "car")
+    _assert_found_on_the_climb(detect_obstacles, "car")
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="A lorry has a box, although it has many points",
-    why="The largest thing on the road is the last one to overlook.",
-    hint="filter_clusters has a minimum and no maximum: a cluster of many points is a wall or "
-    "a lorry.",
+    title="Finds a lorry, although it has many points",
+    why="A lorry is the largest obstacle on the road.",
+    hint="filter_clusters has a minimum but no maximum: a cluster of many points is a wall or a "
+    "lorry.",
 )
 def finds_the_lorry(detect_obstacles: Callable) -> None:
-    _assert_seen_on_the_climb(detect_obstacles, "truck")
+    _assert_found_on_the_climb(detect_obstacles, "truck")
 
 
 @visible(
     "detect_obstacles",
     weight=3,
-    title="Two cars that are parked closely have two boxes",
-    why="A single box closes the gap from which a child may run.",
-    hint="Two things are one cluster where the threshold is larger than the gap between them.",
+    title="Gives two closely parked cars two boxes",
+    why="A single box hides the gap from which a child may run into the road.",
+    hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
-    with needs("cars at the edge of the road have boxes"):
-        _assert_seen_on_the_climb(detect_obstacles, "car")
+    with needs("the detector finds cars at the edge of the road"):
+        _assert_found_on_the_climb(detect_obstacles, "car")
     frame = climb(CLIMB_SEED)
-    assert_apart(detected(detect_obstacles, frame), frame, GAP)
+    assert_separate_boxes(detected(detect_obstacles, frame), frame, GAP)
 
 
 @visible(
     "detect_obstacles",
     weight=12,
-    title="Does not take its own car for an obstacle",
-    why="An obstacle at 0 m means full braking, for ever.",
-    hint="Call remove_ego_returns with the whole box of the own car, from (-1.5, -1.7, -1.0) to "
-    "(2.6, 1.7, -0.4), before anything is averaged or clustered. Here the scanner sees bonnet "
-    "and roof from edge to edge.",
+    title="Puts no box around the ego car",
+    why="With an obstacle at 0 m, the car would brake forever.",
+    hint="Call remove_ego_returns with the whole box of the ego car, from (-1.5, -1.7, -1.0) to "
+    "(2.6, 1.7, -0.4), before you average or cluster points. In this check the scanner sees the "
+    "whole bonnet and roof.",
 )
-def forgets_itself(detect_obstacles: Callable) -> None:
+def ignores_the_ego_car(detect_obstacles: Callable) -> None:
     frame = square(SQUARE_SEED)
     answer = detect_obstacles(np.vstack([frame.cloud, ego_car_points(SQUARE_SEED)]))
-    assert_sees(answer, frame)
-    assert_own_car_free(answer, frame)
+    require_cars_found(answer, frame)
+    assert_no_box_on_ego_car(answer, frame)
 
 
 @visible(
     "detect_obstacles",
     weight=12,
-    title="Boxes turn with the cars",
-    why="A car that pulls out of a parking space stands at an angle; a box along the axes "
-    "would close the lane beside it.",
-    hint="Let get_oriented_boxes of lesson 11 fit the boxes: it turns each with its points, seen "
-    "from above.",
+    title="Turns boxes with the cars",
+    why="A car that pulls out of a parking space is at an angle. A box along the axes would block "
+    "the lane next to it.",
+    hint="Fit the boxes with get_oriented_boxes of lesson 11, which turns each box with its "
+    "points.",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+    require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
     assert_boxes_turned(detected(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
 
 
 @visible(
     "detect_obstacles",
     weight=2,
-    title="Boxes stand upright: a level floor, right angles, a corner above each corner",
-    why="Whoever plans a path asks of each corner how high it stands and what lies between.",
-    hint="Let the last step be your get_oriented_boxes of lesson 11: it turns about z alone.",
+    title="Returns upright boxes with a level floor, right angles and a corner above each corner",
+    why="The planner uses the height of each corner and the area between the corners.",
+    hint="End with your get_oriented_boxes of lesson 11, which turns boxes about z only.",
 )
-def stands_upright(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+def returns_upright_boxes(detect_obstacles: Callable) -> None:
+    require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
     assert_upright(detected(detect_obstacles, square(SQUARE_SEED)))
 
 
 @visible(
     "detect_obstacles",
     weight=13,
-    title="Single returns in the air, such as drops of rain, are no obstacles",
-    why="In a shower the car would stop at every drop.",
-    hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
-    "labels that get boxes?",
+    title="Ignores single returns in the air, such as raindrops",
+    why="In a shower the car would otherwise brake for every drop.",
+    hint="filter_clusters returns new labels, without the clusters of a few points. Fit boxes to "
+    "these labels.",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
     frame, drops = square(SQUARE_SEED), rain(SQUARE_SEED)
     answer = detect_obstacles(np.vstack([frame.cloud, drops]))
-    assert_sees(answer, frame)
-    assert_dry(answer, frame, drops)
+    require_cars_found(answer, frame)
+    assert_raindrops_ignored(answer, frame, drops)
 
 
 @visible(
     "detect_obstacles",
     weight=2,
-    title="Copes with returns that are not a number, and hundreds at (0, 0, 0)",
-    why="Whatever the scanner loses comes as such a row. A stream has no pause button.",
-    hint="Let drop_invalid be the very first step.",
+    title="Works with returns that are not a number, and with hundreds at (0, 0, 0)",
+    why="The scanner stores lost returns as such rows, and a stream must not stop because of them.",
+    hint="Call drop_invalid first.",
 )
 def drops_invalid(detect_obstacles: Callable) -> None:
     frame = square(SQUARE_SEED)
     answer = detect_obstacles(with_invalid(frame.cloud, 1))
-    assert_sees(answer, frame)
-    assert_nothing_at_sensor(answer, frame)
+    require_cars_found(answer, frame)
+    assert_no_box_at_sensor(answer, frame)
 
 
 @visible(
     "detect_obstacles",
     weight=1,
-    title="Takes an empty scan",
+    title="Works on an empty scan",
     why="A bad frame must not stop the stream.",
-    hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
-    "leave nothing.",
+    hint="Return np.empty((0, 8, 3)) as soon as no point is left, after every filter that may "
+    "remove all points.",
 )
-def takes_an_empty_scan(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
+    require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
     boxes = as_boxes(detect_obstacles(np.empty((0, 4))))
     if len(boxes):
         raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
@@ -251,45 +253,45 @@ def takes_an_empty_scan(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=5,
-    title="Takes scans without intensity: three columns",
-    why="Not every scanner measures it, and a cloud may come from elsewhere.",
+    title="Works on scans without intensity",
+    why="Not every scanner measures intensity, and a cloud may come from another source.",
     hint="Use cloud[:, :3] from the start.",
 )
-def takes_three_columns(detect_obstacles: Callable) -> None:
+def works_without_intensity(detect_obstacles: Callable) -> None:
     frame = square(SQUARE_SEED)
-    assert_cars_seen(detect_obstacles, frame)
+    require_cars_found_in_frame(detect_obstacles, frame)
     assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
 
 
 @visible(
     "detect_obstacles",
     weight=1,
-    title="Leaves its input untouched",
-    why="The next cells score and draw the very cloud that the detector was given.",
-    hint="Choose rows with a mask, which makes a new array, and write into none that came in.",
+    title="Does not change its input",
+    why="The next cells score and draw the same cloud.",
+    hint="Select rows with a mask, which creates a new array, and do not write into the input.",
 )
-def leaves_the_cloud(detect_obstacles: Callable) -> None:
+def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     cloud = square(SQUARE_SEED).cloud.copy()
-    cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these
+    cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these values
     observed = observe(detect_obstacles, cloud)
-    assert_sees(observed.result, square(SQUARE_SEED))
+    require_cars_found(observed.result, square(SQUARE_SEED))
     assert_left_alone(observed, cloud)
 
 
 @noted(
     "detect_obstacles",
-    title="A road that climbs is not an obstacle",
-    why="Where a road climbs by 4 %, one level for the ground leaves the road from 13 m ahead on, "
+    title="Does not take a climbing road for an obstacle",
+    why="If a road climbs by 4 %, a fixed ground level leaves road in the cloud from 13 m ahead, "
     "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
 )
-def follows_the_climb(detect_obstacles: Callable) -> None:
-    assert_road_free(detected(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
+def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
+    assert_no_boxes_on_road(detected(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
 
 
 @noted(
     "detect_obstacles",
     title="Returns an array",
-    why="The cells below choose boxes with a mask: a list takes none.",
+    why="The cells below select boxes with a mask, which does not work on a list.",
 )
 def returns_an_array(detect_obstacles: Callable) -> None:
     for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
@@ -297,7 +299,8 @@ def returns_an_array(detect_obstacles: Callable) -> None:
         if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
             raise CheckFailed(
                 fixed(
-                    "np.array(boxes).reshape(-1, 8, 3) is an array also where there are no boxes."
+                    "Return np.array(boxes).reshape(-1, 8, 3), which is an array even if there "
+                    "are no boxes."
                 ),
                 yours=brief(answer),
             )
@@ -305,10 +308,10 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="The four corners of the floor come first, or those of the roof",
-    why="The score card takes the first four for the ground that a box covers.",
+    title="Lists the four corners of the floor first, or those of the roof",
+    why="The score card uses the first four corners as the ground that a box covers.",
 )
-def has_the_floor_first(detect_obstacles: Callable) -> None:
+def lists_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
@@ -316,13 +319,13 @@ def has_the_floor_first(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="Stands in this notebook, with all that it calls",
-    why="The judge sees this notebook only. There the detector would find nothing and earn "
-    "nothing: paste what it needs into the cells above it.",
+    title="Uses only functions of this notebook",
+    why="The judge sees only this notebook, where the detector would find nothing and earn "
+    "nothing. Paste the functions that it needs into the cells above it.",
 )
-def stands_alone(detect_obstacles: Callable) -> None:
+def uses_this_notebook_only(detect_obstacles: Callable) -> None:
     if name := _foreign_name(detect_obstacles):
-        raise CheckFailed(f"The detector uses {name}, which brings functions of another notebook.")
+        raise CheckFailed(f"The detector uses {name}, which loads functions of another notebook.")
 
 
 def _foreign_name(function: Callable) -> str | None:

@@ -1,4 +1,4 @@
-"""Visible checks of `match_boxes`: further properties are judged only if boxes are matched."""
+"""Visible checks of `match_boxes`; most of them wait until boxes are found after a small move."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
-# Four boxes, far from each other, that move by half a metre and come back in another order.
+# Four boxes, far from each other, that move by half a metre and come in another order.
 _ORDER = frozen(np.array([2, 0, 3, 1]))
 _BEFORE = frozen(cubes([[4, 1], [9, -3], [15, 2], [-6, -4]]))
 _AFTER = frozen(_BEFORE[_ORDER] + [-0.5, 0.1, 0.0])
@@ -68,13 +68,13 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     Raises
     ------
     WrongForm
-        If the answer contains None, holds truth values or has another shape.
+        If the answer contains None or truth values, or has another shape.
     """
     if isinstance(answer, (list, tuple)) and any(entry is None for entry in answer):
         raise WrongForm(
-            fixed("None is no index: a box without a partner gets -1."),
+            fixed("None is not an index: a box without a partner gets -1."),
             yours=brief(answer),
-            expected="whole numbers from -1 up",
+            expected="whole numbers, -1 or more",
         )
     yours = as_array(answer, what="an array of indices")
     if yours.size == 0 and not len(current):
@@ -85,14 +85,11 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     if yours.dtype.kind == "b":
         message = " This is a mask, True or False."
     elif yours.shape == (len(current), len(previous)):
-        message = " This has the shape of a table of all pairs: which column does each row choose?"
+        message = " This has the shape of a table of all pairs: return one column for each row."
     elif yours.shape == (len(previous),):
         message = f" There are {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:
-        message = (
-            " If these are pairs: the second number of each belongs at the place that the first "
-            "one names."
-        )
+        message = " If these are pairs, write answer[first] = second for each pair."
     raise WrongForm(
         f"There must be one index for each of the {len(current)} current boxes.{message}",
         yours=f"shape {yours.shape}",
@@ -105,7 +102,7 @@ def assert_matched(
     expected: ArrayLike,
     previous: np.ndarray,
     current: np.ndarray,
-    look_at: ArrayLike | slice = slice(None),
+    compared_rows: ArrayLike | slice = slice(None),
     given: str | None = None,
 ) -> None:
     """Assert that the answer has the index of the right previous box for each current box.
@@ -116,24 +113,24 @@ def assert_matched(
     expected : array_like of int, shape (N_current,)
         Index of the previous box, or -1 for a new box.
     previous, current : numpy.ndarray, shape (N, 8, 3)
-    look_at : array_like or slice
+    compared_rows : array_like or slice
         Rows of the current boxes to compare; by default all.
     given : str, optional
         Other arguments of the function as text, for the message.
     """
     expected = np.asarray(expected, dtype=int).ravel()
     yours = as_indices(answer, previous, current)
-    compared = np.arange(len(expected))[look_at]
+    compared = np.arange(len(expected))[compared_rows]
     wrong = compared[yours[compared] != expected[compared]]
     if not len(wrong):
         return
     first = wrong[0]
     if expected[first] < 0:
-        message = f"Current box {first} has no partner, and is not marked as new."
+        message = f"Current box {first} has no partner but is not marked as new."
     elif yours[first] not in range(-1, len(previous)):
         message = (
-            f"Current box {first} gets {yours[first]:g}, which is no row of previous: there are "
-            f"{len(previous)}."
+            f"Current box {first} gets {yours[first]:g}, which is not a row of previous: there "
+            f"are {len(previous)} rows."
         )
     else:
         message = f"Current box {first} was previous box {expected[first]}."
@@ -148,13 +145,14 @@ def assert_matched(
 
 
 _SWAPPED_HINT = (
-    "Read the other way round, your pairs are right: entry k of yours says which current box "
-    "previous box k became. answer[row] = column, where rows are current and columns previous."
+    "Your pairs are right but the wrong way round: your entry k says which current box previous "
+    "box k became. Write answer[row] = column, with a row for each current box and a column for "
+    "each previous box."
 )
 
 
 def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
-    """Return whether an answer has the right pairs, with current and previous swapped."""
+    """Return whether an answer has the right pairs with current and previous swapped."""
     indices = np.arange(len(expected))
     return np.array_equal(np.sort(expected), indices) and np.array_equal(
         yours, np.argsort(expected)
@@ -164,7 +162,7 @@ def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
 def assert_one_to_one(
     answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
 ) -> None:
-    """Assert that no previous box has two partners, whether these are right or wrong.
+    """Assert that no previous box has two partners, whether they are right or wrong.
 
     Parameters
     ----------
@@ -179,7 +177,7 @@ def assert_one_to_one(
         shared = partners[counts > 1][0]
         owners = np.flatnonzero(yours == shared)
         raise CheckFailed(
-            f"Previous box {shared:.0f} is given to several current boxes, for example to "
+            f"Previous box {shared:.0f} is the partner of several current boxes, for example of "
             f"{owners[0]} and {owners[1]}.",
             given=_centres_text(previous, current, given),
             yours=brief(yours),
@@ -194,9 +192,9 @@ def assert_limit_respected(
     current: np.ndarray,
     max_distance: float,
 ) -> None:
-    """Assert that close boxes are partners, and that others have no partner.
+    """Assert that close boxes are partners and that others have no partner.
 
-    Any negative number counts as no partner, because another check asks for -1.
+    Any negative number counts as no partner, because another check tests for -1.
 
     Parameters
     ----------
@@ -215,7 +213,7 @@ def assert_limit_respected(
     first = wrong[0]
     if not len(previous):
         raise CheckFailed(
-            f"There is no previous box, and current box {first} has a partner.", yours=brief(yours)
+            f"There is no previous box, but current box {first} has a partner.", yours=brief(yours)
         )
     gap = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
     text = "it has no partner" if expected[first] < 0 else "that is its partner"
@@ -231,8 +229,8 @@ def assert_limit_respected(
 
 @once
 def require_matching(match_boxes: Callable) -> None:
-    """Assert that boxes are found again after a small move; raise `NotYet` if not."""
-    with needs("boxes are found again after a small move"):
+    """Assert that boxes are found after a small move; raise `NotYet` if not."""
+    with needs("each box is found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
 
@@ -251,10 +249,11 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
 @visible(
     "match_boxes",
     weight=4,
-    title="Finds each box again after a small move, in whatever order the boxes come",
-    why="Clusters are numbered anew in every frame; without names nobody knows who moved where.",
-    hint="The centre of a box is the mean of its corners. Make a table of all distances "
-    "between current and previous centres; the smallest entry is a pair.",
+    title="Finds each box again after a small move, whatever the order of the boxes",
+    why="Clusters are numbered from 1 again in every frame. Only matching shows which box moved "
+    "where.",
+    hint="The centre of a box is the mean of its corners. Make a table of all distances between "
+    "current and previous centres; the smallest entry is the first pair.",
 )
 def finds_again(match_boxes: Callable) -> None:
     answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
@@ -264,11 +263,12 @@ def finds_again(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=2,
-    title="A box without a partner is new: -1",
-    why="Somebody steps out from behind a lorry. They must not inherit the name of the lorry.",
-    hint="Start from an array full of -1, as long as current, and write into it.",
+    title="Marks a box without a partner as new with -1",
+    why="A pedestrian steps out from behind a lorry. The new box must not get the track ID of the "
+    "lorry.",
+    hint="Start from an array of -1 that is as long as current, and write the partners into it.",
 )
-def marks_new_ones(match_boxes: Callable) -> None:
+def marks_new_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous, current = cubes([[4, 1], [9, -3]]), cubes([[20, 5], [9.4, -3], [4, 1.5], [-9, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 1.5)
@@ -278,12 +278,12 @@ def marks_new_ones(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=6,
-    title="Boxes farther apart than max_distance are no partners",
-    why="A name that jumps to somebody far away gives them a speed that they do not have.",
+    title="Does not pair boxes that are farther apart than max_distance",
+    why="If a track ID jumps to a distant object, that object seems to have a high speed.",
     hint="Compare the distance itself, as np.linalg.norm gives it, with max_distance before you "
     "accept a pair.",
 )
-def ends_at_the_limit(match_boxes: Callable) -> None:
+def respects_max_distance(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous = cubes([[0, 0], [20, 0], [40, 0]])
     # The last box has moved diagonally by 1.4 m.
@@ -307,9 +307,10 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=10,
-    title="One to one: two boxes never get the same partner",
-    why="Two cars under one name are one car to the planner.",
-    hint="Once a pair is chosen, strike out its row and its column: neither is free any more.",
+    title="Never gives two boxes the same partner",
+    why="Two cars with the same track ID are one car to the planner.",
+    hint="When you have chosen a pair, cross out its row and its column with infinity, because "
+    "neither box is free any more.",
 )
 def is_one_to_one(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -323,12 +324,13 @@ def is_one_to_one(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=4,
-    title="Of two that want the same partner the nearer one gets it",
-    why="The name goes to whoever happens to stand first in the list, and cars swap names.",
-    hint="Take the closest of all pairs first. Going through the current boxes in their order "
-    "gives the partner to whoever comes first.",
+    title="Gives a partner to the nearer of two rival boxes",
+    why="If the first box in the list wins, the result depends on the order, and cars swap track "
+    "IDs.",
+    hint="Take the closest of all pairs first. If you go through the current boxes in order, the "
+    "first box gets the partner.",
 )
-def prefers_the_nearer(match_boxes: Callable) -> None:
+def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[6.2, 0.3], [5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
@@ -338,11 +340,11 @@ def prefers_the_nearer(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=2,
-    title="A box with two earlier ones near by was the nearer of them",
-    why="Where a car and a post stood side by side, the car keeps its name, and its speed.",
-    hint="Strike out the row of a pair, too: a box that has its partner takes no second one.",
+    title="Pairs a box with the nearer of two previous boxes",
+    why="If a car was next to a post, the car must keep its track ID and its speed.",
+    hint="Also cross out the row of a pair: a box that has a partner must not get a second one.",
 )
-def takes_the_nearer(match_boxes: Callable) -> None:
+def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous, current = cubes([[6.3, 0.4], [5, 0]]), cubes([[5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
@@ -352,11 +354,11 @@ def takes_the_nearer(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=6,
-    title="Goes by the centres: the corners of a box may start elsewhere",
-    why="A car that turns, or shows more of itself, gets a box with other corners.",
+    title="Compares centres, even if the corners of a box are in another order",
+    why="When a car turns or more of it becomes visible, its box gets other corners.",
     hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
 )
-def goes_by_the_centres(match_boxes: Callable) -> None:
+def compares_centres(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous = cubes([[4, 1], [15, 2], [-8, -4]], 2.0)
     current = cubes([[15.2, 2], [-8, -4.3], [4.1, 1]], 2.0, turn=2)
@@ -367,11 +369,12 @@ def goes_by_the_centres(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=3,
-    title="Takes no boxes on either side",
-    why="The first frame has no frame before it, and an empty road has no boxes.",
-    hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
+    title="Works when either list is empty",
+    why="There are no boxes before the first frame, and none on an empty road.",
+    hint="argmin of an empty table raises an error. If the table is empty, return an array of -1 "
+    "that is as long as current.",
 )
-def takes_no_boxes(match_boxes: Callable) -> None:
+def works_without_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     boxes, no_boxes = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
     far = cubes([[40, 7]])
@@ -380,10 +383,10 @@ def takes_no_boxes(match_boxes: Callable) -> None:
         answer = match_boxes(previous.copy(), current.copy(), 2.0)
         assert_limit_respected(answer, np.full(len(current), -1), previous, current, 2.0)
         yours = as_indices(answer, previous, current)
-        # Skip functions with another marker for new boxes: the check that asks for -1 reports them.
+        # Skip functions with another marker for new boxes, because another check tests for -1.
         if marker == -1 and not (yours == marker).all():
             raise CheckFailed(
-                "Without a previous box each current one is new, and is not marked as new.",
+                "Without previous boxes each current box is new, but it is not marked as new.",
                 given=f"{len(previous)} previous and {len(current)} current boxes",
                 yours=brief(yours),
                 expected=brief(np.full(len(current), -1)),
@@ -403,22 +406,22 @@ _MOVED_CASE = Case(
 common_checks.names(
     _MOVED_CASE,
     "keeps_the_names",
-    why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
+    why="Other programs may call match_boxes(before, after, max_distance=1.5).",
 )
 common_checks.untouched(
     _MOVED_CASE,
-    "leaves_the_boxes",
-    why="The boxes of this frame are the previous ones of the next.",
-    hint="Put infinity into a table of your own, and nothing into the boxes.",
+    "keeps_the_boxes_unchanged",
+    why="The boxes of this frame are the previous boxes of the next frame.",
+    hint="Write infinity into your own table of distances, and nothing into the boxes.",
 )
 
 
 @noted(
     "match_boxes",
-    title="Indices are whole numbers",
-    why="The tracker, below, looks names up with them, and 2.0 is no index.",
+    title="Returns whole-number indices",
+    why="The tracker below looks up track IDs with the indices, and 2.0 is not an index.",
 )
-def has_whole_indices(match_boxes: Callable) -> None:
+def returns_whole_indices(match_boxes: Callable) -> None:
     dtype = as_array(match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)).dtype
     if dtype.kind not in "iu":
         raise CheckFailed(f"The indices are of type {dtype}.")
@@ -426,7 +429,8 @@ def has_whole_indices(match_boxes: Callable) -> None:
 
 # Eleven small calls that distinguish the usual mistakes: max_distance, previous centres (x, y),
 # current centres and the right partners. Each call has a different max_distance, which identifies
-# it. In "far" and "near" boxes are large, and their corners start elsewhere in the second frame.
+# it. In "far" and "near" boxes are large, and their corners have another order in the second
+# frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
 _CALLS = {
     "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.15), (0, 1.1), (30, 1.2), (10, 1.25)), (2, 0, 3, 1)),
@@ -439,7 +443,7 @@ _CALLS = {
     "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.25)), (1, 0)),
     "chain": (1.8, ((0, 0), (4, 0)), ((3.2, 0), (7.2, 0)), (1, -1)),
     "gap": (2.5, ((0, 0), (4, 0), (20, 0)), ((7, 0), (3.1, 0)), (-1, 1)),
-    "askew": (1.0, ((0, 0), (10, 0)), ((0.8, -0.8), (10.3, 0)), (-1, 1)),
+    "diagonal": (1.0, ((0, 0), (10, 0)), ((0.8, -0.8), (10.3, 0)), (-1, 1)),
 }
 
 
@@ -454,7 +458,7 @@ def _right_partners(previous: np.ndarray, current: np.ndarray, max_distance: flo
 
 
 def _right_except(**answers: tuple) -> Callable:
-    """Return a prediction that gives these answers for the named calls, else the right answer."""
+    """Return a prediction with these answers for the named calls, else the right answer."""
     by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
@@ -485,37 +489,36 @@ def _closest_pair_only(
 mistakes(
     "match_boxes",
     Mistake(
-        "A single pair is made, the closest of all. The other boxes are not looked at.",
+        "Only the closest pair is matched. All other boxes are ignored.",
         _closest_pair_only,
-        "Go on with while as long as a pair is close enough, and return behind the loop.",
+        "Repeat with while as long as a pair is close enough, and return after the loop.",
     ),
     Mistake(
-        "Each current box takes the nearest previous one that is close enough, also where that "
-        "one has a nearer partner.",
+        "Each current box takes the nearest previous box that is close enough, even if that box "
+        "has a nearer partner.",
         _right_except(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
-        "Once a pair is chosen, strike out its row and its column.",
+        "When you have chosen a pair, cross out its row and its column with infinity.",
     ),
     Mistake(
-        "Whichever current box comes first in the list takes the partner, also where a later one "
-        "is nearer.",
+        "The first current box in the list takes the partner, even if a later box is nearer.",
         _right_except(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
         "Take the closest of all pairs first.",
     ),
     Mistake(
-        "max_distance is not looked at: pairs are made as long as there are boxes on both sides.",
+        "max_distance is ignored: boxes are paired as long as both lists have free ones.",
         _right_except(
             rivals=(0, 1, 2, -1),
             far=(2, 0, 1),
             small=(0, 2, 1),
             chain=(1, 0),
             gap=(0, 1),
-            askew=(0, 1),
+            diagonal=(0, 1),
         ),
         "Stop at the first pair that is farther apart than max_distance.",
     ),
     Mistake(
-        "Each current box takes the nearest previous one, however far it is and whoever else has "
-        "it.",
+        "Each current box takes the nearest previous box, however far it is and even if it has a "
+        "partner.",
         _right_except(
             rivals=(1, 1, 2, 2),
             crowd=(0, 0, 0),
@@ -523,46 +526,46 @@ mistakes(
             small=(0, 2, 1),
             chain=(1, 1),
             gap=(1, 1),
-            askew=(0, 1),
+            diagonal=(0, 1),
         ),
-        "Compare with max_distance, and strike out the row and the column of each pair.",
+        "Compare with max_distance, and cross out the row and the column of each pair.",
     ),
     Mistake(
-        "Each previous box takes the nearest current one, however far it is: max_distance is not "
-        "looked at.",
+        "Each previous box takes the nearest current box, however far it is, because max_distance "
+        "is ignored.",
         _right_except(
             merge=(2,),
             between=(1, 2),
             far=(2, 0, 1),
             small=(0, 2, 1),
             gap=(2, 1),
-            askew=(0, 1),
+            diagonal=(0, 1),
         ),
         "Accept a pair only if it is not farther apart than max_distance.",
     ),
     Mistake(
-        "The best sum is sought among all pairs, and those too far apart are dropped only then: "
-        "one of them may have taken the place of one that is near enough.",
+        "The code finds the pairs with the best sum first and drops those that are too far apart "
+        "afterwards. A dropped pair may have replaced a pair that is close enough.",
         _right_except(chain=(-1, -1), gap=(-1, -1)),
-        "Before linear_sum_assignment write a huge number where a distance is too large.",
+        "Before linear_sum_assignment, replace each distance that is too large by a huge number.",
     ),
     Mistake(
-        "A box that has its partner gets another, farther one later: its row is not struck out.",
+        "A box with a partner gets another, farther one later, because its row is not crossed out.",
         _right_except(merge=(0,), between=(1, 2)),
-        "After each pair put infinity into table[row, :], not into the column alone.",
+        "After each pair, write infinity into table[row, :], not only into the column.",
     ),
     Mistake(
         "The square of the distance is compared with max_distance.",
         _right_except(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
-        "Take the root, or let np.linalg.norm do it.",
+        "Take the square root, or use np.linalg.norm.",
     ),
     Mistake(
-        "A fixed distance decides, whatever max_distance is.",
-        _right_except(far=(-1, 0, -1), small=(0, 2, 1), askew=(0, 1)),
-        "Compare with max_distance, by its name.",
+        "The limit is a fixed distance, whatever max_distance is.",
+        _right_except(far=(-1, 0, -1), small=(0, 2, 1), diagonal=(0, 1)),
+        "Compare with the parameter max_distance.",
     ),
     Mistake(
-        "The answer is the wrong way round: it says for each previous box which current one it "
+        "The answer is the wrong way round: it says for each previous box which current box it "
         "became.",
         _right_except(
             moved=(1, 3, 0, 2),
@@ -575,14 +578,14 @@ mistakes(
             chain=(-1, 0),
             gap=(-1, 1, -1),
         ),
-        "One entry for each current box; the entries are rows of previous.",
+        "Return one entry for each current box. The entries are rows of previous.",
     ),
     Mistake(
-        "Box k of the one frame is taken for box k of the other.",
+        "Box k of one frame is taken for box k of the other.",
         lambda right, previous, current, max_distance: np.where(
             np.arange(len(current)) < len(previous), np.arange(len(current)), -1
         ),
-        "Boxes come in any order: compare their centres.",
+        "Boxes may come in any order, so compare their centres.",
         is_cheap=True,
     ),
     Mistake(
@@ -591,19 +594,17 @@ mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "0 stands where a box has no partner. That is the index of a previous box.",
+        "A box without a partner gets 0, which is the index of a previous box.",
         lambda right, *case: np.where(right < 0, 0, right),
         "Start from np.full(len(current), -1).",
     ),
     Mistake(
-        "The mean is taken over x, y and z of each corner, and not over the eight corners of each "
-        "box.",
+        "The mean is taken over x, y and z of each corner, not over the eight corners of each box.",
         _match_corner_means,
         "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
     ),
     Mistake(
-        "Corners are compared, one or all of them, and not centres. Another box may start its "
-        "corners elsewhere.",
+        "Corners are compared, not centres. The next box may have its corners in another order.",
         _right_except(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),

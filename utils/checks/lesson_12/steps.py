@@ -50,7 +50,7 @@ def _pair(answer: object, names: tuple[str, str]) -> tuple[object, object]:
     """Return the two results of a step."""
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         raise WrongForm(
-            f"The step returns two things: {' and '.join(names)}.",
+            f"The step must return two results: {' and '.join(names)}.",
             yours=brief(answer),
             expected=", ".join(names),
         )
@@ -69,7 +69,7 @@ def _same_pair(answer: object, predicted: tuple) -> bool:
 
 _PARKED = frozen(cubes([[10, 2], [20, -1], [-4, 3]]))
 _PARKED_VELOCITIES = frozen(np.array([[-5.0, 0, 0], [-13.0, 0.5, 0], [2.0, -4.0, 1.0]]))
-# As many boxes as a box has corners, so that wrong broadcasting does not raise an exception.
+# As many boxes as a box has corners, so that wrong broadcasting raises no exception.
 _EIGHT = frozen(cubes([[3.0 * number, number % 3] for number in range(8)]))
 _EIGHT_VELOCITIES = frozen(np.array([[number - 3.0, 2.0 - number, 0.0] for number in range(8)]))
 
@@ -95,13 +95,13 @@ def _assert_moved(
     )
     if np.allclose(_centres(yours)[row], _centres(right)[row], atol=1e-3):
         raise CheckFailed(
-            f"Box {row} has the right centre, and its corners are not where they should be.",
+            f"Box {row} has the right centre but wrong corners.",
             given=given,
             yours=f"corner 0 at {brief(yours[row, 0])}",
             expected=f"corner 0 at {brief(right[row, 0])}",
         )
     raise CheckFailed(
-        f"Box {row} is not where its velocity takes it.",
+        f"Box {row} has not moved by its velocity times the time.",
         given=given,
         yours=f"centre at {brief(_centres(yours)[row])}",
         expected=f"centre at {brief(_centres(right)[row])}",
@@ -110,10 +110,11 @@ def _assert_moved(
 
 @visible(
     "predict_boxes",
-    title="Each box moves by its own velocity, for a tenth of a second",
-    why="Where a thing should be by now is where its next box is looked for.",
-    hint="Way is velocity times time. velocities is (N, 3) and boxes (N, 8, 3): "
-    "velocities[:, None] is (N, 1, 3), one way for all corners of a box.",
+    title="Moves each box by its own velocity for a tenth of a second",
+    why="The tracker looks for the next box of an object where the object should be by now.",
+    hint="The distance is velocity times time. The shape of velocities is (N, 3), that of boxes "
+    "(N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a box "
+    "alike.",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
@@ -121,21 +122,21 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
 
 @visible(
     "predict_boxes",
-    title="Twice the time is twice the way",
-    why="Some scanners turn five times a second, and some frames are lost.",
+    title="Moves twice as far in twice the time",
+    why="Some scanners turn only five times a second, and some frames are lost.",
     hint="Multiply the velocities by seconds.",
 )
-def takes_the_time(predict_boxes: Callable) -> None:
+def uses_the_time(predict_boxes: Callable) -> None:
     for seconds in (0.2, 0.05, 0.0):
         _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, seconds)
 
 
 @visible(
     "predict_boxes",
-    title="Eight boxes move, too, each as a whole",
-    why="With eight boxes NumPy takes velocities for ways of corners, without a word, and every "
-    "box is torn.",
-    hint="velocities[:, None] says that the three numbers of a row are for a whole box.",
+    title="Moves each of eight boxes as a whole",
+    why="With eight boxes, NumPy may silently move each corner by the velocity of another box, "
+    "which tears the boxes apart.",
+    hint="velocities[:, None] applies the three numbers of a row to a whole box.",
 )
 def moves_eight_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _EIGHT, _EIGHT_VELOCITIES, 0.1)
@@ -143,21 +144,21 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
 
 @visible(
     "predict_boxes",
-    title="Takes no boxes",
-    why="An empty road is no error.",
-    hint="Whole arrays do it all: no loop and no special case is needed.",
+    title="Works without boxes",
+    why="An empty road is not an error.",
+    hint="Work with whole arrays. You need no loop and no special case.",
 )
-def predicts_nothing(predict_boxes: Callable) -> None:
+def predicts_no_boxes(predict_boxes: Callable) -> None:
     _as_boxes(predict_boxes(_NO_BOXES.copy(), np.empty((0, 3)), 0.1), 0)
 
 
 @visible(
     "predict_boxes",
-    title="Leaves boxes and velocities as they are",
-    why="What was found a moment ago is drawn after this.",
-    hint="boxes + ... makes new boxes; boxes += ... writes into the old ones.",
+    title="Does not change boxes and velocities",
+    why="A later cell draws the boxes of the previous frame.",
+    hint="boxes + ... creates new boxes. boxes += ... changes the input.",
 )
-def leaves_what_was(predict_boxes: Callable) -> None:
+def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
     assert_left_alone(
         observe(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1), _PARKED, _PARKED_VELOCITIES, 0.1
     )
@@ -166,34 +167,34 @@ def leaves_what_was(predict_boxes: Callable) -> None:
 mistakes(
     "predict_boxes",
     Mistake(
-        "The whole velocity is added, as if a second had gone by: seconds is not looked at.",
+        "The code adds the whole velocity, as if one second had passed, and ignores seconds.",
         lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 1.0),
-        "The way is velocity times time.",
+        "The distance is velocity times time.",
     ),
     Mistake(
-        "A fixed time decides, a tenth of a second, whatever seconds is.",
+        "The boxes always move for a tenth of a second, whatever seconds is.",
         lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 0.1),
-        "Multiply by seconds, by its name.",
+        "Multiply by the parameter seconds.",
     ),
     Mistake(
-        "The boxes move backwards: the way is subtracted.",
+        "The boxes move backwards: the distance is subtracted.",
         lambda right, boxes, velocities, seconds: _moved(boxes, velocities, -seconds),
-        "A velocity points to where a thing goes: add it.",
+        "A velocity points in the direction of motion, so add the distance.",
     ),
     Mistake(
         "The velocity is divided by the time.",
         lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 1 / seconds),
-        "Way is velocity times time.",
+        "The distance is velocity times time.",
     ),
     Mistake(
-        "Row k of velocities is taken for the way of corner k, and not of box k.",
+        "Row k of velocities moves corner k of every box instead of box k.",
         lambda right, boxes, velocities, seconds: boxes + seconds * velocities,
-        "velocities[:, None] is one way for all corners of a box.",
+        "velocities[:, None] moves all corners of a box alike.",
     ),
     Mistake(
         "All boxes move by the velocity of the first one.",
         lambda right, boxes, velocities, seconds: boxes + seconds * velocities[0],
-        "Leave the rows apart: velocities[:, None], not velocities[0].",
+        "Use one row for each box: velocities[:, None], not velocities[0].",
     ),
     Mistake(
         "The boxes stay where they are.",
@@ -218,7 +219,7 @@ def _filtered(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return boxes and velocities corrected by an alpha-beta filter.
 
-    A box is z - (1 - gain) r, where z is the box found and r its offset from the expected box.
+    A box is z - (1 - gain) r, where z is the detected box and r its offset from the expected box.
     """
     offset = _mean_corners(found) - _mean_corners(expected)
     beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
@@ -234,11 +235,11 @@ def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
     boxes, velocities = _pair(correct_boxes(*arguments), _RESULT_NAMES)
     if np.shape(boxes) == _VELOCITIES.shape and np.shape(velocities) == _FOUND.shape:
         raise WrongForm(
-            "The two answers are exchanged: boxes come first, then velocities.",
+            "The two results are in the wrong order: boxes come first, then velocities.",
             yours=f"shapes {np.shape(boxes)} and {np.shape(velocities)}",
             expected=f"shapes {_FOUND.shape} and {_VELOCITIES.shape}",
         )
-    description = "velocities, three numbers each"
+    description = "velocities with three numbers each"
     velocities = as_array(velocities, columns=3, what=description, each="velocity")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
@@ -263,7 +264,7 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
     if is_wrong.any():
         row = np.flatnonzero(is_wrong)[0]
         raise CheckFailed(
-            f"Box {row} is not the gain's share of the way from expected to found.",
+            f"The centre of box {row} is not at expected plus gain times the offset to found.",
             given=_given_text(row, gain, seconds),
             yours=f"centre at {brief(_centres(yours)[row])}",
             expected=f"centre at {brief(_centres(right)[row])}",
@@ -272,34 +273,35 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
 
 @visible(
     "correct_boxes",
-    title="A box lies between where it was expected and where it is found",
-    why="A box that wobbles pulls less at the track.",
-    hint="off = found.mean(axis=1) - expected.mean(axis=1) is how far off the expectation was. The "
-    "centre is that of expected, plus gain times off.",
+    title="Places each box between its expected and its found position",
+    why="A detected box wobbles. With a gain below 1, the track wobbles less.",
+    hint="off = found.mean(axis=1) - expected.mean(axis=1) is the error of the expectation. The "
+    "new centre is the centre of expected plus gain times off.",
 )
-def lies_between(correct_boxes: Callable) -> None:
+def places_boxes_between(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
         _assert_placed(correct_boxes, gain, seconds)
 
 
 @visible(
     "correct_boxes",
-    title="It is the box that was found, moved as a whole",
-    why="How large a thing is and how it stands, nobody expected: that was measured just now.",
-    hint="Move all corners of found back by what the gain does not believe: "
-    "found - (1 - gain) * off[:, None].",
+    title="Returns the found box, moved as a whole",
+    why="The size and heading of the found box were measured just now. The expected box has old "
+    "ones.",
+    hint="Move all corners of found back by the same part of off: found - (1 - gain) * off[:, "
+    "None].",
 )
 def keeps_the_shape(correct_boxes: Callable) -> None:
-    with needs("a box lies between where it was expected and where it is found"):
-        lies_between(correct_boxes)
+    with needs("each box is between its expected and its found position"):
+        places_boxes_between(correct_boxes)
     yours, _ = _corrected(correct_boxes, 0.5, 0.1)
     right, _ = _filtered(_EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1)
     wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=1e-3).all(axis=(1, 2)))
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
-            f"Box {row} has other corners than the box that was found.",
-            given="a box found twice as large as expected, its corners counted from elsewhere",
+            f"Box {row} does not have the size and corners of the found box.",
+            given="a found box twice as large as expected, which starts with another corner",
             yours=f"corners 0 and 1 at {brief(yours[row, 0])} and {brief(yours[row, 1])}",
             expected=f"corners 0 and 1 at {brief(right[row, 0])} and {brief(right[row, 1])}",
         )
@@ -307,13 +309,13 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 
 @visible(
     "correct_boxes",
-    title="The velocity changes by the second gain, times how far off, per second",
-    why="It is how a track learns that a car comes towards us, and how a wobble becomes speed "
-    "where nothing moves.",
-    hint="beta = 2 * (1 - np.sqrt(1 - gain)) ** 2; the new velocities are velocities + beta "
-    "* off / seconds.",
+    title="Corrects the velocity with the second gain",
+    why="The correction teaches a track that a car is coming towards us. If the gain is too "
+    "large, a wobble becomes speed although nothing moves.",
+    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
+    "beta * off / seconds.",
 )
-def learns_the_velocity(correct_boxes: Callable) -> None:
+def corrects_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
         _, yours = _corrected(correct_boxes, gain, seconds)
         _, right = _filtered(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
@@ -321,7 +323,7 @@ def learns_the_velocity(correct_boxes: Callable) -> None:
         if len(wrong):
             row = wrong[0]
             raise CheckFailed(
-                f"Track {row} has another velocity.",
+                f"The velocity of track {row} is wrong.",
                 given=_given_text(row, gain, seconds),
                 yours=f"{brief(yours[row])} m/s",
                 expected=f"{brief(right[row])} m/s",
@@ -330,18 +332,18 @@ def learns_the_velocity(correct_boxes: Callable) -> None:
 
 @visible(
     "correct_boxes",
-    title="A gain of 0 believes nothing new, a gain of 1 nothing old",
-    why="These are the two ends between which the gain is chosen.",
-    hint="With a gain of 0 the box lies where it was expected and keeps its velocity; with 1 it "
-    "lies where it was found.",
+    title="Uses the expected position at gain 0 and the found position at gain 1",
+    why="These are the smallest and the largest possible gain.",
+    hint="With a gain of 0 the box is where it was expected and keeps its velocity. With a gain "
+    "of 1 it is where it was found.",
 )
-def has_two_ends(correct_boxes: Callable) -> None:
+def uses_extreme_gains(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
         _assert_placed(correct_boxes, gain, 0.1)
     _, yours = _corrected(correct_boxes, 0.0, 0.1)
     if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
-            fixed("With a gain of 0 a velocity stays as it is."),
+            fixed("With a gain of 0 a velocity must not change."),
             given=_given_text(0, 0.0, 0.1),
             yours=brief(yours[0]),
             expected=brief(_VELOCITIES[0]),
@@ -350,12 +352,12 @@ def has_two_ends(correct_boxes: Callable) -> None:
 
 @visible(
     "correct_boxes",
-    title="Leaves what it was given as it is",
-    why="The boxes that were found are drawn after this.",
-    hint="found - ... makes new boxes, and velocities + ... new velocities; -= and += write into "
-    "the old ones.",
+    title="Does not change its input",
+    why="A later cell draws the boxes that were found.",
+    hint="found - ... creates new boxes, and velocities + ... new velocities. -= and += change "
+    "the input.",
 )
-def leaves_what_was_given(correct_boxes: Callable) -> None:
+def keeps_its_input_unchanged(correct_boxes: Callable) -> None:
     arguments = _EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1
     assert_left_alone(observe(correct_boxes, *arguments), *arguments)
 
@@ -366,7 +368,7 @@ def _corrected_by(
     ),
     share: Callable = lambda gain: gain,
 ) -> Callable:
-    """Return a prediction with another rule for the velocity or another share of the distance."""
+    """Return a prediction with another rule for the velocity or another gain for the position."""
 
     def predicts(right: tuple, *case: object) -> tuple:
         expected, velocities, found, gain, seconds = case
@@ -384,50 +386,51 @@ mistakes(
         "The change of the velocity is not divided by the time: metres are added to metres per "
         "second.",
         _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities + beta * offset),
-        "velocities + beta * off / seconds.",
+        "Return velocities + beta * off / seconds.",
     ),
     Mistake(
-        "The first gain corrects the velocity, too.",
+        "The first gain is also used to correct the velocity.",
         _corrected_by(
             lambda velocities, offset, gain, beta, seconds: velocities + gain * offset / seconds
         ),
-        "The velocity has a gain of its own, beta.",
+        "The velocity has a separate gain, beta.",
     ),
     Mistake(
-        "How far off is taken the wrong way round, expected minus found, for the velocity.",
+        "The velocity is corrected with expected minus found, which is the wrong way round.",
         _corrected_by(
             lambda velocities, offset, gain, beta, seconds: velocities - beta * offset / seconds
         ),
-        "found minus expected: a thing that is ahead of where it should be is faster.",
+        "Use found minus expected: an object that is ahead of its expected place is faster.",
     ),
     Mistake(
-        "The old velocity is forgotten: only the correction is returned.",
+        "The old velocity is missing: only the correction is returned.",
         _corrected_by(lambda velocities, offset, gain, beta, seconds: beta * offset / seconds),
         "Add the correction to velocities.",
     ),
     Mistake(
-        "The velocities come back as they went in.",
+        "The velocities are returned unchanged.",
         _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities),
-        "velocities + beta * off / seconds.",
+        "Return velocities + beta * off / seconds.",
     ),
     Mistake(
-        "The gain is the share of the expectation, where it should be the share of what was found.",
+        "The gain is used as the weight of the expectation. It should be the weight of the found "
+        "box.",
         _corrected_by(share=lambda gain: 1 - gain),
-        "A gain of 1 believes what was found.",
+        "With a gain of 1 the result is the found box.",
     ),
     Mistake(
-        "The boxes are taken as they were found, whatever the gain is.",
+        "The found boxes are returned unchanged, whatever the gain is.",
         _corrected_by(share=lambda gain: 1.0),
-        "found - (1 - gain) * off[:, None].",
+        "Return found - (1 - gain) * off[:, None].",
     ),
     Mistake(
-        "Expected and found are mixed corner by corner. Where a box grows or starts its corners "
-        "elsewhere, neither its size nor its sides are those of the box that was found.",
+        "Expected and found boxes are mixed corner by corner. If a box grows or starts with "
+        "another corner, the result does not have the size and sides of the found box.",
         lambda right, expected, velocities, found, gain, seconds: (
             expected + gain * (found - expected),
             right[1],
         ),
-        "Move the found box as a whole: off[:, None] is one way for all its corners.",
+        "Move the found box as a whole: off[:, None] moves all its corners alike.",
     ),
     cases=(
         (_EXPECTED, _VELOCITIES, _FOUND, 0.4, 0.1),
@@ -456,13 +459,13 @@ def _right_counts(
 
 
 def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
-    """Return the two results of a call: for each track a count, and whether it is kept."""
+    """Return the two results of a call: a count for each track, and whether the track is kept."""
     missed, partners, patience = case
     counts, kept = _pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
     counts, kept = as_array(counts), as_array(kept)
     if counts.dtype.kind == "b" and kept.dtype.kind in "iuf":
         raise WrongForm(
-            "The two answers are exchanged: the counts come first, then who is kept.",
+            "The two results are in the wrong order: missed comes first, then kept.",
             yours=f"{brief(counts)}, {brief(kept)}",
             expected="numbers, then True or False",
         )
@@ -478,19 +481,22 @@ def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
 
 @visible(
     "coast",
-    title="What has a box starts again at 0, what has none counts one more",
-    why="A track that never starts again is dropped although it is seen every second frame.",
-    hint=fixed("np.isin(np.arange(len(missed)), partners) tells which tracks have a box: -1 is ")
-    + "the row of none of them.",
+    title="Resets the count of tracks with a box and adds 1 to all other counts",
+    why="If a count is never reset, a track is dropped although it has a box in every second "
+    "frame.",
+    hint=fixed(
+        "np.isin(np.arange(len(missed)), partners) says which tracks have a box. No track has the "
+        "row -1."
+    ),
 )
-def counts_what_is_missed(coast: Callable) -> None:
+def counts_missed_frames(coast: Callable) -> None:
     yours, _ = _coasted(coast, _MISSED, _PARTNERS, 3)
     wrong = np.flatnonzero(yours != _RIGHT_COUNTS)
     if len(wrong):
         row = wrong[0]
         state = "has a box" if row in _PARTNERS else "has no box"
         raise CheckFailed(
-            f"Track {row} {state}, and its count is wrong.",
+            f"Track {row} {state}, but its count is wrong.",
             given=_GIVEN,
             yours=f"missed {brief(yours)}",
             expected=f"missed {brief(_RIGHT_COUNTS)}",
@@ -499,12 +505,12 @@ def counts_what_is_missed(coast: Callable) -> None:
 
 @visible(
     "coast",
-    title="A track is kept as long as it misses no more frames than patience",
-    why="Dropped too early, a thing comes back as a stranger; too late, its name goes to somebody "
-    "else.",
+    title="Keeps a track while it has missed at most patience frames",
+    why="If a track is dropped too early, its object gets a new track ID. If it is dropped too "
+    "late, another object gets its track ID.",
     hint="Compare the new counts with patience: missed <= patience.",
 )
-def waits_for_patience(coast: Callable) -> None:
+def drops_tracks_after_patience(coast: Callable) -> None:
     for patience in (3, 0, 2, 10):
         _, yours = _coasted(coast, _MISSED, _PARTNERS, patience)
         right = patience >= _RIGHT_COUNTS
@@ -512,9 +518,9 @@ def waits_for_patience(coast: Callable) -> None:
             row = np.flatnonzero(yours != right)[0]
             verb = "kept" if right[row] else "dropped"
             raise CheckFailed(
-                f"Track {row} misses its frame number {_RIGHT_COUNTS[row]}, and should be {verb}."
+                f"Track {row} has missed {_RIGHT_COUNTS[row]} frames in a row and should be {verb}."
                 if _RIGHT_COUNTS[row]
-                else f"Track {row} has a box, and should be kept.",
+                else f"Track {row} has a box and should be kept.",
                 given=_GIVEN.replace("patience 3", f"patience {patience}"),
                 yours=f"kept {brief(yours)}",
                 expected=f"kept {brief(right)}",
@@ -523,18 +529,18 @@ def waits_for_patience(coast: Callable) -> None:
 
 @visible(
     "coast",
-    title="Takes frames without boxes, and no tracks",
-    why="In fog a whole frame may be empty: just then the tracks are needed.",
-    hint="Whole arrays do it all: no special case is needed.",
+    title="Works on frames without boxes, and without tracks",
+    why="In fog a whole frame may be empty. That is when the tracks are needed.",
+    hint="Work with whole arrays. You need no special case.",
 )
-def takes_empty_frames(coast: Callable) -> None:
+def works_on_empty_frames(coast: Callable) -> None:
     empty = np.empty(0, dtype=int)
     for missed, partners in ((_MISSED, empty), (empty, empty), (empty, np.array([-1, -1]))):
         counts, kept = _coasted(coast, missed, partners, 10)
         right_counts, right_kept = _right_counts(missed, partners, 10)
         if not (same_array(counts, right_counts) and same_array(kept, right_kept)):
             raise CheckFailed(
-                "Without a box every track misses one frame more.",
+                "In a frame without boxes, every track misses one more frame.",
                 given=f"missed {brief(missed)}, partners {brief(partners)}, patience 10",
                 yours=f"missed {brief(counts)}, kept {brief(kept)}",
                 expected=f"missed {brief(right_counts)}, kept {brief(right_kept)}",
@@ -543,11 +549,12 @@ def takes_empty_frames(coast: Callable) -> None:
 
 @visible(
     "coast",
-    title="Leaves the counts as they were",
-    why="Who runs the cell above a second time would count twice.",
-    hint="np.where(..., 0, missed + 1) makes new counts; missed[...] = 0 writes into the old ones.",
+    title="Does not change the counts",
+    why="If the function changed its input, running the cell above twice would count the frame "
+    "twice.",
+    hint="np.where(..., 0, missed + 1) creates new counts. missed[...] = 0 changes the input.",
 )
-def leaves_the_counts(coast: Callable) -> None:
+def keeps_the_counts_unchanged(coast: Callable) -> None:
     assert_left_alone(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
 
 
@@ -563,7 +570,7 @@ def _counted_by(count: Callable) -> Callable:
 
 
 def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:
-    """Count as if -1, used as an index, were the last track."""
+    """Count with -1 used as an index, which means the last track."""
     counts = missed + 1
     counts[partners] = 0
     return counts
@@ -572,48 +579,50 @@ def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndar
 mistakes(
     "coast",
     Mistake(
-        fixed("The last track counts as seen wherever a box is new: as an index, -1 is the last ")
-        + "row.",
+        fixed(
+            "The last track counts as seen whenever a box is new, because the index -1 means the "
+            "last row."
+        ),
         _counted_by(_count_last_track),
-        fixed("Leave -1 out, partners[partners >= 0], or ask np.isin(np.arange(n), partners)."),
+        fixed("Leave out -1 with partners[partners >= 0], or use np.isin(np.arange(n), partners)."),
     ),
     Mistake(
-        "A track is dropped one frame too early: `<` stands where `<=` is asked for.",
+        "A track is dropped one frame too early: `<` should be `<=`.",
         lambda right, missed, partners, patience: (right[0], right[0] < patience),
-        "A track that has missed as many frames as patience says is kept.",
+        "A track that has missed exactly patience frames is still kept.",
     ),
     Mistake(
-        "The old counts are compared with patience: a track lives one frame too long.",
+        "The old counts are compared with patience, so a track is kept one frame too long.",
         lambda right, missed, partners, patience: (right[0], missed <= patience),
         "Compare the new counts.",
     ),
     Mistake(
-        "What has a box goes on with its old count, and never starts again at 0.",
+        "A track with a box keeps its old count and is never reset to 0.",
         _counted_by(lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)),
-        "np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
-        "Every track counts one more, whether it has a box or not.",
+        "Every count goes up by 1, whether the track has a box or not.",
         _counted_by(lambda missed, has_box, partners: missed + 1),
-        "np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
-        "What has no box starts again at 1, however long it has had none.",
+        "The count of a track without a box is always 1, however many frames it has missed.",
         _counted_by(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
-        "np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
-        "What has a box and what has none are exchanged.",
+        "Tracks with a box are treated as if they had none, and the other way round.",
         _counted_by(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
         "The entries of partners are the tracks that have a box.",
     ),
     Mistake(
-        "Only what has a box in this frame is kept: nothing coasts.",
+        "Only tracks with a box in this frame are kept, so no track coasts.",
         lambda right, missed, partners, patience: (right[0], right[0] == 0),
         "kept is missed <= patience, with the new counts.",
     ),
     Mistake(
-        "The second answer says who is dropped; it should say who is kept.",
+        "The second result says which tracks are dropped. It should say which tracks are kept.",
         lambda right, missed, partners, patience: (right[0], right[0] > patience),
     ),
     cases=(

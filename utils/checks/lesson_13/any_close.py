@@ -18,10 +18,11 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
+from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
-# Rows 1 to 3 and 5 to 7 are the two cells. Their closest pair, rows 3 and 7, is 0.51 m apart; all
-# other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell and closer to both.
+# Rows 1 to 3 and rows 5 to 7 are the two cells. Their closest points, rows 3 and 7, are 0.51 m
+# apart; all other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell but closer
+# to both.
 _ROWS = frozen(
     np.array(
         [
@@ -38,7 +39,7 @@ _ROWS = frozen(
     )
 )
 _CELLS = 1, 4, 5, 8
-# Distances above and below that of the closest pair; their squares are the limits.
+# Distances above and below that of the closest pair. Their squares are the limits.
 _ABOVE, _BELOW = 0.6, 0.45
 
 
@@ -52,7 +53,7 @@ def _as_bool(answer: object) -> bool:
     yours = as_array(answer, what="True or False")
     if yours.shape != ():
         raise WrongForm(
-            "The answer is one True or False.",
+            "The answer must be a single True or False.",
             yours=f"shape {yours.shape}",
             expected="True or False",
         )
@@ -65,7 +66,9 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
     right = np.sqrt(_squared_distances(points, *cells).min()) < distance
     if yours != right:
         raise CheckFailed(
-            "Two points of these rows are that close." if right else "No two are that close.",
+            "Two of these points are closer than the limit."
+            if right
+            else "No two of these points are closer than the limit.",
             given=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
             f"{b_end - 1}: {points_text(points[b:b_end])}; limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
@@ -75,12 +78,13 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
 
 @visible(
     "any_close",
-    title="Compares the square of the distance with the limit",
-    why="A pair that is wrongly close joins two cars; one that is missed cuts a car in two.",
-    hint="x, y, z are differences, points[i, 0] - points[j, 0] and so on: is x * x + y * y + z * z "
-    "below limit? No root, and limit as it is.",
+    title="Compares the squared distance with the limit",
+    why="If a pair counts as close by mistake, two cars merge. If a close pair is missed, one car "
+    "splits.",
+    hint="Compute the differences x, y and z, such as x = points[i, 0] - points[j, 0]. Compare x "
+    "* x + y * y + z * z with limit, without a square root.",
 )
-def compares_two(any_close: Callable) -> None:
+def compares_squares(any_close: Callable) -> None:
     for distance in (_ABOVE, _BELOW):
         _assert_answer(any_close, _ROWS[[3, 7]], (0, 1, 1, 2), distance)
     _assert_answer(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _ABOVE)
@@ -89,14 +93,14 @@ def compares_two(any_close: Callable) -> None:
 
 @visible(
     "any_close",
-    title="Asks each of the one cell with each of the other",
-    why="The nearest pair may be any: the first of both, or the last.",
-    hint="A loop in a loop. Inside, return True where a pair is close, and nothing where it is "
-    "not; return False after both loops.",
+    title="Compares each point of one cell with each point of the other",
+    why="Any pair may be the closest: the first points of both cells, or the last.",
+    hint="Write a loop inside a loop. Return True inside both loops if a pair is close, and "
+    "return False after both loops.",
 )
-def asks_each_with_each(any_close: Callable) -> None:
-    with needs("the square of a distance is compared with the limit"):
-        compares_two(any_close)
+def compares_all_pairs(any_close: Callable) -> None:
+    with needs("the squared distance is compared with the limit"):
+        compares_squares(any_close)
     cell_points = np.delete(_ROWS, [0, 4, 8], axis=0)
     for rows in ([0, 1, 2, 3, 4, 5], [2, 0, 1, 3, 5, 4], [5, 4, 3, 2, 1, 0], [0, 2, 1, 5, 3, 4]):
         for distance in (_ABOVE, _BELOW):
@@ -105,13 +109,14 @@ def asks_each_with_each(any_close: Callable) -> None:
 
 @visible(
     "any_close",
-    title="Looks at the rows of these cells alone",
-    why="Compiled, nobody notices a row too many: it is a point of the next cell, or none at all.",
+    title="Reads only the rows of the two cells",
+    why="A compiled function reads beyond its rows without an error. It then uses a point of the "
+    "next cell, or whatever is in memory.",
     hint="range(a, a_end) begins at a and ends before a_end.",
 )
-def keeps_to_its_rows(any_close: Callable) -> None:
-    with needs("each of the one cell is asked with each of the other"):
-        asks_each_with_each(any_close)
+def reads_only_its_rows(any_close: Callable) -> None:
+    with needs("each point of one cell is compared with each point of the other"):
+        compares_all_pairs(any_close)
     for points in (_ROWS, _ROWS[::-1]):
         for distance in (_ABOVE, _BELOW):
             _assert_answer(any_close, points, _CELLS, distance)
@@ -119,17 +124,18 @@ def keeps_to_its_rows(any_close: Callable) -> None:
 
 @visible(
     "any_close",
-    title="At exactly the limit two are not close",
-    why="Lessons 05 and 10 join what is strictly closer: so the labels are the same.",
-    hint="`<`, not `<=`.",
+    title="Does not count a pair exactly at the limit as close",
+    why="Lessons 05 and 10 join points that are strictly closer than the threshold. The labels "
+    "must be the same.",
+    hint="Write `<`, not `<=`.",
 )
 def is_strict(any_close: Callable) -> None:
-    with needs("the square of a distance is compared with the limit"):
-        compares_two(any_close)
+    with needs("the squared distance is compared with the limit"):
+        compares_squares(any_close)
     points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
     if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
         raise CheckFailed(
-            "The two are as far apart as the limit says, and not closer.",
+            "The two points are exactly at the limit, not closer.",
             given=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
             yours="True",
             expected="False",
@@ -138,13 +144,13 @@ def is_strict(any_close: Callable) -> None:
 
 @visible(
     "any_close",
-    title="Stops at the first pair that is close",
-    why="It is what makes the loop fast: two crowded cells have a million pairs.",
-    hint="return True inside both loops: it ends them, and the function.",
+    title="Stops at the first close pair",
+    why="Stopping early makes the loop fast: two crowded cells may have a million pairs.",
+    hint="Write return True inside both loops. It ends both loops and the function.",
 )
-def stops_at_the_first(any_close: Callable) -> None:
-    with needs("each of the one cell is asked with each of the other"):
-        asks_each_with_each(any_close)
+def stops_at_the_first_close_pair(any_close: Callable) -> None:
+    with needs("each point of one cell is compared with each point of the other"):
+        compares_all_pairs(any_close)
     n = 20
     index = np.arange(2 * n) % n
     points = np.column_stack([index * 0.7, index % 3 * 1.1, index * 0.0])
@@ -158,20 +164,20 @@ def stops_at_the_first(any_close: Callable) -> None:
 
     if not _as_bool(any_close(points.view(Counted), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
-            "It goes on although the answer is known.",
-            given=f"two cells of {n} points, of which the first two lie at the same place",
-            yours=f"{reads} times something was read from points",
-            expected="6 times",
+            "The function continues although the answer is already known.",
+            given=f"two cells of {n} points, whose first points are at the same position",
+            yours=f"{reads} values read from points",
+            expected="6 values",
         )
 
 
 @visible(
     "any_close",
-    title="Leaves the points as they are",
-    why="The same rows are asked again, with other cells.",
-    hint="Put the differences into variables of their own.",
+    title="Does not change the points",
+    why="The same rows are compared again with other cells.",
+    hint="Store the differences in new variables.",
 )
-def leaves_the_rows(any_close: Callable) -> None:
+def keeps_the_points_unchanged(any_close: Callable) -> None:
     arguments = _ROWS, *_CELLS, _BELOW**2
     assert_left_alone(observe(any_close, *arguments), *arguments)
 
@@ -188,18 +194,18 @@ def _is_close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit:
     return bool((_squared_distances(points, a, a_end, b, b_end) < limit).any())
 
 
-def _decided_by(ask: Callable) -> Callable:
-    """Return a prediction that `ask` makes from the squared distances and the limit."""
+def _decided_by(decide: Callable) -> Callable:
+    """Return a prediction that `decide` makes from the squared distances and the limit."""
 
     def predicts(right: bool, points: np.ndarray, *rest: float) -> bool:
         *cells, limit = rest
-        return bool(ask(_squared_distances(points, *cells), limit))
+        return bool(decide(_squared_distances(points, *cells), limit))
 
     return predicts
 
 
 def _with_shifted_rows(first: int, last: int) -> Callable:
-    """Return the prediction for cells that begin and end so many rows later."""
+    """Return the prediction for cells that begin `first` rows and end `last` rows later."""
     return lambda right, points, a, a_end, b, b_end, limit: _is_close(
         points, a + first, a_end + last, b + first, b_end + last, limit
     )
@@ -220,49 +226,51 @@ def _random_case(seed: int) -> tuple:
 mistakes(
     "any_close",
     Mistake(
-        "The distance itself is compared with the limit, which is a square, or the limit is "
-        "squared once more.",
+        "The distance is compared with the limit, which is already squared, or the limit is "
+        "squared again.",
         _decided_by(lambda squares, limit: (np.sqrt(squares) < limit).any()),
-        "No root, and limit as it is: x * x + y * y + z * z < limit.",
+        "Write x * x + y * y + z * z < limit, without a square root.",
     ),
     Mistake(
-        "The first pair decides: `return False` stands inside the loops.",
+        "Only the first pair is compared: `return False` is inside the loops.",
         _decided_by(lambda squares, limit: squares[0, 0] < limit),
-        "return False as far to the left as the outer `for`: after both loops.",
+        "Indent return False like the outer `for`, after both loops.",
     ),
     Mistake(
-        "Only the first point of the one cell is asked: `return False` stands in the outer loop.",
+        "Only the first point of the first cell is compared: `return False` is inside the outer "
+        "loop.",
         _decided_by(lambda squares, limit: (squares[0] < limit).any()),
-        "return False as far to the left as the outer `for`.",
+        "Indent return False like the outer `for`.",
     ),
     Mistake(
-        "All pairs have to be close: any one is enough.",
+        "The answer is True only if all pairs are close. One close pair is enough.",
         _decided_by(lambda squares, limit: (squares < limit).all()),
     ),
     Mistake(
-        "The answers are exchanged: True where no two are close.",
+        "The answers are swapped: True if no two points are close.",
         lambda right, *case: not right,
     ),
     Mistake(
-        "The row after each cell is looked at, too: a_end and b_end are without.",
+        "The row after each cell is also read. The rows a_end and b_end do not belong to the "
+        "cells.",
         _with_shifted_rows(0, 1),
-        "range(a, a_end) ends before a_end by itself.",
+        "range(a, a_end) already ends before a_end.",
     ),
     Mistake(
-        "The last row of each cell is never looked at.",
+        "The last row of each cell is never read.",
         _with_shifted_rows(0, -1),
-        "range(a, a_end) ends before a_end by itself.",
+        "range(a, a_end) already ends before a_end.",
     ),
     Mistake(
-        "The first row of each cell is never looked at.",
+        "The first row of each cell is never read.",
         _with_shifted_rows(1, 0),
         "range(a, a_end) begins at a.",
     ),
-    Mistake("x is left out.", _without_axis(0), "There are three differences."),
-    Mistake("y is left out.", _without_axis(1), "There are three differences."),
-    Mistake("z is left out.", _without_axis(2), "There are three differences."),
-    Mistake("It says False, always.", lambda right, *case: False, is_cheap=True),
-    Mistake("It says True, always.", lambda right, *case: True, is_cheap=True),
+    Mistake("x is left out.", _without_axis(0), "Use all three differences."),
+    Mistake("y is left out.", _without_axis(1), "Use all three differences."),
+    Mistake("z is left out.", _without_axis(2), "Use all three differences."),
+    Mistake("The answer is always False.", lambda right, *case: False, is_cheap=True),
+    Mistake("The answer is always True.", lambda right, *case: True, is_cheap=True),
     cases=tuple(_random_case(seed) for seed in range(40)),
     right=_is_close,
     same=lambda answer, predicted: bool(as_array(answer)) == predicted,

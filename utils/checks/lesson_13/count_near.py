@@ -9,7 +9,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
+from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
 # A tilted plane, and two directions in it.
 _PLANE = frozen(np.array([0.36, 0.48, 0.8, -0.2]))
@@ -19,7 +19,7 @@ _TOLERANCE = 0.3  # five of the offsets are within it
 
 
 def _points_at(offsets: np.ndarray) -> np.ndarray:
-    """Return points with these offsets from the plane, each at a different place along it."""
+    """Return points with these offsets from the plane, each at a different position along it."""
     n = len(offsets)
     along = np.column_stack([np.arange(n) - 2.5, 1.3 * np.arange(n) % 4 - 1]) @ _DIRECTIONS
     return along + (offsets - _PLANE[3])[:, None] * _PLANE[:3]
@@ -31,7 +31,7 @@ def _assert_counts(
     yours = assert_number(count_near(_points_at(offsets), _PLANE.copy(), tolerance))
     if yours != expected:
         raise CheckFailed(
-            "This is not how many of the points lie within the tolerance.",
+            "The number of points within the tolerance is wrong.",
             given=f"points {brief(offsets)} m off the plane, tolerance {tolerance:g} m",
             yours=brief(yours[()]),
             expected=str(expected),
@@ -40,11 +40,11 @@ def _assert_counts(
 
 @visible(
     "count_near",
-    title="Counts the points within the tolerance, on both sides of the plane",
-    why="RANSAC takes the plane with the largest count: a wrong count is another road.",
+    title="Counts the points within the tolerance on both sides of the plane",
+    why="RANSAC chooses the plane with the largest count. A wrong count leads to a wrong road.",
     hint="For each row i the distance is abs(plane[0] * points[i, 0] + plane[1] * points[i, 1] + "
-    "... + plane[3]); add one to the count where it is at most the tolerance, and return after "
-    "the loop.",
+    "... + plane[3]). Add 1 to the count if the distance is at most the tolerance, and return the "
+    "count after the loop.",
 )
 def counts_both_sides(count_near: Callable) -> None:
     _assert_counts(count_near, _OFFSETS, _TOLERANCE, 5)
@@ -54,19 +54,19 @@ def counts_both_sides(count_near: Callable) -> None:
 
 @visible(
     "count_near",
-    title="A point at exactly the tolerance counts",
-    why="The loop is to give the same number as NumPy, and as lesson 03.",
-    hint="At most the tolerance is `<=`.",
+    title="Counts points exactly at the tolerance",
+    why="The loop should give the same number as NumPy and lesson 03.",
+    hint='Write `<=` for "at most".',
 )
-def counts_the_edge(count_near: Callable) -> None:
-    with needs("the points within the tolerance are counted"):
+def counts_points_at_the_tolerance(count_near: Callable) -> None:
+    with needs("the function counts the points within the tolerance"):
         counts_both_sides(count_near)
     level = np.array([0.0, 0.0, 1.0, -1.0])
     points = np.array([[3.0, 1.0, 1.25], [2.0, -4.0, 0.75], [5.0, 2.0, 1.5]])
     yours = assert_number(count_near(points, level, 0.25))
     if yours != 2:
         raise CheckFailed(
-            "Two of these points are exactly as far away as the tolerance.",
+            "Two of these points are exactly at the tolerance.",
             given="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
             yours=brief(yours[()]),
             expected="2",
@@ -75,22 +75,22 @@ def counts_the_edge(count_near: Callable) -> None:
 
 @visible(
     "count_near",
-    title="Of no points, and of none that is near, there are 0",
-    why="An empty cloud is no error: the sensor may see only sky.",
-    hint="Start at 0 before the loop, and return after it: a loop over nothing does nothing.",
+    title="Returns 0 for an empty cloud and if no point is near",
+    why="An empty cloud is not an error: the sensor may see only sky.",
+    hint="Set the count to 0 before the loop, and return it after the loop.",
 )
-def counts_none(count_near: Callable) -> None:
+def returns_zero(count_near: Callable) -> None:
     _assert_counts(count_near, _OFFSETS[:0], _TOLERANCE, 0)
     _assert_counts(count_near, _OFFSETS, 0.02, 0)
 
 
 @visible(
     "count_near",
-    title="Leaves the points as they are",
-    why="The next round counts the same points again.",
-    hint="Put the distance into a variable of its own.",
+    title="Does not change the points",
+    why="The next round of RANSAC counts the same points again.",
+    hint="Store the distance in a new variable.",
 )
-def leaves_the_points(count_near: Callable) -> None:
+def keeps_the_points_unchanged(count_near: Callable) -> None:
     arguments = _points_at(_OFFSETS), _PLANE, _TOLERANCE
     assert_left_alone(observe(count_near, *arguments), *arguments)
 
@@ -124,29 +124,30 @@ def _counted_with(distance: Callable) -> Callable:
 mistakes(
     "count_near",
     Mistake(
-        "All that lies below the plane counts, however far: the sign is left in the distance.",
+        "All points below the plane are counted, however far away they are, because the distance "
+        "keeps its sign.",
         _counted_with(lambda points, plane: points @ plane[:3] + plane[3]),
-        "abs(...) around the whole sum.",
+        "Put abs(...) around the whole sum.",
     ),
     Mistake(
-        "d is left out: the distance is to a plane through the sensor.",
+        "d is left out, so the distance is to a plane through the sensor.",
         _counted_with(lambda points, plane: np.abs(points @ plane[:3])),
-        "The fourth number of the plane, plane[3], is added, too.",
+        "Also add plane[3], the fourth number of the plane.",
     ),
     Mistake(
         "d is subtracted, as if the plane were a x + b y + c z = d.",
         _counted_with(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
-        "Add plane[3].",
+        "Add plane[3]; do not subtract it.",
     ),
     Mistake(
         "z is left out.",
         _counted_with(lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])),
-        "There are three products and d.",
+        "Add three products and d.",
     ),
     Mistake(
-        "The absolute value is taken of each part, and not of their sum.",
+        "The absolute value is taken of each term instead of the sum.",
         _counted_with(lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])),
-        "abs(...) around the whole sum.",
+        "Put abs(...) around the whole sum.",
     ),
     Mistake(
         "The square of the distance is compared with the tolerance.",
@@ -154,37 +155,37 @@ mistakes(
         "Take abs(...), not the square.",
     ),
     Mistake(
-        "What is farther away than the tolerance is counted.",
+        "Points farther away than the tolerance are counted.",
         lambda right, points, plane, tolerance: len(points) - right,
-        "Count where the distance is at most the tolerance.",
+        "Count points whose distance is at most the tolerance.",
     ),
     Mistake(
-        "The loop ends with its first point: `return` stands inside it.",
+        "The loop ends after its first point, because `return` is inside it.",
         lambda right, points, plane, tolerance: _count(points[:1], plane, tolerance),
-        "`return` as far to the left as `for`.",
+        "Indent `return` like `for`.",
     ),
     Mistake(
-        "The last point is never looked at.",
+        "The last point is never read.",
         lambda right, points, plane, tolerance: _count(points[:-1], plane, tolerance),
-        "range(len(points)) ends before len(points) by itself.",
+        "range(len(points)) already ends before len(points).",
     ),
     Mistake(
-        "The first point is never looked at.",
+        "The first point is never read.",
         lambda right, points, plane, tolerance: _count(points[1:], plane, tolerance),
         "range(len(points)) begins at 0.",
     ),
     Mistake(
-        "As many as there are columns are looked at, and not as many as there are rows.",
+        "The loop runs over the number of columns instead of the number of rows.",
         lambda right, points, plane, tolerance: _count(points[:3], plane, tolerance),
-        "range(len(points)), or points.shape[0].",
+        "Use range(len(points)) or points.shape[0].",
     ),
     Mistake(
         "The count begins at 1.",
         lambda right, points, plane, tolerance: right + 1,
-        "Before the loop nobody has been counted: 0.",
+        "Start at 0, because no point has been counted before the loop.",
     ),
     Mistake(
-        "Every point counts.",
+        "Every point is counted.",
         lambda right, points, plane, tolerance: len(points),
         is_cheap=True,
     ),

@@ -17,7 +17,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
+from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
 _TURNS = frozen(np.arange(90))
 
@@ -31,7 +31,7 @@ def _rectangle(turn: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
 
 
 def _extents(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the extents of points in metres, along and across each of the 90 directions."""
+    """Return the extents of points (m) along and across each of the 90 directions, both (90,)."""
     places = points[:, 0] + 1j * points[:, 1]
     turned = places[:, None] * np.exp(-1j * np.radians(_TURNS))
     return np.ptp(turned.real, axis=0), np.ptp(turned.imag, axis=0)
@@ -43,13 +43,13 @@ def _area(points: np.ndarray) -> np.ndarray:
 
 
 def _answer_of(snuggest_turn: Callable, points: np.ndarray) -> int:
-    """Return the answer of the function: the index of an angle, 0 to 89."""
+    """Return the function's answer: the index of the angle in the search grid, 0 to 89."""
     yours = float(assert_number(snuggest_turn(points.copy())))
     if yours not in _TURNS:
         raise WrongForm(
-            "This is no number of a turn.",
+            "The answer is not the index of an angle.",
             yours=f"{yours:g}",
-            expected="a whole number from 0 to 89: the place of the least area, by argmin()",
+            expected="a whole number from 0 to 89: the index of the smallest area, from argmin()",
         )
     return int(yours)
 
@@ -60,8 +60,8 @@ def _assert_finds_turn(snuggest_turn: Callable, turn: int, x: float = 0.0, y: fl
     if yours != turn % 90:
         area = _area(points)
         raise CheckFailed(
-            "At this turn the rectangle is not the least.",
-            given=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}) that leans by {turn}°",
+            "The rectangle at this angle is not the smallest.",
+            given=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}), turned by {turn}°",
             yours=f"{yours}, with {area[yours]:.2f} m²",
             expected=f"{turn % 90}, with {area[turn % 90]:.2f} m²",
         )
@@ -69,32 +69,32 @@ def _assert_finds_turn(snuggest_turn: Callable, turn: int, x: float = 0.0, y: fl
 
 @visible(
     "snuggest_turn",
-    title="A rectangle that leans by so much gives its turn",
-    why="The turn is the yaw of the box: a box that leans otherwise is larger than the car.",
-    hint="For each point and each turn: along = x * cosines[turn] + y * sines[turn], across = y * "
-    "cosines[turn] - x * sines[turn]. Keep the smallest and the largest of both.",
+    title="Finds the angle of a rectangle around the sensor",
+    why="The angle becomes the yaw of the box. At a wrong angle the box is larger than the car.",
+    hint="For each point and each turn, compute along = x * cosines[turn] + y * sines[turn] and "
+    "across = y * cosines[turn] - x * sines[turn]. Keep the smallest and the largest of both.",
 )
-def finds_the_lean(snuggest_turn: Callable) -> None:
+def finds_the_angle(snuggest_turn: Callable) -> None:
     for turn in (30, 72, 11, 146):
         _assert_finds_turn(snuggest_turn, turn)
 
 
 @visible(
     "snuggest_turn",
-    title="The same away from the sensor",
-    why="No car stands around the sensor, but our own.",
-    hint="Before the first point the smallest is np.inf and the largest -np.inf: 0 would count as "
-    "a point at the sensor.",
+    title="Finds the same angle away from the sensor",
+    why="The sensor is never inside the box of another car.",
+    hint="Start with np.inf for the smallest and -np.inf for the largest. If you start with 0, "
+    "the sensor counts as a point.",
 )
-def finds_it_anywhere(snuggest_turn: Callable) -> None:
-    with needs("a rectangle around the sensor gives its turn"):
-        finds_the_lean(snuggest_turn)
+def finds_the_angle_anywhere(snuggest_turn: Callable) -> None:
+    with needs("the function finds the angle of a rectangle around the sensor"):
+        finds_the_angle(snuggest_turn)
     for turn, x, y in ((30, 12, -7), (72, -9, -14), (104, 21, 3)):
         _assert_finds_turn(snuggest_turn, turn, x, y)
 
 
 def _random_points(seed: int) -> np.ndarray:
-    """Return nine points at a random place, slightly wider in one direction than in the other."""
+    """Return nine random points that spread slightly farther in one direction than across it."""
     rng = np.random.default_rng(seed)
     places = (rng.normal(size=(9, 2)) * [2.0, 1.4]) @ [1, 1j] * np.exp(1j * rng.uniform(0, np.pi))
     points = np.column_stack([places.real, places.imag, rng.normal(size=9)])
@@ -103,20 +103,20 @@ def _random_points(seed: int) -> np.ndarray:
 
 @visible(
     "snuggest_turn",
-    title="Of any points, the turn of least area",
-    why="Of a car the scanner sees two sides and a mirror, and no rectangle.",
-    hint="The area is a product, of largest minus smallest along and across, for all 90 turns at "
-    "once: ((front - back) * (left - right)).",
+    title="Finds the angle of the smallest area for any points",
+    why="The scanner sees two sides and a mirror of a car, which do not form a rectangle.",
+    hint="The area is the extent along times the extent across. Compute it for all 90 turns at "
+    "once: (front - back) * (left - right).",
 )
-def finds_the_least(snuggest_turn: Callable) -> None:
-    with needs("a rectangle gives its turn, wherever it is"):
-        finds_it_anywhere(snuggest_turn)
-    for seed in (2, 6, 22, 24, 45, 47):  # here the smallest perimeter is at another turn
+def finds_the_smallest_area(snuggest_turn: Callable) -> None:
+    with needs("the function finds the angle of a rectangle wherever it is"):
+        finds_the_angle_anywhere(snuggest_turn)
+    for seed in (2, 6, 22, 24, 45, 47):  # here the smallest perimeter is at another angle
         points = _random_points(seed)
         yours, area = _answer_of(snuggest_turn, points), _area(points)
         if area[yours] > area.min() * (1 + 1e-9):
             raise CheckFailed(
-                "At another turn the rectangle is smaller.",
+                "The rectangle is smaller at another angle.",
                 given=f"nine points, x {brief(points[:, 0])}, y {brief(points[:, 1])}",
                 yours=f"{yours}, with {area[yours]:.2f} m²",
                 expected=f"{area.argmin()}, with {area.min():.2f} m²",
@@ -125,21 +125,22 @@ def finds_the_least(snuggest_turn: Callable) -> None:
 
 @visible(
     "snuggest_turn",
-    title="Takes a single point",
-    why="Some clusters are one return: any turn is right there, and no turn is a crash.",
-    hint="No special case is needed: each area is 0, and argmin() takes the first.",
+    title="Works on a single point",
+    why="Some clusters are a single return. Any angle is right for them, but the function must "
+    "not fail.",
+    hint="You need no special case: each area is 0, and argmin() returns the first index.",
 )
-def takes_one_point(snuggest_turn: Callable) -> None:
+def works_on_one_point(snuggest_turn: Callable) -> None:
     _answer_of(snuggest_turn, _rectangle(20, 5, 3)[:1])
 
 
 @visible(
     "snuggest_turn",
-    title="Leaves the points as they are",
-    why="They are drawn after this, where they are.",
-    hint="x, y = points[i, 0], points[i, 1], and variables of their own for what is computed.",
+    title="Does not change the points",
+    why="A later cell draws the points.",
+    hint="Write x, y = points[i, 0], points[i, 1], and store results in new variables.",
 )
-def leaves_the_cluster(snuggest_turn: Callable) -> None:
+def keeps_the_points_unchanged(snuggest_turn: Callable) -> None:
     points = _rectangle(20, 5, 3)
     assert_left_alone(observe(snuggest_turn, points), points)
 
@@ -151,7 +152,7 @@ def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
 
 
 def _minimises(measure: Callable) -> Callable:
-    """Return the prediction of the turn at which another measure is least."""
+    """Return the prediction of the angle at which another measure is smallest."""
     return lambda right, points: int(measure(points).argmin())
 
 
@@ -162,12 +163,12 @@ def _with_sensor(points: np.ndarray) -> np.ndarray:
 mistakes(
     "snuggest_turn",
     Mistake(
-        "It is the turn of the largest area.",
+        "The answer is the angle of the largest area.",
         lambda right, points: int(_area(points).argmax()),
-        "argmin(), not argmax().",
+        "Use argmin(), not argmax().",
     ),
     Mistake(
-        "The sum of the two sides is least there, and not their product.",
+        "The answer minimises the sum of the two sides instead of their product.",
         _minimises(lambda points: sum(_extents(points))),
         "An area is a product.",
     ),
@@ -177,39 +178,39 @@ mistakes(
         "Multiply it by the extent across the direction.",
     ),
     Mistake(
-        "Only what lies across each direction is measured.",
+        "Only the extent across each direction is measured.",
         _minimises(lambda points: _extents(points)[1]),
-        "The area is that times what lies along.",
+        "Multiply it by the extent along the direction.",
     ),
     Mistake(
-        "The sensor counts as a point: smallest and largest begin at 0.",
+        "The sensor counts as a point, because smallest and largest start at 0.",
         _minimises(lambda points: _area(_with_sensor(points))),
-        "np.full(90, np.inf) for the smallest, np.full(90, -np.inf) for the largest.",
+        "Start with np.full(90, np.inf) for the smallest and np.full(90, -np.inf) for the largest.",
     ),
     Mistake(
-        "It turns the other way: the signs of both sines are exchanged.",
+        "The points are turned the other way, because the signs of both sines are swapped.",
         _minimises(lambda points: _area(points * [1, -1, 1])),
-        "along is x cos + y sin, across is y cos - x sin.",
+        "along is x cos + y sin, and across is y cos - x sin.",
     ),
     Mistake(
-        "z is taken for y.",
+        "z is used instead of y.",
         _minimises(lambda points: _area(points[:, [0, 2, 1]])),
-        "The box is turned on the ground: points[i, 1] is y.",
+        "The box turns on the ground, so use y, which is points[i, 1].",
     ),
     Mistake(
-        "It returns the area, and not the number of its turn.",
+        "The function returns the smallest area instead of the index of its angle.",
         lambda right, points: float(_area(points).min()),
-        "argmin() gives the place of the least, min() the least itself.",
+        "argmin() returns the index of the smallest area, min() the area itself.",
     ),
     Mistake(
-        "The turn is returned in radians.",
+        "The angle is returned in radians.",
         lambda right, points: float(np.radians(right)),
-        "The number of the turn, from 0 to 89, is what is asked for.",
+        "Return the index of the angle, from 0 to 89.",
     ),
     Mistake(
-        "The last point is never looked at.",
+        "The last point is never read.",
         _minimises(lambda points: _area(points[:-1])),
-        "range(len(points)) ends before len(points) by itself.",
+        "range(len(points)) already ends before len(points).",
     ),
     cases=tuple((frozen(_random_points(seed)),) for seed in (4, 13, 19, 28, 43, 46, 51, 57)),
     right=lambda points: int(_area(points).argmin()),

@@ -9,13 +9,13 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
+from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
 # Two pieces and a single cell: 9 -> 4 -> 7 -> 1 with 8 -> 7 and 2 -> 1; 6 -> 3 -> 0; and 5.
 _PARENT = frozen(np.array([0, 1, 1, 0, 7, 5, 3, 1, 7, 4]))
 _ROOTS = frozen(np.array([0, 1, 1, 0, 1, 5, 0, 1, 1, 1]))
 _GIVEN = f"parent {brief(_PARENT)}"
-_ENDLESS_HINT = "does each round of the loop go on to another cell, until one is its own parent?"
+_ENDLESS_HINT = "does each round of the loop move to another cell until a cell is its own parent?"
 
 
 def _path(parent: np.ndarray, cell: int) -> list[int] | None:
@@ -38,7 +38,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     """
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(
-            "A parent is no cell.",
+            "A parent is not a cell.",
             given=given,
             yours=f"parent {brief(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
@@ -46,7 +46,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     paths = [_path(parent, cell) for cell in range(len(parent))]
     if None in paths:
         raise CheckFailed(
-            f"From cell {paths.index(None)} the parents lead round in a circle, to no root.",
+            f"The parents of cell {paths.index(None)} form a cycle and lead to no root.",
             given=given,
             yours=f"parent {brief(parent)}",
         )
@@ -59,9 +59,8 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
 @visible(
     "root_of",
     title="Follows the parents up to the root",
-    why="Two cells are in the same piece if their roots are the same, and not their parents.",
-    hint="while parent[cell] != cell: go on to the next one, cell = parent[cell]. Return the cell "
-    "where this ends.",
+    why="Two cells are in the same piece if they have the same root. Their parents may differ.",
+    hint="While parent[cell] != cell, move on with cell = parent[cell]. Return the last cell.",
     slow=_ENDLESS_HINT,
 )
 def finds_the_root(root_of: Callable) -> None:
@@ -72,7 +71,7 @@ def finds_the_root(root_of: Callable) -> None:
             path = " → ".join(map(str, _path(_PARENT, cell)))
             raise CheckFailed(
                 f"This is not the root of cell {cell}.",
-                given=f"{_GIVEN}, so that the way is {path}",
+                given=f"{_GIVEN}, so the path is {path}",
                 yours=brief(yours[()]),
                 expected=str(_ROOTS[cell]),
             )
@@ -80,9 +79,9 @@ def finds_the_root(root_of: Callable) -> None:
 
 @visible(
     "root_of",
-    title="Who is their own parent is the root",
-    why="At the start every cell is alone.",
-    hint="Without a single round of the loop, the cell itself is returned.",
+    title="Returns the cell itself if it is a root",
+    why="At the start every cell is its own root.",
+    hint="If the loop does not run at all, the function must return the cell itself.",
     slow=_ENDLESS_HINT,
 )
 def stays_at_a_root(root_of: Callable) -> None:
@@ -99,10 +98,9 @@ def stays_at_a_root(root_of: Callable) -> None:
 
 @visible(
     "root_of",
-    title="No cell changes its piece",
-    why="Whoever asks for a root does not want to join or to part anything.",
-    hint="Write into parent[cell] alone, and nothing but a cell that is farther up: "
-    "parent[parent[cell]].",
+    title="Keeps every cell in its piece",
+    why="Looking up a root must not join or split any pieces.",
+    hint="Change only parent[cell], and only to a cell farther up: parent[parent[cell]].",
     slow=_ENDLESS_HINT,
 )
 def keeps_the_pieces(root_of: Callable) -> None:
@@ -114,7 +112,7 @@ def keeps_the_pieces(root_of: Callable) -> None:
         wrong = np.flatnonzero(yours != _ROOTS)
         if len(wrong):
             raise CheckFailed(
-                f"Cell {wrong[0]} has another root than before.",
+                f"The root of cell {wrong[0]} has changed.",
                 given=given,
                 yours=f"root {yours[wrong[0]]}; parent {brief(parent)}",
                 expected=f"root {_ROOTS[wrong[0]]}",
@@ -123,27 +121,28 @@ def keeps_the_pieces(root_of: Callable) -> None:
 
 @visible(
     "root_of",
-    title="Shortens the way, to half or less",
-    why="Without it some ways grow as long as there are cells, and each question walks them again.",
-    hint="Before you go on, let the cell point at its grandparent: parent[cell] = "
+    title="Shortens a long path to half its length or less",
+    why="Otherwise a path may become as long as the number of cells, and every call follows it "
+    "again.",
+    hint="Before you move on, let the cell point at its grandparent: parent[cell] = "
     "parent[parent[cell]]. Then go there.",
     slow=_ENDLESS_HINT,
 )
-def shortens_the_way(root_of: Callable) -> None:
-    with needs("it follows the parents up to the root"):
+def shortens_the_path(root_of: Callable) -> None:
+    with needs("the function follows the parents up to the root"):
         finds_the_root(root_of)
-    n = 9  # a line in which each cell points at the one before
+    n = 9  # a line in which each cell points at the cell before it
     parent = np.maximum(np.arange(n) - 1, 0)
     root_of(parent, n - 1)
-    given = f"each of {n} cells points at the one before, after root_of(parent, {n - 1})"
+    given = f"each of {n} cells points at the cell before it, after root_of(parent, {n - 1})"
     _roots(parent, given)
     steps = len(_path(parent, n - 1)) - 1
     if steps > n // 2:
         raise CheckFailed(
-            f"The way from cell {n - 1} is hardly shorter than it was.",
+            f"The path from cell {n - 1} is still too long.",
             given=given,
             yours=f"{steps} steps; parent {brief(parent)}",
-            expected=f"at most {n // 2}",
+            expected=f"at most {n // 2} steps",
         )
 
 
@@ -157,7 +156,7 @@ def root_of_compiles(root_of: Callable) -> None:
 
 
 def _steps_up(steps: int) -> Callable:
-    """Return the prediction of the cell `steps` steps farther up, but at most of the root."""
+    """Return the prediction of the cell `steps` steps up, or of the root if it is closer."""
 
     def predicts(right: int, parent: np.ndarray, cell: int) -> int:
         path = _path(parent, cell)
@@ -171,24 +170,25 @@ _LONG_PATH = frozen(np.array([3, 1, 5, 6, 1, 4, 2, 0]))
 mistakes(
     "root_of",
     Mistake(
-        "It goes one step, to the parent: `if` where `while` is needed, or `return` in the loop.",
+        "The code goes one step, to the parent: it has `if` instead of `while`, or `return` "
+        "inside the loop.",
         _steps_up(1),
         "Repeat until parent[cell] == cell.",
     ),
     Mistake(
-        "It goes two steps, to the grandparent, and no farther.",
+        "The code goes two steps, to the grandparent, and no farther.",
         _steps_up(2),
         "Repeat until parent[cell] == cell, and return after the loop.",
     ),
     Mistake(
-        "It ends one step before the root: the condition asks about the next cell.",
+        "The loop ends one step before the root, because the condition tests the next cell.",
         lambda right, parent, cell: _path(parent, cell)[-2],
-        "while parent[cell] != cell.",
+        "Write while parent[cell] != cell.",
     ),
     Mistake(
-        "It returns the cell that was given.",
+        "The function returns the cell that it was given.",
         lambda right, parent, cell: cell,
-        "cell = parent[cell] in the loop, and return cell after it.",
+        "Write cell = parent[cell] in the loop, and return cell after it.",
         is_cheap=True,
     ),
     cases=((_LONG_PATH, 7), (_LONG_PATH, 0), (_LONG_PATH, 3)),
@@ -222,7 +222,7 @@ def _assert_joined(unite: Callable, a: int, b: int) -> None:
     right = _groups(_joined_roots(a, b))
     if _groups(yours) != right:
         raise CheckFailed(
-            "Other cells hang together.",
+            "The cells are not joined into the right pieces.",
             given=given,
             yours=f"pieces {brief(_groups(yours))}",
             expected=f"pieces {brief(right)}",
@@ -231,10 +231,10 @@ def _assert_joined(unite: Callable, a: int, b: int) -> None:
 
 @visible(
     "unite",
-    title="All cells of both pieces hang together afterwards, and no others",
-    why="A car falls apart where only the two cells are joined and not all that hangs on them.",
-    hint="Find both roots first, root_of(parent, a) and root_of(parent, b). Then one root gets the "
-    "other for its parent.",
+    title="Joins all cells of both pieces, and no others",
+    why="If only the two cells are joined, the rest of their pieces stays apart and a car splits.",
+    hint="Find both roots first, root_of(parent, a) and root_of(parent, b). Then make one root "
+    "the parent of the other.",
     slow=_ENDLESS_HINT,
 )
 def joins_the_pieces(unite: Callable) -> None:
@@ -244,33 +244,33 @@ def joins_the_pieces(unite: Callable) -> None:
 
 @visible(
     "unite",
-    title="Who is together already stays so",
-    why="Of the pairs of near cells, most are in one piece already.",
-    hint="If both roots are the same, parent[root] = root changes nothing: no special case is "
-    "needed.",
+    title="Changes nothing if both cells are in one piece",
+    why="Most pairs of close cells are already in one piece.",
+    hint="If both roots are the same, parent[root] = root changes nothing. You need no special "
+    "case.",
     slow=_ENDLESS_HINT,
 )
-def joins_twice(unite: Callable) -> None:
+def accepts_joined_cells(unite: Callable) -> None:
     for a, b in ((8, 9), (9, 1), (5, 5), (0, 6)):
         _assert_joined(unite, a, b)
 
 
 @visible(
     "unite",
-    title="The larger root points at the smaller",
-    why="The first cell of a piece is its root then, whatever the order of the pairs.",
-    hint="parent[max(...)] = min(...), of the two roots.",
+    title="Makes the larger root point at the smaller",
+    why="The smallest cell of a piece is then its root, whatever the order of the pairs.",
+    hint="Write parent[max(a, b)] = min(a, b) for the two roots a and b.",
     slow=_ENDLESS_HINT,
 )
-def points_at_the_smaller(unite: Callable) -> None:
-    with needs("all cells of both pieces hang together"):
+def points_at_the_smaller_root(unite: Callable) -> None:
+    with needs("all cells of both pieces are joined"):
         joins_the_pieces(unite)
     for a, b in ((6, 9), (9, 6), (5, 8), (2, 5)):
         yours, given = _roots_after_unite(unite, a, b)
         right = _joined_roots(a, b)
         if not np.array_equal(yours, right):
             raise CheckFailed(
-                "The pieces are joined, under the larger root.",
+                "The pieces are joined under the larger root instead of the smaller.",
                 given=given,
                 yours=f"root {yours[a]}",
                 expected=f"root {right[a]}",
@@ -294,7 +294,7 @@ def _pieces_after(unite: Callable, parent: np.ndarray, a: int, b: int) -> list[l
 
 
 def _with_parent(choose: Callable) -> Callable:
-    """Return the prediction of the pieces after one parent is written.
+    """Return the prediction of the pieces after one parent has changed.
 
     `choose` takes both cells and both roots; it returns the cell and its new parent.
     """
@@ -310,24 +310,25 @@ def _with_parent(choose: Callable) -> Callable:
 mistakes(
     "unite",
     Mistake(
-        "The two cells are joined, and not their roots: what hangs on the way up is left behind.",
+        "The two cells are joined instead of their roots, so the cells on the path to a root are "
+        "left behind.",
         _with_parent(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
-        "a, b = root_of(parent, a), root_of(parent, b) comes first.",
+        "Write a, b = root_of(parent, a), root_of(parent, b) first.",
     ),
     Mistake(
-        "The first cell, and not its root, gets another parent.",
+        "The first cell gets a new parent instead of its root.",
         _with_parent(lambda a, b, root_a, root_b: (a, root_b)),
-        "a = root_of(parent, a), too.",
+        "Also write a = root_of(parent, a).",
     ),
     Mistake(
-        "The second cell, and not its root, gets another parent.",
+        "The second cell gets a new parent instead of its root.",
         _with_parent(lambda a, b, root_a, root_b: (b, root_a)),
-        "b = root_of(parent, b), too.",
+        "Also write b = root_of(parent, b).",
     ),
     Mistake(
         "Nothing is joined.",
         lambda right, parent, a, b: _groups(_roots(parent, "")),
-        "Write into the array: parent[...] = ...",
+        "Change the array: parent[...] = ...",
         is_cheap=True,
     ),
     cases=((_PARENT, 6, 9), (_PARENT, 9, 3), (_PARENT, 3, 8), (_PARENT, 4, 6)),
