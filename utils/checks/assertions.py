@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
-from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, in_few_words
+from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
 from utils.remote_objects import Observed, Remote
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
@@ -95,7 +95,7 @@ def brief(value: object) -> str:
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
     else:
-        text = in_few_words(value)  # a list may be long and contain longer lists
+        text = short_text(value)  # a list may be long and contain longer lists
     return text if len(text) <= 90 else text[:87] + "..."
 
 
@@ -135,7 +135,7 @@ def metres_text(distance: float, digits: int = 2) -> str:
     return f"{distance:.{digits}f} m"
 
 
-def texts_apart(
+def distinct_texts(
     show: Callable[[object, int], str], yours: object, expected: object
 ) -> tuple[str, str]:
     """Return two values as texts, with as many digits as it takes to tell them apart.
@@ -401,7 +401,7 @@ def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
     yours, expected = _places(answer, cloud), cloud[keep, :3]
     if not _close(yours, expected):
         row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
-        mine, right = texts_apart(point_text, yours[row], expected[row])
+        mine, right = distinct_texts(point_text, yours[row], expected[row])
         raise CheckFailed(
             "These are the right rows in another order.",
             yours=f"row {row} is {mine}",
@@ -666,10 +666,10 @@ def reach(value: object, names: Sequence[str]) -> object:
 
 def assert_untouched(function: Callable, *arguments: object) -> None:
     """Assert that the function does not change its arguments, whatever it returns."""
-    assert_left_alone(observe(function, *arguments), *arguments)
+    assert_arguments_unchanged(observe(function, *arguments), *arguments)
 
 
-def assert_left_alone(seen: Observed, *arguments: object) -> None:
+def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
     """Assert that an observed call did not change its arguments."""
     for before, after in zip(arguments, seen.arguments, strict=False):
         if not _unchanged(before, after):

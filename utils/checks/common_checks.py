@@ -9,8 +9,8 @@ weight and the texts. The promise becomes an ordinary visible check, in the orde
     common_checks.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
     common_row_checks.order(_CROP, "crops_in_order")
 
-Everything that is not a parameter is the same in all exercises. The promises of some kinds of
-exercises are in `common_row_checks`, `common_box_checks` and `common_cluster_checks`.
+Promises for certain kinds of exercises are in `common_row_checks`, `common_box_checks` and
+`common_cluster_checks`.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Case:
     look : callable
         Takes an answer, the arguments and `expected`; raises `CheckFailed` if the answer is wrong.
     basic : callable, optional
-        Takes the function; raises `NotYet` if a precondition of the promises does not hold.
+        Takes the function; raises `NotYet` if a precondition of the promises is not met.
     """
 
     lesson: str
@@ -127,7 +127,7 @@ def made() -> tuple[Promise, ...]:
 
 
 def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
-    """Declare a function as the check of a promise.
+    """Return a decorator that makes a function the check of a promise.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def names(
 
 
 def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
-    """Check that an argument may be omitted; decorate the function that omits it and asserts.
+    """Return a decorator for a function that omits an argument and asserts that it has its default.
 
     Parameters
     ----------
@@ -232,9 +232,9 @@ def untouched(
 
 
 def in_full(given: Mapping[str, object]) -> dict[str, object]:
-    """Extend the arguments of a call by everything that a function might write into.
+    """Extend the arguments of a call with everything that a function might overwrite.
 
-    Clouds get intensities, labels get a 0, and lines and planes get an offset from the origin.
+    Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
 
     Parameters
     ----------
@@ -266,8 +266,8 @@ def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> Non
         "three_columns",
         case,
         name,
-        title="Takes three columns as well as four",
-        why="Some files hold no intensity.",
+        title="Accepts three columns as well as four",
+        why="Some files contain no intensities.",
         hint=hint,
         weight=weight,
     )
@@ -293,16 +293,16 @@ def fourth_column(
         try:
             case.of(np.column_stack([case.first, intensities])).assert_right(function)
         except Exception:
-            case.basic(function)  # what is also wrong without intensities is not about them
+            case.basic(function)  # an answer that is wrong without intensities fails another check
             raise
 
 
-# ---- one answer per point: `expected` has an entry for each -------------------------------------
+# ---- one number per point: `expected` has an entry for each -------------------------------------
 
 
 def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
-    """Check that one point gives one answer, and no points give none."""
-    hint = "Whole columns do it all: no loop over the points and no special case is needed."
+    """Check that the function returns one number for one point, and none for no points."""
+    hint = "Compute with whole columns. You need no loop over the points and no special case."
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(function: Callable) -> None:

@@ -15,11 +15,11 @@ from utils.checks.assertions import (
     as_array,
     assert_nothing_left,
     assert_places,
+    distinct_texts,
     frozen,
     needs,
     points_text,
     table,
-    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -289,7 +289,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
     yours, right = assert_row_per_cell(answer, cloud, len(expected), size), expected[:, :3]
     if not _same_rows(yours, right):
         is_single = len(right) == 1
-        mine, expected_text = texts_apart(_points_or_count, yours, right)
+        mine, expected_text = distinct_texts(_points_or_count, yours, right)
         raise CheckFailed(
             "This is not the mean of the points of the cell."
             if is_single

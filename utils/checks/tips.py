@@ -34,7 +34,7 @@ _TIPS = (
         "TypeError",
         r"unexpected keyword argument",
         "",
-        "The call uses a parameter name that the function does not have. Check the spelling. Keep "
+        "The call uses another name for a parameter than the function. Check the spelling. Keep "
         "the first line of each exercise as it was given.",
     ),
     (
@@ -425,7 +425,7 @@ def tip_for(exception: str, message: str, line: str = "") -> str:
     )
 
 
-def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
+def locate(error: BaseException, function: Callable) -> tuple[str, str, str]:
     """Locate an exception in the student's own code.
 
     Parameters
@@ -445,9 +445,9 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
         The text of the line that raised it.
     """
     own, found = None, ("", "", "")
-    for code, number in frames_of(error, function):
+    for code, number in student_frames(error, function):
         line = linecache.getline(code.co_filename, number).strip()
-        name = written_name(code)
+        name = function_name(code)
         found = name, f"line {number} of the cell of {name}", line
         if name == getattr(function, "__name__", ""):
             own = found
@@ -457,7 +457,7 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
     return found[0], f"{own[1]}, `{own[2]}`, which calls {found[1]}", found[2]
 
 
-def frames_of(error: BaseException, function: Callable) -> list[tuple[CodeType, int]]:
+def student_frames(error: BaseException, function: Callable) -> list[tuple[CodeType, int]]:
     """Return the frames of an exception in the student's code: code and line, outermost first.
 
     Parameters
@@ -476,7 +476,7 @@ def frames_of(error: BaseException, function: Callable) -> list[tuple[CodeType, 
     return found
 
 
-def written_name(code: CodeType) -> str:
+def function_name(code: CodeType) -> str:
     """Return a function's name; for a comprehension or lambda, the name of its function."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from utils.checks.assertions import (
     CheckFailed,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     call_each,
     frozen,
@@ -218,7 +218,7 @@ def leaves_the_point(KdTree: Callable) -> None:
     require_root(KdTree)
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
-        assert_left_alone(observe(tree.insert, point, index), point, index)
+        assert_arguments_unchanged(observe(tree.insert, point, index), point, index)
     with needs("every point is where it belongs"):
         assert_tree(tree, _DIAGONAL, either_way=True)
 

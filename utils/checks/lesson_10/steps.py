@@ -13,7 +13,7 @@ from utils.checks.assertions import (
     WrongForm,
     as_array,
     as_labels,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     frozen,
     in_shape,
@@ -164,7 +164,7 @@ def follows_the_side(points_in_cells: Callable) -> None:
     hint="points / side is a new array; points /= side changes the one that was given.",
 )
 def leaves_the_points(points_in_cells: Callable) -> None:
-    assert_left_alone(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
+    assert_arguments_unchanged(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
 
 
 # ---- step 2 ------------------------------------------------------------------------------------
@@ -271,7 +271,9 @@ def joins_exactly(join_exactly: Callable) -> None:
 def leaves_the_labels(join_exactly: Callable) -> None:
     with needs("points 3 and 4 join their pieces, and all cells of these"):
         joins_exactly(join_exactly)
-    assert_left_alone(observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES))
+    assert_arguments_unchanged(
+        observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
+    )
 
 
 @visible(

@@ -9,7 +9,7 @@ import numpy as np
 
 from utils.checks.assertions import (
     CheckFailed,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     needs,
     observe,
@@ -273,7 +273,7 @@ def leaves_the_cloud(detect_obstacles: Callable) -> None:
     cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these
     observed = observe(detect_obstacles, cloud)
     assert_sees(observed.result, square(SQUARE_SEED))
-    assert_left_alone(observed, cloud)
+    assert_arguments_unchanged(observed, cloud)
 
 
 @noted(

@@ -13,7 +13,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     frozen,
     needs,
@@ -158,7 +158,7 @@ def predicts_nothing(predict_boxes: Callable) -> None:
     hint="boxes + ... makes new boxes; boxes += ... writes into the old ones.",
 )
 def leaves_what_was(predict_boxes: Callable) -> None:
-    assert_left_alone(
+    assert_arguments_unchanged(
         observe(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1), _PARKED, _PARKED_VELOCITIES, 0.1
     )
 
@@ -357,7 +357,7 @@ def has_two_ends(correct_boxes: Callable) -> None:
 )
 def leaves_what_was_given(correct_boxes: Callable) -> None:
     arguments = _EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1
-    assert_left_alone(observe(correct_boxes, *arguments), *arguments)
+    assert_arguments_unchanged(observe(correct_boxes, *arguments), *arguments)
 
 
 def _corrected_by(
@@ -548,7 +548,7 @@ def takes_empty_frames(coast: Callable) -> None:
     hint="np.where(..., 0, missed + 1) makes new counts; missed[...] = 0 writes into the old ones.",
 )
 def leaves_the_counts(coast: Callable) -> None:
-    assert_left_alone(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
+    assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
 
 
 def _counted_by(count: Callable) -> Callable:

@@ -8,7 +8,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_left_alone,
+    assert_arguments_unchanged,
     frozen,
     needs,
     observe,
@@ -173,7 +173,7 @@ def stops_at_the_first(any_close: Callable) -> None:
 )
 def leaves_the_rows(any_close: Callable) -> None:
     arguments = _ROWS, *_CELLS, _BELOW**2
-    assert_left_alone(observe(any_close, *arguments), *arguments)
+    assert_arguments_unchanged(observe(any_close, *arguments), *arguments)
 
 
 @noted("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)
