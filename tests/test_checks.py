@@ -212,7 +212,7 @@ def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
     for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
         assert_nothing_left(nothing, CLOUD, 3)
     for something, words in (
-        (CLOUD[:1], "Nothing should be left"),
+        (CLOUD[:1], "No rows should be left"),
         (np.empty((0, 3)), "columns"),
         (None, "None"),
     ):
@@ -254,7 +254,7 @@ def test_partitions():
     for wrong, words in (
         ([1, 1, 2, 2], "Points of different"),
         ([1, 2, 3, 4], "belong together"),
-        ([1, 2, 2, 3], "torn apart"),
+        ([1, 2, 2, 3], "split"),
         ([1, 1, 2], "one label"),
         ([1.5, 1.5, 2, 3], "whole numbers"),
         (None, "None"),
@@ -263,7 +263,7 @@ def test_partitions():
             assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
     # Label 0 is for points without a cluster, unless it is among the expected labels.
-    with pytest.raises(CheckFailed, match="2 of 4 points have the label 0: no label yet") as caught:
+    with pytest.raises(CheckFailed, match="2 of 4 points have the label 0, which means") as caught:
         assert_partition([1, 1, 0, 0], expected, cloud)
     assert "every point" in caught.value.hint
     with pytest.raises(CheckFailed, match="Points of different"):
@@ -780,7 +780,7 @@ def test_texts_that_do_not_differ_are_left_out():
         ((row for row in CLOUD), "a generator, expected rows: wrap it in list"),
         (map(list, CLOUD), "a map, expected rows: wrap it in list"),
         ((CLOUD[0], 1.5), "a pair, expected rows"),
-        (np.where(KEEP), "the numbers of the rows, as np.where gives them"),
+        (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),
     ],
