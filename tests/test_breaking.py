@@ -15,7 +15,7 @@ from utils.breaking.puzzles import PUZZLES
 # Names of kept answers with the same mistake, by the letter of the broken version.
 THE_SAME = {
     "euclidean_clustering": {
-        "A": "forgets the height",
+        "A": "ignores the height",
         "B": "compares with the first point of the cluster only",
         "C": "squared distance against plain threshold",
     },
@@ -138,7 +138,7 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
         (np.empty((0, 3)), "no cloud yet"),
         ([[1, 2]], "list of at most 50 rows"),
         (np.zeros((51, 3)), "list of at most 50 rows"),
-        ([[1, 2, float("nan")]], "Finite numbers"),
+        ([[1, 2, float("nan")]], "Use finite numbers"),
     ],
 )
 def test_an_invalid_cloud_gets_a_message(given, said, capsys):

@@ -1,4 +1,4 @@
-"""Broken versions of a function, shown in pictures, which students distinguish by small clouds.
+"""Broken versions of a function, which students expose with small clouds of points.
 
 >>> show_broken(euclidean_clustering)
 >>> tell_apart(euclidean_clustering, A=[[0, 0, 0], [0, 0, 2]])
@@ -69,7 +69,7 @@ def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
         return
     unknown = [letter for letter in clouds if letter not in puzzle.versions]
     if unknown:
-        raise TypeError(f"There is no version {unknown[0]}: they are {', '.join(puzzle.versions)}.")
+        raise TypeError(f"There is no version {unknown[0]}, only {', '.join(puzzle.versions)}.")
     lines = {
         letter: _verdict(puzzle, own(function), letter, clouds.get(letter))
         for letter in puzzle.versions
@@ -85,7 +85,7 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
             f"There are no broken versions of {name!r}, only of {', '.join(PUZZLES)}."
         )
     if not is_written(function):
-        print(f"{name} is not written yet: there is nothing to break.")
+        print(f"{name} is not written yet, so there is nothing to break.")
         return None
     return PUZZLES[name]
 
@@ -103,7 +103,7 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
     if cloud.ndim != 2 or cloud.shape[1] != puzzle.shown.shape[1] or len(cloud) > MOST_ROWS:
         return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
-        return "✗ Finite numbers, please: the versions differ on ordinary points."
+        return "✗ Use finite numbers. The versions differ on ordinary points."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
         with limited(SECONDS):
@@ -116,13 +116,13 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
     except Exception as error:
         return f"✗ {_raised(error)}"
     if letter not in differ:
-        return f"✗ With this cloud {letter} answers as yours does."
-    line = f"✓ Told with {_rows(len(cloud))}. {version.says}"
+        return f"✗ With this cloud, {letter} gives the same answer as your function."
+    line = f"✓ Found with {_rows(len(cloud))}. {version.says}"
     if len(cloud) > version.smallest:
-        line += f" {_rows(version.smallest).capitalize()} can be enough."
+        line += f" {_rows(version.smallest).capitalize()} would be enough."
     if also := [name for name in differ if name != letter]:
         is_wrong = "is" if len(also) == 1 else "are"
-        line += f" {' and '.join(also)} {is_wrong} wrong with this cloud, too."
+        line += f" {' and '.join(also)} {is_wrong} also wrong with this cloud."
     return line
 
 

@@ -290,9 +290,7 @@ def in_shape(
         elif n > 1 and shape == (n, n):
             words = fixed(" Shape (n, n) results from (n, 1) and (n,). Both must be (n,).")
         elif columns and shape == (columns,):
-            words = (
-                f" There are {columns}, one for each column. Use {fixed('axis=1')}."
-            )
+            words = f" There are {columns}, one for each column. Use {fixed('axis=1')}."
     raise WrongForm(
         f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
     )
@@ -573,7 +571,9 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     }[split, merged]
     if expected.all() and not yours.all():
         without = np.count_nonzero(yours == 0)
-        message = f"{without} of {len(yours)} points have " + fixed("the label 0, which means that they have no label yet.")
+        message = f"{without} of {len(yours)} points have " + fixed(
+            "the label 0, which means that they have no label yet."
+        )
         hint = (
             "Labels start at 1. Loop over every point. A point without a label begins a new "
             "cluster."

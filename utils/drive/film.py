@@ -143,7 +143,7 @@ def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
 
 
 def framed(image: np.ndarray) -> np.ndarray:
-    """Draw a red frame on a picture, and words that say that the drive ends here."""
+    """Draw a red frame and the words "The drive ends here" on a picture."""
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
     width, height = picture.size
