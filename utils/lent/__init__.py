@@ -1,7 +1,7 @@
 """Stored answers of the course, which replace functions that a student has not written yet.
 
 ``lesson_NN.json`` contains the answers that the functions of a lesson gave in its solved notebook:
-labels, boxes and numbers, but no code. They let a student who is stuck go on. A stub returns the
+labels, boxes and numbers, but no code. They let a student who is stuck continue. A stub returns the
 stored answers to the calls in the notebook, and says that they are the course's.
 
 `grader.course.recorded_answers` records the answers. They also replace a function that fails its

@@ -1,4 +1,4 @@
-"""Let a student go on after a wrong answer.
+"""Let a student continue after a wrong answer.
 
 If a cell of the lesson fails with a function that has not passed its check, the function is treated
 as a stub. The cell runs again with the stored answers, and says so. If it fails again, the first
@@ -45,7 +45,7 @@ class _Cell:
     """The running cell, and the state before it."""
 
     source: str
-    place: int | None  # position in the lesson; None for a cell of the student's own
+    place: int | None  # position in the lesson; None for a cell that the student added
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
     passed: set[str] = field(default_factory=set)
@@ -251,7 +251,7 @@ class Continuation:
             self._switched.discard(exercise)
             made = {name for name, sources in self._borrowed.items() if exercise in sources}
             last = max(self._ran, default=0)
-            # A pretend cell that uses these names makes the plan cover their statements.
+            # A dummy cell that uses these names makes the plan include their statements.
             self._ran[last + 1] = "; ".join(sorted(made))
             statements = self._plan(last + 1, [exercise]).statements
             del self._ran[last + 1]

@@ -26,7 +26,7 @@ def is_written(function: Callable) -> bool:
 
 
 def own(function: Callable) -> Callable:
-    """Return the student's own function, without the wrapper that answers for it.
+    """Return the student's own function, without the wrapper around it.
 
     Parameters
     ----------

@@ -248,7 +248,7 @@ def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
     if rows.size == 0:
         return np.empty(0, dtype=int)
     if not np.issubdtype(rows.dtype, np.integer) or rows.min() < 0 or rows.max() >= count:
-        raise ValueError(f"{name} must hold indices of points: whole numbers below {count}.")
+        raise ValueError(f"{name} must contain indices of points: whole numbers below {count}.")
     return rows
 
 
@@ -266,7 +266,7 @@ def _cells(axes: Axes, root: Node | None) -> list[_Cell]:
         point = np.ravel(cell.node.point)
         if len(point) != 2:
             raise ValueError(
-                f"Only trees of points (x, y) divide the plane; a node holds {len(point)} numbers."
+                f"Only trees of points (x, y) divide the plane; a node has {len(point)} numbers."
             )
         axis = cell.depth % 2
         upper, lower = cell.upper.copy(), cell.lower.copy()
