@@ -13,12 +13,12 @@ from utils.lent.rerun import key_of_cell, plan
 
 SETUP = """\
 from utils.checks.core import ChecksFailed
-from utils.lent import hear, own
+from utils.lent import report_check, own
 
 def check(function):
     function = own(function)
     good = function([1, 4, 2]) == 4
-    hear(function.__name__, good)
+    report_check(function.__name__, good)
     if not good:
         raise ChecksFailed("one check failed")
 """
@@ -27,7 +27,7 @@ CELLS = {
     "rng = np.random.default_rng(1)\nrng.integers(9)",
     "look": "top = largest(numbers)\nprint(f'largest: {top + 1}')",
     "check": "check(largest)",
-    "stopped": "hear('largest', False, hangs=True)",
+    "stopped": "report_check('largest', False, hangs=True)",
     "use": "print('use', top * 2)",
     "define": "def twice(values):\n    return 2 * largest(values)",
     "call": "print('call', 1 + twice(numbers))",

@@ -189,17 +189,17 @@ class FakeWindow:
     opened = []
 
     def __init__(self, size, camera):
-        self.shown, self.open, self.halted, self.stayed = [], True, False, False
+        self.shown, self.open, self.paused, self.stayed = [], True, False, False
         self.opened.append(self)
 
-    def put(self, scene):
+    def show_scene(self, scene):
         self.shown.append(scene.caption)
         self.open = len(self.shown) < 2
 
     def refresh(self):
         pass
 
-    def stay(self):
+    def wait_until_closed(self):
         self.stayed = True
 
     def close(self):

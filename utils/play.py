@@ -195,16 +195,16 @@ def play(
 
     window = Window(size, CAMERAS[camera])
     print("F1 to F4: cameras · space: pause · q: quit")
-    start, halted_for = time.monotonic(), 0.0
+    start, paused_for = time.monotonic(), 0.0
     for frame in watch(programme.frames, detect, tracker):
         if not window.open:
             break
-        window.put(programme.compose(frame))
-        while window.open and (window.halted or time.monotonic() - start - halted_for < frame.time):
-            halted_for += 0.02 if window.halted else 0.0
+        window.show_scene(programme.compose(frame))
+        while window.open and (window.paused or time.monotonic() - start - paused_for < frame.time):
+            paused_for += 0.02 if window.paused else 0.0
             time.sleep(0.02)
             window.refresh()
-    window.stay()
+    window.wait_until_closed()
     window.close()
 
 

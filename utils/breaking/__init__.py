@@ -36,11 +36,11 @@ def show_broken(function: Callable) -> None:
         return
     import matplotlib.pyplot as plt
 
-    function, shown = own(function), puzzle.shown
+    function, shown = own(function), puzzle.example
     try:
         with limited(SECONDS):
-            right = puzzle.ask(function, shown)
-            puzzle.seen_as(right)
+            right = puzzle.answer_of(function, shown)
+            puzzle.comparable(right)
             answers = {
                 letter: version.answer(function, shown)
                 for letter, version in puzzle.versions.items()
@@ -100,18 +100,20 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
             return "… no cloud yet."
     except (TypeError, ValueError):
         cloud = np.empty(0)
-    if cloud.ndim != 2 or cloud.shape[1] != puzzle.shown.shape[1] or len(cloud) > MOST_ROWS:
+    if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
         return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
         return "✗ Use finite numbers. The versions differ on ordinary points."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
         with limited(SECONDS):
-            right = puzzle.seen_as(puzzle.ask(function, cloud))
+            right = puzzle.comparable(puzzle.answer_of(function, cloud))
             differ = [
                 name
                 for name in (letter, *others)
-                if not _same(right, puzzle.seen_as(puzzle.versions[name].answer(function, cloud)))
+                if not _same(
+                    right, puzzle.comparable(puzzle.versions[name].answer(function, cloud))
+                )
             ]
     except Exception as error:
         return f"✗ {_raised(error)}"

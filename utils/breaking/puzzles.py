@@ -40,25 +40,25 @@ class Puzzle:
 
     Attributes
     ----------
-    ask : callable
+    answer_of : callable
         Takes the right function and a cloud; returns the right answer.
-    seen_as : callable
+    comparable : callable
         Converts an answer to an array that is equal for equivalent answers.
     draw : callable
         Takes a cloud, an answer, the right answer, and axes.
     columns : str
         Names of the columns of a cloud.
-    shown : numpy.ndarray
+    example : numpy.ndarray
         The cloud for the pictures.
     versions : dict of str to Version
         The versions by letter.
     """
 
-    ask: Callable
-    seen_as: Callable
+    answer_of: Callable
+    comparable: Callable
     draw: Callable[[np.ndarray, object, object, Axes], object]
     columns: str
-    shown: np.ndarray
+    example: np.ndarray
     versions: dict[str, Version]
 
 

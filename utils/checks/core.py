@@ -30,7 +30,7 @@ from utils.checks.timeouts import explanation, loops_around
 from utils.checks.tips import locate, tip_for
 from utils.checks.waiting_cells import remember
 from utils.in_sandbox import ABSENT, CALL_SECONDS
-from utils.lent.events import hear
+from utils.lent.events import report_check
 from utils.lent.stubs import own
 
 if TYPE_CHECKING:
@@ -238,7 +238,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     table.finish(summary)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
     remember(exercise, written, not (summary.first or has_notes))
-    hear(exercise, not summary.first, stopped)
+    report_check(exercise, not summary.first, stopped)
     if summary.first:
         raise ChecksFailed(summary.in_one_line)
 

@@ -14,12 +14,20 @@ import json
 from pathlib import Path
 
 from utils.display import shell
-from utils.lent.events import LISTENERS, hear
+from utils.lent.events import LISTENERS, report_check
 from utils.lent.recorder import Recorder, record_answers
 from utils.lent.stand_ins import Lender
 from utils.lent.stubs import is_written, own
 
-__all__ = ["Lender", "Recorder", "hear", "is_written", "lend_answers", "own", "record_answers"]
+__all__ = [
+    "Lender",
+    "Recorder",
+    "report_check",
+    "is_written",
+    "lend_answers",
+    "own",
+    "record_answers",
+]
 
 _HERE = Path(__file__).resolve().parent
 # Keys of the code cells of each lesson, written by `python -m grader build`.
@@ -47,7 +55,7 @@ def lend_answers(number: str) -> None:
     cells = json.loads(CELLS.read_text("utf-8")).get(number, [])
     continuation = Continuation(lender, shell().user_ns, cells, shell().showtraceback)
     _LENDING.add(number)
-    LISTENERS.append(continuation.hear)
+    LISTENERS.append(continuation.record_check)
     shell().showtraceback = continuation.show_traceback
     shell().events.register("pre_run_cell", continuation.before_cell)
     shell().events.register("post_run_cell", continuation.after_cell)

@@ -20,7 +20,7 @@ import numpy as np
 
 from utils.checks.static_analysis import functions_used
 from utils.display import shell
-from utils.lent.rerun import RerunPlan, free_names, is_about_ones_own, key_of_cell, plan
+from utils.lent.rerun import RerunPlan, free_names, key_of_cell, plan, tests_own_function
 from utils.lent.stubs import is_written
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
@@ -88,7 +88,7 @@ class Continuation:
         source = info.raw_cell
         place = self._places.get(key_of_cell(source))
         self._cell = _Cell(source, place, _generators(self._namespace), _figures())
-        if place is not None and not is_about_ones_own(source):
+        if place is not None and not tests_own_function(source):
             self._ran[place] = source
             self._broken.add(place)  # until it succeeds
             wrong = self._wrong_at(place)
@@ -131,7 +131,7 @@ class Continuation:
         else:
             self._show(*arguments, **options)
 
-    def hear(self, exercise: str, passed: bool, hangs: bool) -> None:
+    def record_check(self, exercise: str, passed: bool, hangs: bool) -> None:
         """Record the result of a check."""
         if self._cell is None:
             return

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from types import FunctionType
 
 # Functions of the course that call the student's function; the notebook does not use the answers.
-ASKING = ("check", "replay", "show_broken", "tell_apart")
+CALLERS = ("check", "replay", "show_broken", "tell_apart")
 
 
 def is_written(function: Callable) -> bool:

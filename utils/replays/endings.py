@@ -18,7 +18,7 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
         The student's function.
     """
     if ending.stopped:
-        return f"Your function was stopped: it had no end in sight. {ENDLESS.capitalize()}"
+        return f"Your function was stopped because it did not end. {ENDLESS.capitalize()}"
     if ending.error is not None:
         kind, (_, place, line) = type(ending.error).__name__, locate(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""
