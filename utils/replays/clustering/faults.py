@@ -24,7 +24,7 @@ def first_wrong(
         return Fault(last, how_it_ended(ending, function))
     if answer is None:
         return Fault(
-            last, f"{how_it_ended(ending, function)} It should be one label for each point."
+            last, f"{how_it_ended(ending, function)} It should return one label for each point."
         )
     faults = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
     return first_of([wrong for wrong in faults if wrong])
@@ -98,8 +98,8 @@ def _visited_twice(frames: list[ReplayFrame]) -> Fault | None:
         if frame.visited in seen:
             return Fault(
                 position,
-                f"Point {frame.visited} is visited for the second time. The run was stopped before its "
-                "end.",
+                f"Point {frame.visited} is visited for the second time. The run was stopped "
+                "before its end.",
             )
         if frame.visited is not None:
             seen.add(frame.visited)

@@ -89,7 +89,7 @@ class ReplayFrame:
 
 
 def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ReplayFrame]:
-    """Divide a run into steps; a step ends when the next point is visited or a new cluster begins."""
+    """Divide a run into steps; each visited point and each new cluster begins a step."""
     moments = [(time, "labels", state, new) for time, state, new in labels.states]
     moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
     moments.sort(key=lambda moment: moment[0])

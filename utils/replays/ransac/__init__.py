@@ -56,7 +56,7 @@ def run_of(task: Task, search: Callable) -> Replay:
 def _expected(task: Task, ending: Ending) -> str:
     if ending.error:
         return ""
-    return f" It should be the {task.model} and the mask of its inliers, in this order."
+    return f" It should return the {task.model} and the mask of its inliers, in this order."
 
 
 def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -> str:
