@@ -41,7 +41,7 @@ def all_columns(
         weight=weight,
     )
     def ask(function: Callable) -> None:
-        assert_all_columns(case.ask(function), case.first, case.expected)
+        assert_all_columns(case.answer_of(function), case.first, case.expected)
 
 
 def order(case: Case, name: str, *, weight: float = 1) -> None:
@@ -57,7 +57,7 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         weight=weight,
     )
     def ask(function: Callable) -> None:
-        assert_order(case.ask(function), case.first, case.expected)
+        assert_order(case.answer_of(function), case.first, case.expected)
 
 
 def nothing_left(
@@ -69,7 +69,7 @@ def nothing_left(
 ) -> None:
     """Check clouds without points, with one point, and with only points that are removed."""
     cloud, removed = case.first, np.flatnonzero(~case.expected)[:3]
-    one_kept = case.rows(np.flatnonzero(case.expected)[:1])
+    one_kept = case.with_rows(np.flatnonzero(case.expected)[:1])
 
     @promise(
         "nothing_left",
@@ -81,10 +81,10 @@ def nothing_left(
         weight=weight,
     )
     def ask(function: Callable) -> None:
-        case.basic(function)
-        columns = as_array(case.ask(function)).shape[1]
+        case.precondition(function)
+        columns = as_array(case.answer_of(function)).shape[1]
         for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
-            assert_nothing_left(case.of(few).ask(function), few, columns)
+            assert_nothing_left(case.with_first(few).answer_of(function), few, columns)
         one_kept.assert_right(function)
 
 
@@ -104,10 +104,10 @@ def array(case: Case, name: str) -> None:
     """Note if the answer is a list, or an array that lost its columns; this costs no points."""
 
     def ask(function: Callable) -> None:
-        answer = case.ask(function)
+        answer = case.answer_of(function)
         if isinstance(answer, (list, tuple)):
             raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
-        nothing = as_array(case.of(case.first[:0]).ask(function))
+        nothing = as_array(case.with_first(case.first[:0]).answer_of(function))
         if nothing.ndim == 1:
             raise CheckFailed(
                 "Without rows the array has lost its columns: later cells cannot take one of them.",

@@ -51,8 +51,8 @@ class _Known:
     right: Callable
     mistakes: tuple[Mistake, ...]
     same: Callable
-    ask: Callable
-    through: str
+    call: Callable
+    class_name: str
 
 
 _KNOWN: dict[str, _Known] = {}
@@ -72,7 +72,7 @@ def same_array(answer: object, predicted: object) -> bool:
     )
 
 
-def _called(function: Callable, *case: object) -> object:
+def _plain_call(function: Callable, *case: object) -> object:
     return function(*case)
 
 
@@ -82,8 +82,8 @@ def mistakes(
     cases: Sequence[tuple],
     right: Callable,
     same: Callable = same_array,
-    ask: Callable = _called,
-    through: str = "",
+    call: Callable = _plain_call,
+    class_name: str = "",
 ) -> None:
     """Declare the known mistakes of an exercise.
 
@@ -97,18 +97,18 @@ def mistakes(
         Takes the arguments of a case; returns the right answer.
     same : callable
         Takes an answer and a prediction; returns whether they are equal.
-    ask : callable
+    call : callable
         Takes the function and the arguments of a case; returns the answer. By default, it calls
         the function with these arguments.
-    through : str
-        Name of the class that `ask` takes instead of the function, if the exercise is a method.
+    class_name : str
+        Name of the class that `call` takes instead of the function, if the exercise is a method.
     """
-    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, ask, through)
+    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, call, class_name)
 
 
 def object_to_diagnose(exercise: str) -> str:
     """Return the name of the object that `diagnose` takes: the exercise, or the class around it."""
-    return exercise in _KNOWN and _KNOWN[exercise].through or exercise
+    return exercise in _KNOWN and _KNOWN[exercise].class_name or exercise
 
 
 def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
@@ -141,7 +141,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
             for mistake in fitting
         }
         try:
-            answer = known.ask(function, *copy.deepcopy(case))
+            answer = known.call(function, *copy.deepcopy(case))
             fitting = [mistake for mistake in fitting if known.same(answer, predicted[mistake])]
         except Exception:  # in the student's code, or in comparing its result
             return None
@@ -184,7 +184,7 @@ def imitation_of(exercise: str, mistake: Mistake, right: Callable) -> Imitation 
         None if the exercise is not a plain function of its arguments, such as a method of a tree.
     """
     known = _KNOWN.get(exercise)
-    if known is None or known.ask is not _called or known.through:
+    if known is None or known.call is not _plain_call or known.class_name:
         return None
     signature = inspect.signature(right)
 

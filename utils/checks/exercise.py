@@ -70,13 +70,13 @@ class Exercise:
     def __init__(
         self, lesson: str, name: str, given: Mapping[str, object], expected: object, **words: object
     ) -> None:
-        plain = Case(lesson, name, given, expected, look=_look)
+        plain = Case(lesson, name, given, expected, compare=_compare)
 
         def require_plain_case(function: Callable) -> None:
             with needs("a plain call returns the right answer"):
                 plain.assert_right(function)
 
-        self._case = replace(plain, basic=require_plain_case)
+        self._case = replace(plain, precondition=require_plain_case)
         self._declare("plain_case", plain.assert_right, words)
 
     def example(
@@ -97,11 +97,11 @@ class Exercise:
         """
         case = replace(self._case, given={**self._case.given, **given}, expected=expected)
 
-        def ask(function: Callable) -> None:
-            case.basic(function)
+        def run(function: Callable) -> None:
+            case.precondition(function)
             case.assert_right(function)
 
-        self._declare(name, ask, words)
+        self._declare(name, run, words)
 
     def promise(self, kind: str, **words: object) -> None:
         """Declare a check that many exercises share.
@@ -123,9 +123,9 @@ class Exercise:
         declare, name, usual = PROMISES[kind]
         declare(self._case, name, **(usual | words))
 
-    def _declare(self, name: str, ask: Callable, words: Mapping[str, object]) -> None:
+    def _declare(self, name: str, run: Callable, words: Mapping[str, object]) -> None:
         def check(function: Callable) -> None:
-            ask(function)
+            run(function)
 
         check.__name__, check.__module__ = name, self._case.lesson
         visible(self._case.exercise, **words)(check)
@@ -171,6 +171,6 @@ def _is_numeric(value: object) -> bool:
         return False
 
 
-def _look(answer: object, *given_and_expected: object) -> None:
+def _compare(answer: object, *given_and_expected: object) -> None:
     *given, expected = given_and_expected
     assert_answer(answer, expected, ", ".join(map(brief, given)))

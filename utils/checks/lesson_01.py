@@ -132,8 +132,8 @@ _STREET_CASE = Case(
     "horizontal_distance",
     {"cloud": _AT_ALL_HEIGHTS},
     expected=_DISTANCES,
-    look=assert_distances,
-    basic=require_street_distances,
+    compare=assert_distances,
+    precondition=require_street_distances,
 )
 common_checks.three_columns(
     _STREET_CASE,

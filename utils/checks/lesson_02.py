@@ -464,8 +464,8 @@ _PLAIN_CASE = Case(
     "point_line_distance",
     {"points": _POSITIVE_SIDE, "line": _SLANTED},
     expected=_DISTANCES,
-    look=assert_line_distances,
-    basic=require_plain_distances,
+    compare=assert_line_distances,
+    precondition=require_plain_distances,
 )
 common_checks.few_points(
     _PLAIN_CASE,
@@ -891,8 +891,8 @@ _CROWD_CASE = Case(
         "rng": np.random.default_rng(2),
     },
     expected=None,
-    look=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
-    basic=require_line_in_crowd,
+    compare=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
+    precondition=require_line_in_crowd,
 )
 common_checks.untouched(
     _CROWD_CASE,

@@ -106,8 +106,8 @@ _GROUND_CASE = Case(
     "filter_ground",
     {"cloud": _GROUND_CLOUD, "ground_level": -1.2},
     expected=_IS_ABOVE,
-    look=lambda answer, cloud, level, keep: assert_no_ground_left(answer, cloud, keep, level),
-    basic=require_ground_removed,
+    compare=lambda answer, cloud, level, keep: assert_no_ground_left(answer, cloud, keep, level),
+    precondition=require_ground_removed,
 )
 
 
@@ -515,8 +515,8 @@ _GRID_CASE = Case(
     "voxel_grid",
     {"cloud": _CELLS, "voxel_size": 0.2},
     expected=len(_CENTROIDS),
-    look=lambda answer, cloud, size, number: assert_row_per_cell(answer, cloud, number, size),
-    basic=require_row_per_cell,
+    compare=lambda answer, cloud, size, number: assert_row_per_cell(answer, cloud, number, size),
+    precondition=require_row_per_cell,
 )
 
 

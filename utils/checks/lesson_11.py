@@ -398,8 +398,8 @@ _BLOCK_CASE = Case(
     "principal_axes",
     {"points": _TURNED_BLOCK},
     expected=frozen(_axes_of(_SIDES[0], 50)),
-    look=lambda answer, points, axes: assert_directions(answer, axes),
-    basic=require_directions,
+    compare=lambda answer, points, axes: assert_directions(answer, axes),
+    precondition=require_directions,
 )
 common_checks.fourth_column(
     _BLOCK_CASE,
@@ -431,13 +431,13 @@ def takes_few_points(principal_axes: Callable) -> None:
 
 
 common_checks.names(
-    _BLOCK_CASE.by_itself,
+    _BLOCK_CASE.without_precondition,
     "keeps_the_name",
     title="The parameter keeps its name",
     why="Whoever reads the docstring may call principal_axes(points=...).",
 )
 common_checks.untouched(
-    _BLOCK_CASE.of(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
+    _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step turns the same points.",
     hint="points - mean is a new array; points -= mean is not.",
@@ -695,8 +695,8 @@ _BOXES_CASE = Case(
     "get_oriented_boxes",
     {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
     expected=None,
-    look=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
-    basic=require_straight_boxes,
+    compare=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
+    precondition=require_straight_boxes,
 )
 common_box_checks.gaps(
     _BOXES_CASE,
@@ -732,7 +732,7 @@ common_box_checks.no_boxes(
 )
 common_box_checks.fourth_column(_BOXES_CASE, "boxes_no_intensity")
 common_checks.names(
-    _BOXES_CASE.by_itself,
+    _BOXES_CASE.without_precondition,
     "keeps_the_names",
     why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,

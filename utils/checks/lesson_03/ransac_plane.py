@@ -588,10 +588,10 @@ common_checks.names(
             "rng": np.random.default_rng(1),
         },
         expected=_BELONGS,
-        look=lambda answer, points, _, tolerance, __, belongs: assert_finds(
+        compare=lambda answer, points, _, tolerance, __, belongs: assert_finds(
             answer, points, tolerance, belongs
         ),
-        basic=require_plane_among_outliers,
+        precondition=require_plane_among_outliers,
     ),
     "keeps_the_names_of_ransac",
     why="Later cells may call ransac_plane(street, max_iterations=50, distance_tolerance=0.2, "

@@ -330,6 +330,6 @@ mistakes(
     ),
     right=_paths,
     same=operator.eq,
-    ask=_paths_in,
-    through="KdTree",
+    call=_paths_in,
+    class_name="KdTree",
 )
