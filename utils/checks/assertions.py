@@ -44,7 +44,7 @@ def needs(basic: str) -> Iterator[None]:
 
 
 def frozen(value: object) -> object:
-    """Return a read-only copy, so that nothing changes a constant by accident.
+    """Return a read-only copy, so that a constant cannot be changed by accident.
 
     Parameters
     ----------
@@ -681,7 +681,7 @@ def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
 
 
 def _first_change(before: object, after: object) -> dict[str, str]:
-    """Return the first changed row of an argument, or the whole argument, before and after."""
+    """Return texts of the first changed row, or of the whole argument, after and before the call."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
         return {"yours": brief(after), "expected": brief(before)}

@@ -34,8 +34,8 @@ _TIPS = (
         "TypeError",
         r"unexpected keyword argument",
         "",
-        "The call uses another name for a parameter than the function. Check the spelling. Keep "
-        "the first line of each exercise as it was given.",
+        "The call uses another name for a parameter than the function does. Check the spelling, "
+        "and keep the first line of each exercise as it was given.",
     ),
     (
         "TypeError",
@@ -164,8 +164,8 @@ _TIPS = (
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) [34]$",
         "",
         "The mask and the array have different lengths. A mask fits the array that it was made "
-        "from. If this mask has one value for each column: cloud[:, 0] is a column of the cloud "
-        "and cloud[0] is a row, and axis=1 gives one value for each row.",
+        "from. Does this mask have one value for each column? cloud[:, 0] is a column of the "
+        "cloud, cloud[0] is a row, and axis=1 gives one value for each row.",
     ),
     (
         "IndexError",
@@ -477,6 +477,6 @@ def student_frames(error: BaseException, function: Callable) -> list[tuple[CodeT
 
 
 def function_name(code: CodeType) -> str:
-    """Return a function's name; for a comprehension or lambda, the name of its function."""
+    """Return the name of a function; of a comprehension or lambda, that of the function around it."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name
