@@ -15,7 +15,7 @@ from utils.breaking.puzzles import PUZZLES
 # Names of kept answers with the same mistake, by the letter of the broken version.
 THE_SAME = {
     "euclidean_clustering": {
-        "A": "forgets the height",
+        "A": "ignores the height",
         "B": "compares with the first point of the cluster only",
         "C": "compares the squared distance with the threshold",
     },
@@ -64,7 +64,7 @@ def function_of(exercise, name="the hints followed to the letter"):
 
 def some_cloud(rng, exercise, count):
     """Return random points that are often close together, above each other or on a grid."""
-    size = PUZZLES[exercise].shown.shape[1]
+    size = PUZZLES[exercise].example.shape[1]
     cloud = rng.integers(0, 9, (count, size)) * rng.choice([0.2, 0.31, 0.45])
     if exercise == "get_bounding_boxes":
         cloud[:, 3] = rng.integers(0, 4, count)
@@ -73,8 +73,8 @@ def some_cloud(rng, exercise, count):
 
 def differs(exercise, letter, function, cloud):
     puzzle = PUZZLES[exercise]
-    right = puzzle.seen_as(puzzle.ask(function, cloud))
-    wrong = puzzle.seen_as(puzzle.versions[letter].answer(function, cloud))
+    right = puzzle.comparable(puzzle.answer_of(function, cloud))
+    wrong = puzzle.comparable(puzzle.versions[letter].answer(function, cloud))
     return right.shape != wrong.shape or not np.allclose(right, wrong)
 
 
@@ -94,7 +94,7 @@ def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, 
 
 @pytest.mark.parametrize(("exercise", "letter"), EACH)
 def test_the_picture_shows_that_it_is_wrong(exercise, letter):
-    assert differs(exercise, letter, function_of(exercise), PUZZLES[exercise].shown)
+    assert differs(exercise, letter, function_of(exercise), PUZZLES[exercise].example)
 
 
 @pytest.mark.parametrize(
@@ -107,8 +107,8 @@ def test_a_version_answers_like_a_kept_answer_with_that_mistake(exercise, letter
     rng, different = np.random.default_rng(2), 0
     for _ in range(10 if exercise == "ransac_line" else 60):
         cloud = some_cloud(rng, exercise, 8)
-        made = puzzle.seen_as(puzzle.versions[letter].answer(right, cloud))
-        written = puzzle.seen_as(puzzle.ask(wrong, cloud))
+        made = puzzle.comparable(puzzle.versions[letter].answer(right, cloud))
+        written = puzzle.comparable(puzzle.answer_of(wrong, cloud))
         assert made.shape == written.shape and np.allclose(made, written)
         different += differs(exercise, letter, right, cloud)
     assert different
@@ -138,7 +138,7 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
         (np.empty((0, 3)), "no cloud yet"),
         ([[1, 2]], "list of at most 50 rows"),
         (np.zeros((51, 3)), "list of at most 50 rows"),
-        ([[1, 2, float("nan")]], "Finite numbers"),
+        ([[1, 2, float("nan")]], "Use finite numbers"),
     ],
 )
 def test_an_invalid_cloud_gets_a_message(given, said, capsys):

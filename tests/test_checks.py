@@ -29,15 +29,15 @@ from utils.checks.assertions import (
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
+    distinct_texts,
     metres_text,
     points_text,
-    texts_apart,
 )
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import details, resolve
-from utils.checks.tips import place_in, tip_for
+from utils.checks.tips import locate, tip_for
 
 CLOUD = np.array([[1.0, 2.0, -1.5, 0.1], [3.0, 4.0, 0.5, 0.2], [5.0, 6.0, 1.5, 0.3]])
 KEEP = np.array([False, True, True])
@@ -70,7 +70,7 @@ def test_check_explains_an_exception(capsys):
     with pytest.raises(ChecksFailed):
         check(filter_ground)
     shown = capsys.readouterr().out
-    assert "a mask fits the array" in shown
+    assert "A mask fits the array" in shown
     assert "return cloud[np.ones(len(cloud) + 1, dtype=bool)]" in shown, "the line is named"
     assert shown.count("boolean index did not match") == 1, "one cause is told once"
     assert "Hint" not in shown, "the hints of the rows are about something else"
@@ -82,7 +82,7 @@ def test_an_exception_in_a_comprehension_is_placed_in_the_function_around_it():
 
     with pytest.raises(ValueError) as caught:
         measure([(1, 2, 3)])
-    name, place, _ = place_in(caught.value, measure)
+    name, place, _ = locate(caught.value, measure)
     assert name == "measure" and place.endswith("of the cell of measure")
 
 
@@ -99,7 +99,7 @@ def under_check(point):
 def test_an_exception_in_a_finished_function_is_placed_where_that_was_called():
     with pytest.raises(ValueError) as caught:
         under_check([1])
-    name, place, line = place_in(caught.value, under_check)
+    name, place, line = locate(caught.value, under_check)
     own, _, inner = place.partition(", which calls ")
     assert (name, line) == ("finished", "a, b = line")
     assert own.endswith(
@@ -119,7 +119,7 @@ def test_check_of_a_stub_reports_that_it_is_not_started(capsys):
 
 
 def test_check_of_something_else_lists_the_exercises():
-    with pytest.raises(LookupError, match="one of horizontal_distance, "):
+    with pytest.raises(LookupError, match="it: horizontal_distance, "):
         check(len)
     with pytest.raises(TypeError, match=r"without quotation marks: check\(filter_ground\)"):
         check("filter_ground")
@@ -212,7 +212,7 @@ def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
     for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
         assert_nothing_left(nothing, CLOUD, 3)
     for something, words in (
-        (CLOUD[:1], "Nothing should be left"),
+        (CLOUD[:1], "No rows should be left"),
         (np.empty((0, 3)), "columns"),
         (None, "None"),
     ):
@@ -254,7 +254,7 @@ def test_partitions():
     for wrong, words in (
         ([1, 1, 2, 2], "Points of different"),
         ([1, 2, 3, 4], "belong together"),
-        ([1, 2, 2, 3], "torn apart"),
+        ([1, 2, 2, 3], "split"),
         ([1, 1, 2], "one label"),
         ([1.5, 1.5, 2, 3], "whole numbers"),
         (None, "None"),
@@ -263,7 +263,7 @@ def test_partitions():
             assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
     # Label 0 is for points without a cluster, unless it is among the expected labels.
-    with pytest.raises(CheckFailed, match="2 of 4 points have the label 0: no label yet") as caught:
+    with pytest.raises(CheckFailed, match="2 of 4 points have the label 0, which means") as caught:
         assert_partition([1, 1, 0, 0], expected, cloud)
     assert "every point" in caught.value.hint
     with pytest.raises(CheckFailed, match="Points of different"):
@@ -298,26 +298,26 @@ def test_messages_name_the_expected_labels_and_arrays():
 @pytest.mark.parametrize(
     "provoke, word",
     [
-        (lambda: CLOUD[np.ones(2, dtype=bool)], "a mask fits"),
+        (lambda: CLOUD[np.ones(2, dtype=bool)], "A mask fits"),
         (lambda: CLOUD[(CLOUD > 0).all(axis=0)], "axis=1"),
-        (lambda: np.arange(5)[np.ones(4, dtype=bool)], "may be one value"),
+        (lambda: np.arange(5)[np.ones(4, dtype=bool)], "one value for each column"),
         (lambda: linear_sum_assignment(np.full((2, 1), np.inf)), "a huge number"),
         (lambda: CLOUD[CLOUD[0] > 0], "cloud[:, 0]"),
         (lambda: CLOUD[:, CLOUD[:, 0] > 0], "cloud[mask]"),
-        (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "another shape"),
+        (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "different shapes"),
         (lambda: CLOUD[:2] - CLOUD[0, :3], "intensity"),
-        (lambda: CLOUD - np.ones(2), "seen from the right"),
+        (lambda: CLOUD - np.ones(2), "Compared from the right"),
         (lambda: CLOUD[:2] / np.ones(2), "counts[:, None]"),
-        (lambda: CLOUD - CLOUD[[0, 1]], "extend puts in"),
-        (lambda: np.add.at(np.zeros((2, 3)), [0, 1, 0], CLOUD), "a row for each kind"),
-        (lambda: np.add.at(np.zeros(2), [0, 1, 0], CLOUD), "a row for each kind"),
+        (lambda: CLOUD - CLOUD[[0, 1]], "extend adds its numbers"),
+        (lambda: np.add.at(np.zeros((2, 3)), [0, 1, 0], CLOUD), "a row for each group"),
+        (lambda: np.add.at(np.zeros(2), [0, 1, 0], CLOUD), "a row for each group"),
         (lambda: CLOUD[:, 0] > 1 & CLOUD[:, 1] < 2, "parentheses"),
         (lambda: CLOUD[0] ^ 2, "power"),
         (lambda: 1.5 ^ 2, "power"),
         (lambda: math.sqrt(CLOUD[:, 0]), "single number"),
         (lambda: None.point, "is None"),
         (lambda: [*None], "is None"),
-        (lambda: (lambda pair: [0 for a, b in [pair]])(None), "taken apart"),
+        (lambda: (lambda pair: [0 for a, b in [pair]])(None), "cannot be unpacked"),
         (lambda: (lambda nothing: nothing[0])(None), "is None"),
         (lambda: [1.0, 2.0].min(), "np.array"),
         (lambda: [1.0] * 0.5, "np.array"),
@@ -332,18 +332,18 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: range(1.5), "whole number"),
         (lambda: CLOUD[0][:, 0], "fewer dimensions"),
         (lambda: [][0], "past the end"),
-        (lambda: deep(0), "ends it"),
+        (lambda: deep(0), "ends the recursion"),
         (lambda: (lambda values: [0 for a, b in values])([(1, 2, 3)]), "left-hand side"),
         (lambda: CLOUD[:, :3][:, 3], "three columns"),
         (lambda: bool(CLOUD > 0), "mask"),
         (lambda: {CLOUD[0]}, "tuple"),
         (lambda: np.empty(0).min(), "empty"),
         (lambda: CLOUD[1.5 * np.ones(2)], "whole number"),
-        (lambda: CLOUD[:, :3] @ np.ones(4), "as many numbers"),
-        (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "as many numbers"),
+        (lambda: CLOUD[:, :3] @ np.ones(4), "the same number of values"),
+        (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "the same number of values"),
         (lambda: len(filter_ground.__doc__), "return"),
         (lambda: undefined_name, "spelt"),  # noqa: F821
-        (lambda: (CLOUD, CLOUD) < 0.5, "take it apart"),
+        (lambda: (CLOUD, CLOUD) < 0.5, "Unpack it"),
         (lambda: coo_array(([True], ([3], [0])), shape=(3, 3)), "count - 1"),
         (lambda: filter_ground(points=CLOUD), "another name"),
         (lambda: filter_ground(), "first line"),
@@ -364,7 +364,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "np.sqrt" in tip_for("TypeError", words, "`return math.sqrt(x)`")
     call = "line_through() missing 1 required positional argument: 'q'"
     assert "first line" in tip_for("TypeError", call)
-    assert "one value" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
+    assert "one argument" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
     with pytest.raises(IndexError) as caught:
         np.ones((8, 4))[np.ones((8, 3), dtype=bool)]
     for line, word in (
@@ -374,7 +374,7 @@ def test_a_tip_may_depend_on_the_line():
     ):
         assert word in tip_for("IndexError", str(caught.value), line)
     truth = "The truth value of an array with more than one element is ambiguous. Use a.any()"
-    assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
+    assert "its own parentheses" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")
     assert "logarithm" in tip_for("ValueError", "math domain error", "`n = math.log(0)`")
     with pytest.raises(ValueError, match="expected 3") as caught:
@@ -703,7 +703,7 @@ def test_exercises_of_one_class_are_checked_separately(monkeypatch, capsys):
         check(KdTree, exercise="search")
     said = capsys.readouterr().out
     assert "Not found" in said
-    assert "Begin there" not in said
+    assert "Fix this first" not in said
 
 
 def test_a_number_that_was_changed_is_shown_as_a_number():
@@ -740,9 +740,9 @@ def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
 
 
 def test_texts_get_the_digits_that_tell_them_apart():
-    assert texts_apart(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
-    assert texts_apart(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
-    assert texts_apart(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
+    assert distinct_texts(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
+    assert distinct_texts(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
+    assert distinct_texts(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
         "(1, 2, 3)",
         "(1, 2.0004, 3)",
     )
@@ -780,7 +780,7 @@ def test_texts_that_do_not_differ_are_left_out():
         ((row for row in CLOUD), "a generator, expected rows: wrap it in list"),
         (map(list, CLOUD), "a map, expected rows: wrap it in list"),
         ((CLOUD[0], 1.5), "a pair, expected rows"),
-        (np.where(KEEP), "the numbers of the rows, as np.where gives them"),
+        (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),
     ],
@@ -795,8 +795,8 @@ def test_a_slow_right_answer_is_told_how_long_the_judge_waits(capsys, monkeypatc
     monkeypatch.setattr(core.time, "process_time", lambda: next(clock, 7.0))
     check(filter_ground)
     shown = capsys.readouterr().out
-    assert "Right, and slow" in shown and "took 7 s" in shown
-    assert f"waits {Limits().call_seconds:.0f} s for each answer" in shown
+    assert "The answer is right, but slow" in shown and "took 7 s" in shown
+    assert f"waits at most {Limits().call_seconds:.0f} s for each answer" in shown
 
 
 def test_a_quick_or_wrong_answer_is_not_called_slow(capsys, monkeypatch):

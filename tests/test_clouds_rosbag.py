@@ -105,12 +105,12 @@ def test_missing_and_other_files_are_explained(tmp_path):
         read_bag(tmp_path / "street.bag")
     for name in ("other.bag", "empty.bag", "other.mcap", "other.db3"):
         (tmp_path / name).write_bytes(b"" if name == "empty.bag" else b"hello" * 99)
-        with pytest.raises(CloudFileError, match="no intact ROS recording"):
+        with pytest.raises(CloudFileError, match="not an intact ROS recording"):
             read_bag(tmp_path / name)
     (tmp_path / "cloud.txt").write_text("1 2 3")
     with pytest.raises(CloudFileError, match="expected a file ending in .bag"):
         read_bag(tmp_path / "cloud.txt")
-    with pytest.raises(CloudFileError, match="no intact ROS recording"):
+    with pytest.raises(CloudFileError, match="not an intact ROS recording"):
         read_bag(tmp_path)
 
 

@@ -59,27 +59,30 @@ def defined(source, name="near", **names):
     [
         (PRINTS, "prints its result and returns nothing"),
         (IN_A_LOOP, "`return` is inside a loop"),
-        (KEEPS, "`found` in the first line is made only once"),
-        (READS_ANOTHER, "reads the notebook's `obstacles`, and never its parameter `cloud`"),
+        (KEEPS, "The default value of `found` is created only once"),
+        (
+            READS_ANOTHER,
+            "variable `obstacles` and never its own parameter `cloud`",
+        ),
     ],
 )
 def test_a_slip_is_read_from_the_source(source, words):
-    slip = code_slip(defined(source), gave_nothing=True)
+    slip = code_slip(defined(source), returned_none=True)
     assert words in slip.says and slip.hint
 
 
 @pytest.mark.parametrize("title", INNOCENT)
 def test_innocent_code_has_no_slip(title):
-    assert code_slip(defined(INNOCENT[title]), gave_nothing=True) is None
+    assert code_slip(defined(INNOCENT[title]), returned_none=True) is None
 
 
 def test_what_has_no_source_has_no_slip():
     for function in (len, np.ndarray, eval("lambda cloud: print(cloud)")):
-        assert code_slip(function, gave_nothing=True) is None
+        assert code_slip(function, returned_none=True) is None
 
 
 def test_a_function_that_need_not_return_anything_may_print():
-    assert code_slip(defined(PRINTS), gave_nothing=False) is None
+    assert code_slip(defined(PRINTS), returned_none=False) is None
 
 
 def test_the_check_says_it_with_the_first_failure(capsys):
@@ -96,4 +99,4 @@ def test_an_exception_is_explained_by_the_slip(capsys):
     with pytest.raises(ChecksFailed):
         check(defined(source, "horizontal_distance"))
     shown = capsys.readouterr().out
-    assert "IndexError" in shown and "reads the notebook's `obstacles`" in shown
+    assert "IndexError" in shown and "uses the notebook's variable `obstacles`" in shown

@@ -192,7 +192,7 @@ def test_matplotlib_draws_in_colab_when_pyvista_cannot_be_installed(monkeypatch,
     monkeypatch.setattr(opengl.importlib.util, "find_spec", lambda name: None)
     monkeypatch.setattr(colab, "PYVISTA", ("pyvista==0.0.0",))
     monkeypatch.setenv("PIP_NO_INDEX", "1")
-    problem = opengl.obstacle.__wrapped__()
+    problem = opengl.problem.__wrapped__()
     assert problem.startswith("PyVista cannot be installed (ERROR: ")
     assert problem.endswith("), so matplotlib draws.")
     assert "half a minute" in capsys.readouterr().out

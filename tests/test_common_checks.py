@@ -141,7 +141,8 @@ BREAKS = {
 
 
 @pytest.mark.parametrize(
-    "made, _", [parameter(made) for made in common_checks.made() if made.kind != "untouched"]
+    "made, _",
+    [parameter(made) for made in common_checks.all_promises() if made.kind != "untouched"],
 )
 def test_who_breaks_a_promise_loses_that_check(made, _):
     exercise = made.case.exercise
@@ -181,7 +182,7 @@ def changing_argument(right, given, argument):
 
 UNTOUCHED = [
     parameter(made, argument)
-    for made in common_checks.made()
+    for made in common_checks.all_promises()
     if made.kind == "untouched"
     for argument, value in made.case.given.items()
     if isinstance(value, np.ndarray)
@@ -204,7 +205,7 @@ def also_about_writing(exercise):
 @pytest.mark.parametrize("exercise", [name for name in LESSONS if LESSONS[name][:2] < "10"])
 def test_right_answers_pass_all_common_checks(exercise):
     wrapped = with_answer(lambda answer, *given: answer)(right(exercise), None)
-    names = {made.name for made in common_checks.made()}
+    names = {made.name for made in common_checks.all_promises()}
     messages = failures(exercise, wrapped)
     assert {name: text for name, text in messages.items() if name in names} == {}
 
@@ -213,10 +214,10 @@ def test_right_answers_pass_all_common_checks(exercise):
 
 
 def test_every_kind_has_a_function_that_breaks_it():
-    assert {made.kind for made in common_checks.made()} == {*BREAKS, "untouched"}
+    assert {made.kind for made in common_checks.all_promises()} == {*BREAKS, "untouched"}
 
 
-@pytest.mark.parametrize("made, _", [parameter(made) for made in common_checks.made()])
+@pytest.mark.parametrize("made, _", [parameter(made) for made in common_checks.all_promises()])
 def test_a_common_check_belongs_to_its_lesson(made, _):
     [check] = [check for check in checks_of(made.case.exercise) if check.name == made.name]
     assert check.lesson == f"lesson_{LESSONS[made.case.exercise][:2]}"
@@ -225,8 +226,8 @@ def test_a_common_check_belongs_to_its_lesson(made, _):
 
 def test_in_full_adds_what_a_plain_case_lacks():
     plain = {"cloud": np.zeros((3, 3)), "cluster_labels": np.array([1, 2, 2]), "min_num_points": 3}
-    full = common_checks.in_full(plain)
-    dark_cloud = common_checks.in_full({"cloud": np.zeros((3, 4))})["cloud"]
+    full = common_checks.extended(plain)
+    dark_cloud = common_checks.extended({"cloud": np.zeros((3, 4))})["cloud"]
     assert dark_cloud.shape == (3, 4) and dark_cloud[:, 3].all()
     assert list(full) == list(plain) and full["min_num_points"] == 3
     assert full["cloud"].shape == (5, 4) and full["cloud"][:, 3].all()
@@ -240,18 +241,18 @@ def test_in_full_returns_complete_values_unchanged():
         "cluster_labels": np.array([0, 2, 2]),
         "line": np.array([0.6, 0.8, 1.0]),
     }
-    assert all(common_checks.in_full(plain)[name] is value for name, value in plain.items())
+    assert all(common_checks.extended(plain)[name] is value for name, value in plain.items())
 
 
 def test_a_line_through_the_origin_is_moved_off_it():
-    assert common_checks.in_full({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
+    assert common_checks.extended({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
     flat = {"points": np.ones((4, 2))}
-    assert common_checks.in_full(flat)["points"] is flat["points"], (
+    assert common_checks.extended(flat)["points"] is flat["points"], (
         "points on a map have two columns"
     )
 
 
 def test_cases_are_read_only():
-    for made in common_checks.made():
+    for made in common_checks.all_promises():
         for value in (*made.case.given.values(), made.case.expected):
             assert not isinstance(value, np.ndarray) or not value.flags.writeable, made

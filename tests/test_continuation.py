@@ -13,12 +13,12 @@ from utils.lent.rerun import key_of_cell, plan
 
 SETUP = """\
 from utils.checks.core import ChecksFailed
-from utils.lent import hear, own
+from utils.lent import report_check, own
 
 def check(function):
     function = own(function)
     good = function([1, 4, 2]) == 4
-    hear(function.__name__, good)
+    report_check(function.__name__, good)
     if not good:
         raise ChecksFailed("one check failed")
 """
@@ -27,7 +27,7 @@ CELLS = {
     "rng = np.random.default_rng(1)\nrng.integers(9)",
     "look": "top = largest(numbers)\nprint(f'largest: {top + 1}')",
     "check": "check(largest)",
-    "stopped": "hear('largest', False, hangs=True)",
+    "stopped": "report_check('largest', False, hangs=True)",
     "use": "print('use', top * 2)",
     "define": "def twice(values):\n    return 2 * largest(values)",
     "call": "print('call', 1 + twice(numbers))",
@@ -45,7 +45,7 @@ DEFINE_FOUND = "def found(n):\n    return largest(list(range(n)))"
 RIGHT = "def largest(values):\n    return max(values)"
 NOTHING = "def largest(values):\n    max(values)"
 SPOILS = "def largest(values):\n    values.clear()\n    return 0"
-TWICE = "largest has not passed its check: this cell goes on with the course's answer."
+TWICE = "largest has not passed its check, so this cell continues with the course's answer."
 
 
 def stored_answers():
@@ -95,7 +95,7 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
     assert use.said == [
-        f"{TWICE} Yours is back when it passes, or when you run its own cell again."
+        f"{TWICE} Yours is used again when it passes, or when you run its cell again."
     ]
 
 
@@ -128,16 +128,16 @@ def test_a_students_cell_uses_the_students_function(run):
 def test_a_students_cell_says_which_names_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].said == [
-        "top was made with the course's answer for largest. Run the cell that makes it again, and "
-        "it is made with yours."
+        "top was computed with the course's answer for largest. To compute it with yours, run the "
+        "cell that makes it again."
     ]
-    assert ran[-1].said[0].startswith("mine was made with the course's answer for largest.")
+    assert ran[-1].said[0].startswith("mine was computed with the course's answer for largest.")
 
 
 def test_a_passed_check_restores_the_students_function(run):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
     ran = run("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
-    assert ran[6].said == ["largest has passed: from here on, the cells have yours again."]
+    assert ran[6].said == ["largest has passed, so the following cells use yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
     assert not [cell for cell in ran[7:] if cell.said]
 
@@ -152,8 +152,8 @@ def test_a_check_uses_the_students_helper(run):
 def test_data_that_a_function_changed_is_restored(run):
     ran = run("data", SPOILS, "look", "check", "first")
     assert ran[-1].printed == "first 3\n" and ran[-1].said == [
-        "largest has not passed its check: this cell goes on with its original input, "
-        "computed again."
+        "largest has not passed its check, so this cell continues with its original input, "
+        "which was computed again."
     ]
 
 

@@ -486,8 +486,8 @@ def test_a_car_that_sees_nothing_hits_a_crossing_child():
     trip = Trip(drive(street, find_nothing, seconds=8.0, clock=on_time, sensor=COARSE))
     assert trip.drive.hit is not None
     assert street.kind_of(trip.drive.hit) == "pedestrian"
-    assert "The drive ends at a person, at 30 km/h." in trip.report.collision
-    assert re.search(r"had a box in none of them", trip.report.collision)
+    assert "The car hits a person at 30 km/h." in trip.report.collision
+    assert re.search(r"never had a box", trip.report.collision)
     assert trip.drive.metres < 45
 
 
@@ -506,16 +506,16 @@ def test_braking_for_an_empty_box_is_needless():
     ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road
     trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
     braking = measure(trip).brakings[0]
-    assert braking.needless and braking.reason == "a box with nothing in it"
+    assert braking.needless and braking.reason == "a box without returns"
     assert min(moment.acceleration for moment in trip.moments) < -1
 
 
 @pytest.mark.parametrize(
     ("settings", "corners", "reason"),
     [
-        ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road taken for an obstacle"),
+        ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road mistaken for an obstacle"),
         ({"dirt": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "our own car"),
-        ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain taken for an obstacle"),
+        ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain mistaken for an obstacle"),
     ],
 )
 def test_the_cause_of_needless_braking_is_named(settings, corners, reason):
@@ -629,7 +629,7 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
 def test_results_add_up():
     both = Result(100.0, 2, 0, 1) + Result(50.0, 0, 1, 0)
     assert both == Result(150.0, 2, 1, 1)
-    assert str(both).strip() == "150 m, 2 needless brakings, 1 collision"
+    assert str(both).strip() == "150 m, 2 needless braking events, 1 collision"
 
 
 # Reports and films -------------------------------------------------------------------------
@@ -675,7 +675,7 @@ def test_the_command_explains_errors(tmp_path, capsys):
     assert command.main([str(tmp_path / "none.ipynb")]) == 2
     assert "There is no notebook" in capsys.readouterr().out
     assert command.main(["--to", "film.mp4"]) == 2
-    assert "A film is of one street" in capsys.readouterr().out
+    assert "A film shows a single street" in capsys.readouterr().out
     for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
         with pytest.raises(SystemExit):
             command.main(wrong)
@@ -754,29 +754,29 @@ def along_the_axes(points, labels):
 # Claims of lessons about a drive: a street, a detector, words that the report of the drive
 # contains, and words that it does not contain.
 CLAIMS = {
-    "06: -1.2 m is asphalt": (6, above(-1.2), "road taken for an obstacle", "ends"),
+    "06: -1.2 m is asphalt": (6, above(-1.2), "road mistaken for an obstacle", "hits"),
     "06: -0.6 m drives on": (6, above(-0.6), "", "needless"),
-    "05: 0.2 m is pieces": (11, within(0.2), "had a box in none", "needless"),
-    "05: 0.5 m is two people": (11, within(0.5), "a person", "ends"),
-    "06: -0.6 m is blind downhill": (16, above(-0.6), "The drive ends at a person", "needless"),
-    "07: 1.6 m is too narrow": (2, half_width(1.6), "The drive ends at a person", "needless"),
+    "05: 0.2 m is pieces": (11, within(0.2), "never had a box", "needless"),
+    "05: 0.5 m is two people": (11, within(0.5), "a person", "hits"),
+    "06: -0.6 m is blind downhill": (16, above(-0.6), "The car hits a person", "needless"),
+    "07: 1.6 m is too narrow": (2, half_width(1.6), "The car hits a person", "needless"),
     "05: 0.9 m is a box that jumps": (11, within(0.9), "8.6 s  a person in our lane", "needless"),
-    "05: and it is late": (11, within(0.9), "The drive ends at a person", "needless"),
-    "07: 6 m is enough": (2, half_width(6.0), "a person", "ends"),
-    "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "ends"),
+    "05: and it is late": (11, within(0.9), "The car hits a person", "needless"),
+    "07: 6 m is enough": (2, half_width(6.0), "a person", "hits"),
+    "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "hits"),
     "07: 2.2 m is late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
-    "07: and too late": (2, half_width(2.2), "The drive ends at a person", "needless"),
-    "09: 100 points drop a cyclist": (3, at_least(100), "The drive ends at a cyclist", "needless"),
-    "09: 10 points do not": (3, at_least(10), "a cyclist", "ends"),
-    "09: 1 point is rain": (8, at_least(1), "rain taken for an obstacle", "ends"),
+    "07: and too late": (2, half_width(2.2), "The car hits a person", "needless"),
+    "09: 100 points drop a cyclist": (3, at_least(100), "The car hits a cyclist", "needless"),
+    "09: 10 points do not": (3, at_least(10), "a cyclist", "hits"),
+    "09: 1 point is rain": (8, at_least(1), "rain mistaken for an obstacle", "hits"),
     "08: 12 degrees": (
         1,
         askew(chain(boxes=along_the_axes), 12.0),
-        "a car beside our lane",
-        "ends",
+        "a car next to our lane",
+        "hits",
     ),
     "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
-    "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "ends"),
+    "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "hits"),
     "09: 10 points drive on": (8, at_least(10), "", "rain"),
 }
 
@@ -824,16 +824,16 @@ def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, sc
 
 # Name of a wrong detector, a street, and words in the report of its drive.
 WRONG = [
-    ("returns no boxes", 2, "had a box in none"),
+    ("returns no boxes", 2, "never had a box"),
     ("one box around everything", 1, "needless: "),
-    ("boxes around parts of the road", 1, "road taken for an obstacle"),
+    ("boxes around parts of the road", 1, "road mistaken for an obstacle"),
     ("the road stays in", 1, "needless: "),
-    ("the ego car stays in", 10, "our own car taken"),
-    ("the minimum of lesson 09 on a thinned cloud", 14, "had a box in none"),
+    ("the ego car stays in", 10, "our own car mistaken"),
+    ("the minimum of lesson 09 on a thinned cloud", 14, "never had a box"),
     ("cars and walls are one cluster", 15, "needless: "),
-    ("small clusters stay", 8, "rain taken for an obstacle"),
-    ("the ground level is 0, as on a map", 2, "The drive ends at a person"),
-    ("a threshold far below the distance between points", 14, "The drive ends at a person"),
+    ("small clusters stay", 8, "rain mistaken for an obstacle"),
+    ("the ground level is 0, as on a map", 2, "The car hits a person"),
+    ("a threshold far below the distance between points", 14, "The car hits a person"),
 ]
 
 

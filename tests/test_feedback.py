@@ -400,7 +400,7 @@ def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
     assert "✗ Begin here: It parts" in text
     assert "Hint: Compare <cells>." in text
     assert "12 more cannot be tested before this is right." in text
-    assert text.count("Cannot be judged yet") == 0
+    assert text.count("This check waits") == 0
     assert "code cell 3, line 7 ( return a < b )" in text and "return a <= b" not in text
     assert "The last cell <b>breaks</b> off." in text
 

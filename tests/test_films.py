@@ -30,8 +30,8 @@ def box_of_everything(cloud):
 @pytest.mark.parametrize("renderer", ["pyvista", "matplotlib"])
 def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
-    if renderer == "pyvista" and opengl.obstacle():
-        pytest.skip(opengl.obstacle())
+    if renderer == "pyvista" and opengl.problem():
+        pytest.skip(opengl.problem())
     import imageio.v3 as imageio
 
     path = tmp_path / "film.mp4"

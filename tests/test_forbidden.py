@@ -14,7 +14,7 @@ from grader.sandbox import Limits
 from grader.sandbox.boundary import files_of_packages
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import StudentProxy
-from utils.checks.import_guard import Refusing
+from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
 
 # Import all public modules of some packages. For each that fails, record the exception and the
@@ -54,12 +54,12 @@ IN_A_NOTEBOOK = (
     SWEEP
     + """
 import json
-from utils.checks.import_guard import Refusing
+from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
 tops, without, forbidden, first = json.loads(sys.argv[1])
 for name in first:
     importlib.import_module(name)
-with Refusing(forbidden) as refusing:
+with BlockedModules(forbidden) as refusing:
     told = failures(tops, without, refusing.hide)
 left = [
     f"{name}.{inner}"
@@ -186,7 +186,7 @@ def test_hidden_modules_are_restored():
 
     function, near = csgraph.connected_components, [[0, 1], [0, 0]]
     before = dict(vars(library)), dict(vars(scipy.sparse)), dict(vars(csgraph))
-    with pytest.raises(ZeroDivisionError), Refusing(["scipy.sparse.csgraph"]):
+    with pytest.raises(ZeroDivisionError), BlockedModules(["scipy.sparse.csgraph"]):
         for reached in (
             library.connected_components,
             scipy.sparse.csgraph.connected_components,
@@ -209,10 +209,10 @@ def test_modules_that_are_not_forbidden_are_unchanged():
     names = [
         (vars(module), dict(vars(module))) for module in (scipy.spatial, sklearn.metrics.cluster)
     ]
-    with Refusing(["sklearn.cluster", "scipy.cluster"]):
+    with BlockedModules(["sklearn.cluster", "scipy.cluster"]):
         for now, before in names:
             assert now == before
-    with Refusing([]) as refusing:
+    with BlockedModules([]) as refusing:
         assert not refusing.hide()
 
 

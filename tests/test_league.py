@@ -427,7 +427,7 @@ def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox
     def unfair(submitted_files, lesson, number, seed, sandbox):
         driven = original(submitted_files, lesson, number, seed, sandbox)
         hit = submitted_files is None and number == 4
-        return replace(driven, collision="The drive ends at a person.") if hit else driven
+        return replace(driven, collision="The car hits a person.") if hit else driven
 
     monkeypatch.setattr(season, "drive_one", unfair)
     result = drive_the_class(course[0], sandbox)
@@ -456,10 +456,10 @@ HOSTILE = "<script>alert(1)</script>"
 def league_files(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film", lambda *about: None)
     drives = {
-        "ada": DriveResult(1, 90.0, brakings=("road taken for an obstacle, 9 m ahead, frame 31",),
-                           needless=(True,), near_misses=1),
+        "ada": DriveResult(1, 90.0, needless=(True,), near_misses=1,
+                           brakings=("road mistaken for an obstacle, 9 m ahead, frame 31",)),
         HOSTILE: DriveResult(1, 60.0,
-                             collision="The drive ends at a person, at 20 km/h. Seen never."),
+                             collision="The car hits a person at 20 km/h. Seen never."),
         "=1+1": DriveResult(1, stopped="detect_obstacles did not answer within 5 seconds."),
         "finn": DriveResult(1, fault="Traceback: something of ours"),
     }  # fmt: skip
@@ -473,9 +473,9 @@ def test_the_page_has_results_but_no_names(league_files):
     for name in ("ada", "finn", HOSTILE, "<script", "=1+1", "Traceback"):
         assert name not in text
     for words in (
-        "no part of any mark",
-        "It braked without a reason: road taken for an obstacle, 9 m ahead, frame 31.",
-        "The drive ends at a person, at 20 km/h.",
+        "does not affect any mark",
+        "It braked without a reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
+        "The car hits a person at 20 km/h.",
         "did not answer within 5 seconds",
         "not the detector&#39;s fault",
         "Near misses: 1.",

@@ -11,7 +11,7 @@ from tests.notebook_runs import children
 from tests.prerequisites import PATIENCE
 from utils.checks import check, checks_of, line_hint
 from utils.checks.core import ChecksFailed, run_check
-from utils.checks.line_hint import place_to_change
+from utils.checks.line_hint import find_line_hint
 
 CHECKS = checks_of("line_through")
 written = []
@@ -144,31 +144,31 @@ def text_of(line):
 
 
 def test_the_line_to_change_is_named():
-    place = place_to_change(wrong_sign, CHECKS, failed_checks(wrong_sign))
+    place = find_line_hint(wrong_sign, CHECKS, failed_checks(wrong_sign))
     (line,) = place.lines
     assert line.text == "return a, b, a * p[0] + b * p[1]"
     assert text_of(line) == line.text
-    assert place.sentence == f"One change in {line}, makes everything here green."
+    assert place.sentence == f"A single change in {line}, makes all checks here pass."
 
 
 def test_all_lines_that_can_be_changed_are_named():
-    place = place_to_change(turned_twice, CHECKS, failed_checks(turned_twice))
+    place = find_line_hint(turned_twice, CHECKS, failed_checks(turned_twice))
     assert [line.text for line in place.lines] == [
         "dx, dy = q[0] - p[0], q[1] - p[1]",
         "a = dy / length",
         "b = dx / length",
     ]
-    assert place.sentence.count(", or one in line") == 2
+    assert place.sentence.count(", or in line") == 2
     assert [text_of(line) for line in place.lines] == [line.text for line in place.lines]
 
 
 def test_many_possible_lines_give_no_hint(monkeypatch):
     monkeypatch.setattr(line_hint, "MOST_LINES", 2)
-    assert place_to_change(turned_twice, CHECKS, failed_checks(turned_twice)) is None
+    assert find_line_hint(turned_twice, CHECKS, failed_checks(turned_twice)) is None
 
 
 def test_two_mistakes_give_no_hint():
-    assert place_to_change(wrong_twice, CHECKS, failed_checks(wrong_twice)) is None
+    assert find_line_hint(wrong_twice, CHECKS, failed_checks(wrong_twice)) is None
 
 
 def test_the_change_must_pass_all_shown_checks():
@@ -178,14 +178,14 @@ def test_the_change_must_pass_all_shown_checks():
         raise AssertionError
 
     lost = line_hint.Check("lost", "line_through", "", "", run=never)
-    assert place_to_change(wrong_sign, [*CHECKS, lost], failed_checks(wrong_sign)) is None
+    assert find_line_hint(wrong_sign, [*CHECKS, lost], failed_checks(wrong_sign)) is None
 
 
 def test_the_search_has_no_visible_effects(capfd):
     failed = failed_checks(draws_and_prints)
     before, processes = len(written), threading.active_count()
     capfd.readouterr()
-    assert place_to_change(draws_and_prints, CHECKS, failed) is not None
+    assert find_line_hint(draws_and_prints, CHECKS, failed) is not None
     assert capfd.readouterr() == ("", "")
     assert len(written) == before
     assert threading.active_count() == processes
@@ -194,7 +194,7 @@ def test_the_search_has_no_visible_effects(capfd):
 @pytest.mark.parametrize("function", [writes_a_file, starts_a_program, asks_a_person])
 def test_functions_with_effects_outside_are_stopped(function, tmp_path, monkeypatch):
     monkeypatch.setenv("A_FILE", str(tmp_path / "file"))
-    assert place_to_change(function, CHECKS, CHECKS[:1]) is None
+    assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
     assert list(tmp_path.iterdir()) == []
 
 
@@ -202,7 +202,7 @@ def test_functions_with_effects_outside_are_stopped(function, tmp_path, monkeypa
 def test_an_endless_loop_is_stopped_in_time(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
     begin = time.monotonic()
-    assert place_to_change(never_ends, CHECKS, CHECKS[:1]) is None
+    assert find_line_hint(never_ends, CHECKS, CHECKS[:1]) is None
     assert time.monotonic() - begin < PATIENCE
 
 
@@ -210,7 +210,7 @@ def test_an_endless_loop_is_stopped_in_time(monkeypatch):
 def test_no_process_is_left(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
     others = children()
-    place_to_change(never_ends, CHECKS, CHECKS[:1])
+    find_line_hint(never_ends, CHECKS, CHECKS[:1])
     assert children() <= others
 
 
@@ -218,19 +218,19 @@ def test_no_process_is_left(monkeypatch):
     "function", [len, np.hypot, lambda p, q: (1.0, 0.0, 0.0), type("A", (), {})]
 )
 def test_a_function_without_source_gives_no_hint(function):
-    assert place_to_change(function, CHECKS, CHECKS[:1]) is None
+    assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
 
 
 def test_without_fork_there_is_no_hint(monkeypatch):
     monkeypatch.delattr(os, "fork")
-    assert place_to_change(wrong_sign, CHECKS, failed_checks(wrong_sign)) is None
+    assert find_line_hint(wrong_sign, CHECKS, failed_checks(wrong_sign)) is None
 
 
 def test_check_shows_the_hint_below_the_first_failure(capsys):
     with pytest.raises(ChecksFailed):
         check(wrong_sign, "line_through")
     output = capsys.readouterr().out
-    assert output.count("Where to look: One change in line ") == 1
+    assert output.count("Where to look: A single change in line ") == 1
     assert output.index("Where to look") < output.index(
         "[passed]" if "[passed]" in output else "[waiting]"
     )
@@ -247,7 +247,7 @@ def test_a_method_and_the_function_behind_it_get_a_line(kind, line):
     checks = checks_of("insert")
     failed = [each for each in checks if run_check(each, kind).failure]
     assert failed
-    place = place_to_change(kind, checks, failed)
+    place = find_line_hint(kind, checks, failed)
     assert [each.text for each in place.lines] == [line]
 
 
@@ -262,5 +262,5 @@ def returns_at_the_top(p, q):
 
 
 def test_the_first_line_of_a_function_is_never_named():
-    place = place_to_change(returns_at_the_top, CHECKS, failed_checks(returns_at_the_top))
+    place = find_line_hint(returns_at_the_top, CHECKS, failed_checks(returns_at_the_top))
     assert place is None or all("def " not in line.text for line in place.lines)

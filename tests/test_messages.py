@@ -275,7 +275,7 @@ def test_one_cause_is_shown_once_and_others_in_full():
         ),
         "2": Message("another"),
         "3": Message("For the same reason as “First”.", MessageKind.SAME_REASON, "First"),
-        "4": Message("Cannot be judged yet. First: First.", MessageKind.WAITING, "First"),
+        "4": Message("This check waits until First.", MessageKind.WAITING, "First"),
     }
 
 

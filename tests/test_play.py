@@ -64,7 +64,7 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
     assert play.main([str(folder), "--record", "folder.gif", "--camera", "topdown", *SMALL]) == 0
     assert Image.open("folder.gif").n_frames == 3
     assert play.main([str(folder / f"1{suffix}"), "--record", "one.png", *SMALL]) == 0
-    assert "only labelled recordings have boxes" in capsys.readouterr().out
+    assert "only the true boxes of labelled recordings" in capsys.readouterr().out
 
 
 def test_bags_are_opened_with_their_topic(monkeypatch):
@@ -189,17 +189,17 @@ class FakeWindow:
     opened = []
 
     def __init__(self, size, camera):
-        self.shown, self.open, self.halted, self.stayed = [], True, False, False
+        self.shown, self.open, self.paused, self.stayed = [], True, False, False
         self.opened.append(self)
 
-    def put(self, scene):
+    def show_scene(self, scene):
         self.shown.append(scene.caption)
         self.open = len(self.shown) < 2
 
     def refresh(self):
         pass
 
-    def stay(self):
+    def wait_until_closed(self):
         self.stayed = True
 
     def close(self):

@@ -64,7 +64,7 @@ def test_a_guess_is_kept_when_the_cell_runs_again(entry):
 
 
 def test_an_answer_must_be_one_of_the_choices():
-    with pytest.raises(ValueError, match="'maybe' is none of the choices: yes, no"):
+    with pytest.raises(ValueError, match="'maybe' is not one of the choices: yes, no"):
         predict("Well?", choices=["yes", "no"]).compare("maybe", "")
 
 

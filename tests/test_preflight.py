@@ -150,14 +150,14 @@ EARNS_EVERYTHING = {
         lambda notebook: json.dumps(
             notebook | {"cells": [*notebook["cells"], text("Größe")]}, ensure_ascii=False
         ).encode("cp1252", "replace"),
-        "not UTF-8",
+        "not encoded in UTF-8",
     ),
     "line ends of Windows": (
         lambda notebook: json.dumps(notebook, indent=1).replace("\n", "\r\n"),
         "",
     ),
     "zeros behind it": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
-    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "there is something else"),
+    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "something after the end"),
     "a second copy behind it": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
     "cut off after the answers": (
         lambda notebook: json.dumps(notebook)[: int(len(json.dumps(notebook)) * 0.98)],

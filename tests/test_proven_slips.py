@@ -24,7 +24,7 @@ from grader.sandbox.student import TOOK_TOO_LONG
 from grader.sandbox.time_budget import Budget
 from tests.students import student_with
 from utils.checks import Check, checks_of
-from utils.checks.diagnosis import Mistake, known_mistakes, player_of
+from utils.checks.diagnosis import Mistake, imitation_of, known_mistakes
 from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import once
@@ -563,15 +563,15 @@ def explains(monkeypatch):
                 for check, answer, right in zip(CHECKS, answers, QUESTIONS, strict=True)
             ]
 
-        def player_of(exercise, mistake, right):
+        def imitation_of(exercise, mistake, right):
             assert (exercise, right) == ("line_through", "the solution")
-            player = SimpleNamespace(plays=mistaken, same=same)
-            return player if played else None
+            imitation = SimpleNamespace(call=mistaken, same=same)
+            return imitation if played else None
 
         student = FakeStudent(function)
         monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
         monkeypatch.setattr(mistake_diagnosis, "run_checks", run_checks)
-        monkeypatch.setattr(mistake_diagnosis, "player_of", player_of)
+        monkeypatch.setattr(mistake_diagnosis, "imitation_of", imitation_of)
         monkeypatch.setattr(mistake_diagnosis, "_solution", lambda *about: "the solution")
         checks = frozenset(CHECKS[number] for number in lost)
         name = "".join(["line", "_through"])
@@ -645,9 +645,9 @@ def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
     assert checks_of(exercise)
     assert len(known_mistakes(exercise)) > 10
     for mistake in known_mistakes(exercise)[::step]:
-        player = player_of(exercise, mistake, right[exercise])
+        imitation = imitation_of(exercise, mistake, right[exercise])
         start = time.process_time()
-        student = student_with(lesson, {**right, exercise: player.plays})
+        student = student_with(lesson, {**right, exercise: imitation.call})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
         assert time.process_time() - start < 20, mistake.says  # seconds; each took 45 or more once
 

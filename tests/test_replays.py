@@ -118,10 +118,10 @@ def test_the_queue_matches_the_table_in_the_lesson():
     says = [step.says for step in run_of("euclidean_clustering").steps]
     assert says[1:7] == [
         "Point 0 gets label 1. In the queue: 0.",
-        "Point 0 is asked. Points 2 and 4 get label 1. In the queue: 2, 4.",
-        "Point 2 is asked. Point 5 gets label 1. In the queue: 4, 5.",
-        "Point 4 is asked. Nobody joins. In the queue: 5.",
-        "Point 5 is asked. Nobody joins. In the queue: nobody.",
+        "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
+        "Point 2 is visited. Point 5 gets label 1. In the queue: 4, 5.",
+        "Point 4 is visited. No point joins. In the queue: 5.",
+        "Point 5 is visited. No point joins. In the queue: no point.",
         "Point 1 gets label 2. In the queue: 1.",
     ]
     assert len(says) == 1 + len(GROUPS) + len(POINTS)
@@ -158,8 +158,8 @@ def test_a_class_with_a_stack_and_blank_labels_is_followed():
     run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
     says = [step.says for step in run.steps]
     assert run.wrong is None
-    assert "Point 0 is asked. Points 2 and 4 get label 1. In the queue: 2, 4." in says
-    assert "Point 4 is asked. Point 5 gets label 1. In the queue: 2, 5." in says
+    assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in says
+    assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in says
 
 
 def test_rounds_show_the_samples_of_the_generator():
@@ -177,17 +177,17 @@ WRONG = {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
         "labels from 0": ("Point 0 gets label 0", "from 1 to 5"),
         "compares the squared distance with the threshold": (
-            "Point 6 is asked",
+            "Point 6 is visited",
             "8 and 6 have the same",
         ),
         "compares the distance with the squared threshold": (
-            "Point 3 is asked",
+            "Point 3 is visited",
             "Point 7 is 0.71 m away",
         ),
-        "uses intensity as a coordinate": ("Point 0 is asked", "Point 2 is 0.47 m away"),
-        "forgets the height": ("Point 1 is asked", "and 9 have the same label"),
-        "the threshold is written into the function": ("Point 3 is asked", "Point 7 is 0.71 m"),
-        "a cluster never ends": ("Point 0 is asked", "for the second time"),
+        "uses intensity as a coordinate": ("Point 0 is visited", "Point 2 is 0.47 m away"),
+        "forgets the height": ("Point 1 is visited", "and 9 have the same label"),
+        "the threshold is written into the function": ("Point 3 is visited", "Point 7 is 0.71 m"),
+        "a cluster never ends": ("Point 0 is visited", "for the second time"),
         "everything is one cluster": ("Labels of points", "no chain of steps"),
         "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
         "each point gets the label of an earlier neighbour": (
@@ -195,40 +195,46 @@ WRONG = {
             "point 10 has 6",
         ),
         "increases the counter at every point": ("Point 6 gets label 7", "from 1 to 5"),
-        "returns after the first cluster": ("Point 5 is asked", "got no label"),
+        "returns after the first cluster": ("Point 5 is visited", "got no label"),
         "distances without an axis": ("Point 2 gets label 3", "point 0 has 1"),
         "distances along the wrong axis": ("Point 0 gets label 1", "raised ValueError"),
         "append instead of extend": ("Points 2 and 4 get label 1", "raised ValueError"),
         "no parentheses around the masks": ("Point 0 gets label 1", "raised TypeError"),
-        "adds the distances along the axes": ("Point 3 is asked", "Point 7 is 0.71 m away"),
+        "adds the distances along the axes": ("Point 3 is visited", "Point 7 is 0.71 m away"),
         "takes the longest distance along an axis": (
-            "Point 6 is asked",
+            "Point 6 is visited",
             "8 and 6 have the same label",
         ),
-        "forgets to return": ("Point 9 is asked", "returned None"),
+        "forgets to return": ("Point 9 is visited", "returned None"),
         "puts a mask into the queue": ("Points 2 and 4 get label 1", "raised ValueError"),
         "uses np.where, which returns a tuple": ("Points 2 and 4 get label 1", "raised ValueError"),
     },
     "ransac_line": {
-        "the last line instead of the best": ("Round 10", "Round 4 has 10 near points"),
+        "the last line instead of the best": (
+            "Round 10",
+            "Round 4 has 10 points within the threshold",
+        ),
         "replaces only the line, not the mask": ("Round 10", "but yours has 0"),
         "the line with the fewest inliers": ("Round 4", "is the line of round 2, with 2"),
-        "the mask of the last round, the line of the best": ("Round 10", "that of round 10"),
+        "the mask of the last round, the line of the best": (
+            "Round 10",
+            "the mask of round 10",
+        ),
         "no absolute value": ("Round 1", "Your mask has 17 points"),
         "the tolerance is squared": ("Round 1", "Your mask has 3 points"),
-        "the normal is not normalised": ("Round 1", "they are not the same"),
+        "the normal is not normalised": ("Round 1", "They are not the same points"),
         "always three hundred rounds": ("Round 11", "one sample more"),
         "always fifty rounds": ("Round 11", "one sample more"),
-        "indices instead of a mask": ("Round 10", "mask of its inliers were wanted"),
+        "indices instead of a mask": ("Round 10", "and the mask of its inliers"),
         "mask first, then the line": ("Round 10", "in this order"),
-        "returns the line only": ("Round 10", "mask of its inliers were wanted"),
-        "the points instead of a mask": ("Round 10", "mask of its inliers were wanted"),
+        "returns the line only": ("Round 10", "and the mask of its inliers"),
+        "the points instead of a mask": ("Round 10", "and the mask of its inliers"),
         "outliers instead of inliers": ("Round 1", "Your mask has 16 points"),
     },
     "ransac_plane": {
-        "the last sample wins": ("Round 10", "Round 5 has 36 near points"),
+        "the last sample wins": ("Round 10", "Round 5 has 36 points within the threshold"),
         "keeps the worst": ("Round 5", "of round 2, with 7"),
-        "refits the plane and keeps the old mask": ("Your answer", "they are not the same"),
+        "refits the plane and keeps the old mask": ("Your answer", "They are not the same points"),
         "always three hundred iterations": ("Round 11", "one sample more"),
         "always fifty iterations": ("Round 11", "one sample more"),
         "indices instead of a mask": ("Round 10", "in this order"),
@@ -237,8 +243,8 @@ WRONG = {
         "outliers instead of inliers": ("Round 5", "yours has 28"),
         "four columns in the sample": ("Round 1", "raised ValueError"),
         "every point is an inlier of a flat road": ("Your answer", "Your mask has 64 points"),
-        "the mask of the last sample": ("Round 10", "that of round 10"),
-        "the model of the last sample": ("Round 10", "that of round 5"),
+        "the mask of the last sample": ("Round 10", "the mask of round 10"),
+        "the model of the last sample": ("Round 10", "the mask of round 5"),
         "makes the normal long at the end": ("Your answer", "has length"),
     },
 }
@@ -371,23 +377,23 @@ def test_an_error_in_the_recorder_does_not_affect_the_answer():
 TREE_POINTS = [[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7], [-9, -5],
            [-8, 6], [7, -6], [-4, -3], [6, 4], [5, 8], [0, 9]]  # fmt: skip
 WRONG_SEARCHES = {
-    "else instead of a second if": (2, "to the right of node 1"),
-    "visits every node": (13, "nothing to its left can be near"),
+    "else instead of a second if": (2, "the right branch of node 1"),
+    "visits every node": (13, "Nothing to its left can be near"),
     "visits every node but ignores those out of place": (13, "to its left can be near"),
-    "prunes on one side only": (11, "nothing to its left can be near"),
-    "compares the squared distance with the tolerance": (6, "has not got it"),
-    "the sides are swapped": (1, "to the right of node 0"),
-    "the ends of the box are swapped": (2, "to the right of node 1"),
-    "returns at the first missing child": (3, "to the left of node 2"),
-    "the first axis is y": (6, "to the left of node 3"),
+    "prunes on one side only": (11, "Nothing to its left can be near"),
+    "compares the squared distance with the tolerance": (6, "does not contain it"),
+    "the sides are swapped": (1, "the right branch of node 0"),
+    "the ends of the box are swapped": (2, "the right branch of node 1"),
+    "returns at the first missing child": (3, "the left branch of node 2"),
+    "the first axis is y": (6, "the left branch of node 3"),
     "returns every visited node": (1, "Node 0 is 8.1 m away"),
     "returns each index twice": (2, "2 times"),
-    "forgets to return": (2, "has not got it"),
-    "skips everything below a distant node": (1, "to the right of node 0"),
-    "finds nothing": (0, "never goes on anywhere"),
-    "one if inside the other": (1, "to the right of node 0"),
-    "break instead of continue": (3, "to the left of node 2"),
-    "the depth does not grow on the left": (5, "to the left of node 3"),
+    "forgets to return": (2, "does not contain it"),
+    "skips everything below a distant node": (1, "the right branch of node 0"),
+    "finds nothing": (0, "never visits any node"),
+    "one if inside the other": (1, "the right branch of node 0"),
+    "break instead of continue": (3, "the left branch of node 2"),
+    "the depth does not grow on the left": (5, "the left branch of node 3"),
 }
 
 

@@ -17,8 +17,8 @@ from PIL import Image
 from tests.prerequisites import PATIENCE
 from utils.scene3d import CAMERAS, LAYERS, Camera, Scene, builders, opengl, output, solids, viewer
 from utils.scene3d.cameras import as_camera, cut_off
+from utils.scene3d.eye_dome import eye_dome
 from utils.scene3d.parts import Label, Points, Segments, dashed
-from utils.scene3d.shading import eye_dome
 
 PROJECT = Path(__file__).resolve().parent.parent
 SIZE = (240, 136)
@@ -28,8 +28,8 @@ BOX = np.array([[x, y, z] for z in (-1.7, 0.0) for y in (1, 3) for x in (4, 8)],
 
 @pytest.fixture(params=RENDERERS)
 def renderer(request):
-    if request.param == "pyvista" and opengl.obstacle():
-        pytest.skip(opengl.obstacle())
+    if request.param == "pyvista" and opengl.problem():
+        pytest.skip(opengl.problem())
     return request.param
 
 
@@ -205,7 +205,7 @@ def test_reference_boxes_are_dashed(street):
         next(part for part in scene.parts if isinstance(part, Segments))
         for scene in (Scene().add_boxes(BOX[None]), Scene().add_boxes(BOX[None], reference=True))
     )
-    assert len(plain.ends) == 12 and len(broken.ends) > 24 and broken.broken
+    assert len(plain.ends) == 12 and len(broken.ends) > 24 and broken.is_dashed
 
 
 def test_rows_and_boxes_with_nan_are_left_out_and_input_is_unchanged(street):
@@ -271,8 +271,8 @@ def test_an_empty_scene_and_tiny_clouds_are_drawn(renderer, street, rows):
 
 
 def test_both_renderers_draw_the_same(street):
-    if opengl.obstacle():
-        pytest.skip(opengl.obstacle())
+    if opengl.problem():
+        pytest.skip(opengl.problem())
     scene = Scene().add_cloud(street, size=4).only("data_points")
     first, second = (scene.picture("XY", size=SIZE, renderer=name) < 200 for name in RENDERERS)
     overlap = (first & second).any(-1).sum() / (first | second).any(-1).sum()
@@ -441,8 +441,8 @@ def test_importing_utils_stays_light():
 @pytest.mark.slow
 @pytest.mark.parametrize("screen", ["", ":99"])
 def test_standard_error_stays_empty_and_the_environment_unchanged(screen):
-    if opengl.obstacle():
-        pytest.skip(opengl.obstacle())
+    if opengl.problem():
+        pytest.skip(opengl.problem())
     after = f"import os; print(sorted(set({list(opengl.WITHOUT_SCREEN)}) & set(os.environ)))"
     done = run(DRAW.format(before="", after=after), DISPLAY=screen)
     assert done.stderr == ""

@@ -303,7 +303,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     begin = time.monotonic()
     shown = shown_by(function, capsys)
     assert time.monotonic() - begin < PATIENCE
-    assert "did not come back after 1 s, and was in the loop of line" in shown
+    assert "did not return within 1 s. It was in the loop in line" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
 
 
@@ -373,7 +373,7 @@ def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     declared("one")(lambda double: double(0))
-    assert "was in the loop of line" in shown_by(endless, capsys)
+    assert "was in the loop in line" in shown_by(endless, capsys)
     check(lambda x: x, "double")
     assert "[passed] one" in capsys.readouterr().out
 
@@ -460,7 +460,7 @@ def test_a_refused_module_is_the_only_message(capsys):
     with pytest.raises(ChecksFailed):
         check(function, "euclidean_clustering")
     shown = capsys.readouterr().out
-    assert "sklearn.cluster, which is not allowed" in shown and "the judge gives no points" in shown
+    assert "sklearn.cluster, which is not allowed" in shown and "The judge gives no points" in shown
     assert "[passed]" not in shown
 
 
@@ -482,7 +482,7 @@ def test_a_wrong_helper_of_the_same_lesson_is_named(capsys):
     )
     with pytest.raises(ChecksFailed):
         check(namespace["ransac_line"])
-    assert "which this calls, does not pass its own checks" in capsys.readouterr().out
+    assert "which this function calls, fails its own checks" in capsys.readouterr().out
 
 
 def test_a_summary_in_a_notebook_folds_and_colours():
@@ -501,7 +501,7 @@ def test_failures_fixed_by_one_edit_have_one_cause():
         for name in ("first", "second", "third")
     ]
     assert resolve(outcomes).others == tuple(outcomes[1:])
-    for about in ({"place": Line(3, "return x")}, {"alone": True}):
+    for about in ({"line_hint": Line(3, "return x")}, {"one_mistake": True}):
         story = resolve(outcomes, **about)
         assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())
 
@@ -515,7 +515,7 @@ def test_where_nothing_else_failed_a_precondition_is_told_itself():
     outcomes = [run_check(declared, sorts_and_collects) for declared in checks]
     assert [type(each.failure) for each in outcomes if each.failure] == [NotYet]
     story = resolve(outcomes)
-    assert "Cannot be judged yet" not in story.first.failure.message
+    assert "This check waits" not in story.first.failure.message
     assert story.first.failure.is_about_the_check and not story.waiting
     # The judge shows no more of a hidden test than the precondition.
     hidden = Check("test_all", "drop_invalid", "All", "")

@@ -67,36 +67,36 @@ def line_of(text):
         (
             mask_that_never_shrinks,
             "while queue.any():",
-            "Which line in it makes `queue.any()` false?",
+            "Which line of the loop makes `queue.any()` false?",
         ),
-        (no_way_out, "while True:", "Does it ever come to its `break` or `return`?"),
-        (list_that_grows, "for row in queue:", "Does it add to what it goes through"),
+        (no_way_out, "while True:", "Does the loop ever reach its `break` or `return`?"),
+        (list_that_grows, "for row in queue:", "Does the loop add items to what it goes through"),
     ],
 )
 def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch):
     name = function.__name__
     assert after(function, monkeypatch) == (
-        f"{name} did not come back after 0.2 s, and was in the loop of line {line_of(text)} of the "
+        f"{name} did not return within 0.2 s. It was in the loop in line {line_of(text)} of the "
         f"cell of {name}, `{text}`. {question}"
-        + (", or is there far too much of it?" if function is list_that_grows else "")
-        + " If a cell of yours hangs, press the stop button ■ above."
+        + (", or are there far too many items?" if function is list_that_grows else "")
+        + " If one of your cells hangs, press the stop button ■ in the toolbar."
     )
 
 
 def test_nested_loops_are_both_named(monkeypatch):
     said = after(loop_in_a_loop, monkeypatch)
     outer = f"line {line_of('while left > 0:')} of the cell of loop_in_a_loop, `while left > 0:`"
-    assert f"{outer}. " in said and ("Which of the two" in said) == ("`while place" in said)
+    assert f"{outer}. " in said and ("Which of the two loops" in said) == ("`while place" in said)
 
 
 def test_a_loop_in_a_called_function_is_named(monkeypatch):
     said = after(calls_another, monkeypatch)
-    assert said.startswith("calls_another did not come back")
-    assert "of the cell of no_way_out, `while True:`. Does it ever" in said
+    assert said.startswith("calls_another did not return within")
+    assert "of the cell of no_way_out, `while True:`. Does the loop ever" in said
 
 
 def test_without_a_visible_loop_the_message_asks_for_one(monkeypatch):
-    assert "after 0.2 s: is there a loop that never ends, or one that is far too slow?" in after(
+    assert "within 0.2 s: is there a loop that never ends, or one that is far too slow?" in after(
         loop_without_a_line, monkeypatch
     )
 
@@ -114,4 +114,4 @@ def test_the_time_limit_is_in_the_text_and_at_most_15_seconds(monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.3)
     for name in ("euclidean_clustering", "euclidean_clustering_accelerated"):
         failure = run_check(checks_of(name)[0], mask_that_never_shrinks).failure
-        assert failure.message.startswith(f"{name} did not come back after 0.3 s, and was in the")
+        assert failure.message.startswith(f"{name} did not return within 0.3 s. It was in the")

@@ -118,7 +118,7 @@ def cache_folder() -> Path:
     """Return the folder of cached data: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
     if folder := os.environ.get("LIDAR_LAB_CACHE"):
         return Path(folder).expanduser()
-    import platformdirs  # part of every Jupyter; Colab may lack pooch, which has the same function
+    import platformdirs  # pooch has the same function, but Colab may lack it
 
     return Path(platformdirs.user_cache_dir("lidar-obstacle-lab"))
 
@@ -145,7 +145,7 @@ class CachedFrames(Sequence):
         return len(self.numbers)
 
     def __getitem__(self, index: int | slice) -> Frame | CachedFrames:
-        """Read frame `index`; a slice is again a lazy sequence."""
+        """Read frame `index`; a slice gives another lazy sequence."""
         if isinstance(index, slice):
             return CachedFrames(self.stream, self.folder, self.numbers[index])
         path = self.path(index)
@@ -162,7 +162,7 @@ class CachedFrames(Sequence):
 
 
 def _simulator_version() -> str:
-    """Return a hash of the simulator's code, so that a change of it makes the frames again."""
+    """Return a hash of the simulator's code; if the code changes, the frames are made again."""
     folder = Path(__file__).parent / "simulator"
     code = b"".join(path.read_bytes() for path in sorted(folder.glob("*.py")))
     return hashlib.sha256(code).hexdigest()[:12]

@@ -1,7 +1,7 @@
 """The part of `utils` that works in the grader's sandbox; every other name does nothing there.
 
 Functions of a notebook may read clouds while they are judged. Checks run outside the sandbox, and
-plots are not looked at.
+plots are not needed.
 """
 
 from __future__ import annotations
@@ -19,10 +19,9 @@ INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn", "tqdm")
 """Packages that every answer may use, by their names on PyPI; a lesson may forbid parts of them."""
 
 ABSENT = (
-    "where notebooks are judged, there are only Python itself, NumPy, SciPy, Matplotlib, Shapely, "
-    "scikit-learn and tqdm"
+    "the judge has only Python itself, NumPy, SciPy, Matplotlib, Shapely, scikit-learn and tqdm"
 )
-"""Why a module is missing, for a sentence of `check` or of the judge."""
+"""Why a module is missing, for messages of `check` and of the judge."""
 
 CALL_SECONDS = 10.0
 """Seconds of work after which the judge stops an answer."""

@@ -1,4 +1,4 @@
-"""Play a stream of scans: live in a window where there is a screen, else into a film.
+"""Play a stream of scans in a window, or write a film if there is no screen.
 
     python -m utils.play city
     python -m utils.play cyclist --detector notebooks/stage4_realtime/12_streaming_obstacles.ipynb
@@ -169,7 +169,7 @@ def load_detector(
     if getattr(detect, "is_stub", False):
         raise ValueError(
             f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
-            "notebook; or leave the notebook out to see the true boxes."
+            "notebook; or leave out the notebook to see the true boxes."
         )
     parameters = inspect.signature(detect).parameters.values()
     known = [parameter.name for parameter in parameters][1:]
@@ -178,7 +178,7 @@ def load_detector(
     if unknown and not takes_all:
         raise ValueError(
             f"{DETECTOR} has no parameter {unknown[0]}. "
-            + (f"It has {', '.join(known)}." if known else "It has none but the cloud.")
+            + (f"It has {', '.join(known)}." if known else "Its only parameter is the cloud.")
         )
     return functools.partial(detect, **(settings or {})), tracker_of(functions)
 
@@ -194,17 +194,17 @@ def play(
     from utils.scene3d.with_pyvista import Window
 
     window = Window(size, CAMERAS[camera])
-    print("F1 to F4: cameras · space: halt · q: leave")
-    start, halted_for = time.monotonic(), 0.0
+    print("F1 to F4: cameras · space: pause · q: quit")
+    start, paused_for = time.monotonic(), 0.0
     for frame in watch(programme.frames, detect, tracker):
         if not window.open:
             break
-        window.put(programme.compose(frame))
-        while window.open and (window.halted or time.monotonic() - start - halted_for < frame.time):
-            halted_for += 0.02 if window.halted else 0.0
+        window.show_scene(programme.compose(frame))
+        while window.open and (window.paused or time.monotonic() - start - paused_for < frame.time):
+            paused_for += 0.02 if window.paused else 0.0
             time.sleep(0.02)
             window.refresh()
-    window.stay()
+    window.wait_until_closed()
     window.close()
 
 
@@ -238,8 +238,8 @@ def _run(options: argparse.Namespace) -> None:
         print(
             "No detector was given, so the boxes are the true ones, which the simulator knows."
             if options.what in SIMULATED
-            else "No detector was given, and only labelled recordings have boxes of their own. "
-            "Give your notebook: --detector 12_streaming_obstacles.ipynb"
+            else "No detector was given, so only the true boxes of labelled recordings are shown. "
+            "To see yours, add --detector 12_streaming_obstacles.ipynb"
         )
     if options.record is None and has_screen():
         play(programme, detect, options.camera, options.size, tracker)
@@ -268,8 +268,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "what",
         metavar="WHAT",
-        help=f"{', '.join(SIMULATED)}; {', '.join(RECORDED)} (fetched once); a folder of clouds, "
-        "a .bag, .db3 or .mcap recording, or one cloud",
+        help=f"{', '.join(SIMULATED)}; {', '.join(RECORDED)} (downloaded once); a folder of "
+        "clouds, a .bag, .db3 or .mcap recording, or one cloud",
     )
     parser.add_argument("--detector", metavar="NOTEBOOK", help=f"notebook with {DETECTOR}(cloud)")
     parser.add_argument(
@@ -280,16 +280,20 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="parameters of the detector, such as threshold=0.7",
     )
-    parser.add_argument("--record", type=Path, metavar="FILE", help="write a .mp4, .gif or .png")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="write an .mp4, .gif or .png file"
+    )
     parser.add_argument(
         "--camera",
         default="XY",
         type=_camera_name,
         metavar="CAMERA",
-        help=f"{', '.join(CAMERAS)} (XY)",
+        help=f"viewpoint: {', '.join(CAMERAS)} (default: XY)",
     )
-    parser.add_argument("--frames", type=_count, metavar="N", help="only the first N frames")
-    parser.add_argument("--size", type=_size, default=SIZE, metavar="WxH", help="pixels (960x540)")
+    parser.add_argument("--frames", type=_count, metavar="N", help="play only the first N frames")
+    parser.add_argument(
+        "--size", type=_size, default=SIZE, metavar="WxH", help="size in pixels (960x540)"
+    )
     for name, verb in (("show", "on"), ("hide", "off")):
         parser.add_argument(
             f"--{name}",
@@ -299,8 +303,8 @@ def _parser() -> argparse.ArgumentParser:
             metavar="LAYER",
             help=f"turn layers {verb}",
         )
-    parser.add_argument("--seed", type=int, default=0, help="another simulated street")
-    parser.add_argument("--topic", help="which clouds of a ROS recording")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the simulated street")
+    parser.add_argument("--topic", help="topic of a ROS recording")
     return parser
 
 
@@ -308,7 +312,7 @@ def _camera_name(text: str) -> str:
     for name in CAMERAS:
         if name.lower() == text.lower():
             return name
-    raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(CAMERAS)}")
+    raise argparse.ArgumentTypeError(f"{text!r} is not one of {', '.join(CAMERAS)}")
 
 
 def _setting(text: str) -> tuple[str, object]:
@@ -323,7 +327,7 @@ def _setting(text: str) -> tuple[str, object]:
 
 def _count(text: str) -> int:
     if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of frames from 1 on")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of frames, at least 1")
     return int(text)
 
 

@@ -40,7 +40,7 @@ class Prediction:
             If the answer is not one of the choices.
         """
         if self._choices and answer not in self._choices:
-            raise ValueError(f"{answer!r} is none of the choices: {', '.join(self._choices)}.")
+            raise ValueError(f"{answer!r} is not one of the choices: {', '.join(self._choices)}.")
         guess = "none yet" if self.guess is None else self._as_text(self.guess)
         rows = {"Your guess": guess, "Answer": self._as_text(answer)}
         show(*as_html_and_text(self._question, rows, why))
@@ -117,11 +117,11 @@ def predict(
     prediction = Prediction(question, tuple(choices), unit, digits)
     if hasattr(ipywidgets, "is_still"):
         options = f" ({', '.join(choices)})" if choices else ""
-        text = f"Your prediction. {question}{options} Write it down before you go on."
+        text = f"Your prediction. {question}{options} Write it down before you continue."
         show(escape(text), text)
         return prediction
     if choices:
-        # As wide as its longest choice, as a wrapped choice would overlap the next.
+        # As wide as its longest choice, because a wrapped choice would overlap the next one.
         entry = ipywidgets.RadioButtons(
             options=list(choices), value=prediction.guess, layout={"width": "max-content"}
         )

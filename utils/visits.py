@@ -2,7 +2,7 @@
 
 >>> with watched(tree) as visited:
 ...     tree.search(target, 0.5)
->>> fates(tree.root, visited)
+>>> node_states(tree.root, visited)
 """
 
 from __future__ import annotations
@@ -118,10 +118,12 @@ def place_of(root: Node | None, index: int) -> str:
 VISITED, PRUNED, NOT_YET = "looked at", "pruned", "not yet"
 
 
-def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -> dict[int, str]:
+def node_states(
+    root: Node | None, visited: Sequence[int], steps: int | None = None
+) -> dict[int, str]:
     """Return the state of each node after some steps of a search.
 
-    A branch counts as pruned once its parent was visited, if the search never visits a node in it.
+    A branch counts as pruned once its parent has been visited, if the search visits no node in it.
 
     Parameters
     ----------
@@ -140,7 +142,7 @@ def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -
     now, ever = set(visited[:steps]), set(visited)
     nodes = nodes_of(root)
     in_branch = {}
-    # Parents come before their children, so in reverse each child is done before its parent.
+    # Parents come before their children, so in reverse order each child comes before its parent.
     for node in reversed(nodes):
         branches = [in_branch.get(id(child), set()) for child in (node.left, node.right)]
         kinds = {kind for kind, which in (("now", now), ("ever", ever)) if node.index in which}
@@ -159,7 +161,7 @@ def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -
     return found
 
 
-def told(
+def describe_step(
     root: Node | None, visited: Sequence[int], step: int, target: ArrayLike, tolerance: float
 ) -> str:
     """Describe one step of a search in a sentence: the node, its cut, branches and distance.
@@ -168,16 +170,16 @@ def told(
     ----------
     root : node or None
     visited : sequence of int
-        As for `fates`, for the whole search.
+        As for `node_states`, for the whole search.
     step : int
         Counted from 1; 0 is before the search.
     target : (k,) array_like of float
     tolerance : float
     """
     if not 0 < step <= len(visited):
-        return "Before the search: only the root waits."
+        return "Before the search, only the root is waiting."
     node = next(node for node in nodes_of(root) if node.index == visited[step - 1])
-    states = fates(root, visited)
+    states = node_states(root, visited)
     axis = _depth_in(root, node) % len(target)
     branches = [
         f"{side} {'no node' if child is None else states[id(child)].replace(VISITED, 'searched')}"
@@ -185,7 +187,7 @@ def told(
     ]
     distance = math.dist(node.point, target)
     return (
-        f"node {node.index} cuts {'xyz'[axis]} at {node.point[axis]:g}, the box reaches from "
+        f"node {node.index} cuts {'xyz'[axis]} at {node.point[axis]:g}, and the box reaches from "
         f"{target[axis] - tolerance:g} to {target[axis] + tolerance:g}: {', '.join(branches)}; "
         f"{distance:.1f} m away: {'near' if distance <= tolerance else 'far'}"
     )

@@ -18,9 +18,9 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "league",
         run_league,
-        "Drive a car on each student's detector and rank the class: a game without marks. It "
-        "writes league/STAGE.html under pseudonyms, and report/league_STAGE.csv, which says who is "
-        "who.",
+        "Drive a car with each student's detector and rank the class. The league is a game and "
+        "never changes a mark. The command writes league/STAGE.html, which shows pseudonyms, and "
+        "report/league_STAGE.csv, which lists the real names.",
         "stage4_realtime",
     )
     league.add_argument("stage", metavar="STAGE", help="stage, such as stage4_realtime")
@@ -43,7 +43,7 @@ def run_league(options: argparse.Namespace) -> int:
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
-            f"No lesson of {options.stage} has a detector to drive on. Name one of: "
+            f"No lesson of {options.stage} asks for a detector. Choose one of: "
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
@@ -70,7 +70,7 @@ def run_league(options: argparse.Namespace) -> int:
     except (AlreadyRunning, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return commands.FAULT
-    print(f"League: {page}\nWho is who (do not show the class): {names_path}")
+    print(f"League: {page}\nReal names (do not show them to the class): {names_path}")
     for fault in season.faults:
         console.tell(f"Not driven: {fault}")
     return commands.FAULT if season.faults else commands.SUCCESS
@@ -82,7 +82,7 @@ def league_links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("league_*.csv")):
         stage = path.stem.removeprefix("league_")
         links.append(
-            (f"../league/{quote(stage)}.html", f"the league of {stage}, for a class to see")
+            (f"../league/{quote(stage)}.html", f"the league of {stage}, to show to the class")
         )
-        links.append((quote(path.name), f"who is who in the league of {stage}"))
+        links.append((quote(path.name), f"the real names in the league of {stage}"))
     return links

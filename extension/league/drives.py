@@ -1,8 +1,8 @@
 """Drive one street with one detector.
 
-The car, the street and the measurement are in this process, and the detector is in a sandbox. A
-scan goes in, boxes come out. The time for this does not count as long as it stays within the
-limits. Otherwise, on a shared machine, tenths of a second would decide about places.
+The car, the street and the measurement are in this process, and the detector is in a sandbox. It
+receives scans and returns boxes. Its computing time does not count within the limits, because on a
+shared machine tenths of a second would otherwise decide the ranking.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ DETECTOR = "detect_obstacles"
 SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MOST_BOXES = 300
-"""Most boxes accepted in a scan; one for every square metre in front of the car needs fewer."""
+"""Maximum number of boxes in a scan. One for every square metre in front of the car is fewer."""
 MOST_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
 FARTHEST = 1000.0
@@ -61,9 +61,9 @@ class DriveResult:
     collision : str
         A sentence about the collision; empty if there was none.
     brakings : tuple of str
-        The cause of each braking, in order.
+        The cause of each braking event, in order.
     needless : tuple of bool
-        Whether each of these brakings was unnecessary.
+        Whether each of these events was unnecessary.
     near_misses : int
         Number of near misses.
     stopped : str
@@ -73,7 +73,7 @@ class DriveResult:
     failure : str
         A sentence about its first failure.
     answers : str
-        Everything the detector answered, packed for `repeat_drive`.
+        All answers of the detector, packed for `repeat_drive`.
     starved : bool
         Whether it was stopped before it had used up its time, because this machine was busy.
     fault : str
@@ -111,7 +111,7 @@ def from_json(text: str) -> DriveResult:
 def drive_one(
     submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> DriveResult:
-    """Drive one street; takes and returns plain data, so any machine with the course can run it.
+    """Drive one street. It takes and returns plain data, so any machine with the course can run it.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def _result_of(
 
 
 class _SandboxedDetector:
-    """A detector in a sandbox; whatever it answers, the caller gets only a few finite boxes."""
+    """A detector in a sandbox; the caller gets only a few finite boxes, whatever it answers."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student
@@ -212,7 +212,7 @@ class _SandboxedDetector:
         try:
             boxes = checked_boxes(found)
         except Exception:  # NumPy may raise anything on untrusted data
-            return no_boxes, f"{DETECTOR} did not return boxes (N, 8, 3)."
+            return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
         if len(boxes) > MOST_BOXES:
             return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
         is_near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN

@@ -34,7 +34,7 @@ from utils.drive.streets import Street
 from utils.films.writers import suffix_of_films
 
 FILM_SIZE = (720, 404)
-"""Size of the film in pixels; at this size, the page has some megabytes."""
+"""Size of the film in pixels; at this size, the page takes a few megabytes."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class LeagueFilm:
 
 
 def page_path(course: Course, stage: str) -> Path:
-    """Return the path of the page on a stage."""
+    """Return the path of the page for a stage."""
     return course.root / "league" / f"{stage}.html"
 
 
@@ -126,7 +126,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 def events_of(result: DriveResult) -> Iterator[str]:
     """Yield sentences on what went wrong in a drive; they contain no text of the student."""
     if result.fault:
-        yield "It could not be driven here; this is not the detector's fault."
+        yield "This street could not be driven. That is not the detector's fault."
     if result.stopped:
         yield result.stopped
     if result.collision:
@@ -165,7 +165,7 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
         (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
     )
     comparison = (
-        f"{failed(street)} of the other {len(others)} students got no metres there."
+        f"{failed(street)} of the other {len(others)} students earned no metres there."
         if others
         else ""
     )

@@ -1,8 +1,8 @@
 """Count the metres of a league, and rank its entrants.
 
-Standing still earns nothing, and neither does driving blind. A street counts only if the car comes
-through it without a collision, and only for the metres beyond the distance in which a car that
-brakes at once stops.
+Standing still earns nothing, and neither does driving blind. A street counts only if the car has no
+collision in it, and only the metres count that are beyond the stopping distance of a car that
+brakes at once.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 
 NEEDLESS_COST = 10.0
-"""Metres deducted for a needless braking, on top of the metres that it loses."""
+"""Metres deducted for needless braking, in addition to the metres that it costs."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Standing:
     ----------
     entrant : Entrant
     place : int or None
-        Shared by all students with the same points; None for the entrants to compare with.
+        Shared by all students with the same points; None for the reference entrants.
     points : int
         Whole metres that count.
     drives : tuple of (Street, DriveResult, int)
@@ -46,7 +46,7 @@ class Standing:
 
     @property
     def needless(self) -> int:
-        """Number of needless brakings."""
+        """Number of needless braking events."""
         return sum(sum(result.needless) for _, result, _ in self.drives)
 
     @property

@@ -20,14 +20,14 @@ from grader.sandbox import Sandbox, SandboxUnavailable
 from utils.drive.streets import Street
 
 TRUE_BOXES, COURSE_DETECTOR = "the true boxes", "the course's detector"
-"""Names of the two entrants with which the class is compared."""
+"""Names of the two reference entrants, with which the class is compared."""
 
-PROCESS_DIED = "The process that drives ended twice. Is there enough memory?"
+PROCESS_DIED = "The process ended twice during this drive. Is there enough memory?"
 
 
 @dataclass(frozen=True)
 class Entrant:
-    """A student of the class, or an entrant to compare the class with.
+    """A student of the class, or a reference entrant.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Season:
     ----------
     lesson : Lesson
     streets : tuple of Street
-        Streets that count, because the true boxes come through them.
+        Streets that count, because a drive with the true boxes completes them.
     left_out : tuple of Street
         Streets in which even a drive with the true boxes fails.
     drives : dict of Entrant to dict of int to DriveResult
@@ -105,11 +105,11 @@ def drive_class(
     workers: int,
     progress: Callable[[int, int, object], None],
 ) -> Season:
-    """Drive all streets that have no stored drive; without a submission, drive nothing.
+    """Drive all streets without a stored drive. If there is no submission, drive none.
 
     The processes that drive exchange only data with this one, which reads and writes all files and
-    stores each drive as soon as it has ended. A drive is repeated once, on its own, if its process
-    died or if it got no processor.
+    stores each drive as soon as it has ended. A drive is repeated once, by itself, if its process
+    died or got no processor time.
 
     Parameters
     ----------

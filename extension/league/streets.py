@@ -1,8 +1,8 @@
 """The streets of a league, drawn from the course's secret seed, so that students cannot practise.
 
 In each street a vehicle blocks our lane until the car has waited for it. Further on, a road user
-comes into the way of a car that drives on. A car that sees nothing therefore hits one of them,
-whether it is fast or slow.
+gets in the way of the car. A car that sees nothing therefore hits one of them, whether it is fast
+or slow.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _cyclist(rng: np.random.Generator) -> dict:
 
 def _climb(rng: np.random.Generator) -> dict:
     return {
-        "title": "Up, in the rain",
+        "title": "Uphill in the rain",
         "slope": rng.uniform(0.035, 0.06),
         "rain": int(rng.integers(40, 70)),
         "actors": (adult(_later_place(rng), SPEED, side=int(rng.choice((-1, 1)))),),
@@ -88,7 +88,7 @@ KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
     _dirt,
     _crowd,
 )
-"""One function per street for its distinctive settings; everything else is the same in all."""
+"""One function per street, for the settings that differ from those of the other streets."""
 
 
 @functools.cache

@@ -27,7 +27,7 @@ from utils.checks.failures import (
     with_numbers,
 )
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import Story, hint_for
+from utils.checks.summary import Summary, hint_for
 from utils.checks.tips import tip_for
 from utils.remote_objects import ENDLESS
 
@@ -63,7 +63,7 @@ class Message:
     hint: str = ""
 
 
-def messages_of(story: Story) -> dict[Outcome, Message]:
+def messages_of(story: Summary) -> dict[Outcome, Message]:
     """Return the message on each failed check; a shared cause is explained once.
 
     Only the first failure has a hint, as in `check()`: the others may have a different cause than

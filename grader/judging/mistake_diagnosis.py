@@ -18,7 +18,7 @@ from grader.judging.runner import run_checks
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from utils.checks import Check
-from utils.checks.diagnosis import Mistake, player_of
+from utils.checks.diagnosis import Mistake, imitation_of
 from utils.notebooks import slicing
 
 
@@ -68,11 +68,11 @@ def explains(
     mistake : utils.checks.diagnosis.Mistake
     failed : frozenset of utils.checks.Check
     """
-    player = player_of(exercise, mistake, _solution(setting.lesson, exercise))
-    if player is None:
+    imitation = imitation_of(exercise, mistake, _solution(setting.lesson, exercise))
+    if imitation is None:
         return False
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
-        failed_alone = _failed_by(setting, student, exercise, player.plays)
+        failed_alone = _failed_by(setting, student, exercise, imitation.call)
         if failed_alone != failed:
             return False
         student.exercise = exercise
@@ -81,7 +81,7 @@ def explains(
         def compared(*arguments: object, **keywords: object) -> object:
             calls.append(True)
             answer = student_function(*arguments, **keywords)
-            if player.same(answer, player.plays(*arguments, **keywords)):
+            if imitation.same(answer, imitation.call(*arguments, **keywords)):
                 equal_answers.append(True)
             return answer
 

@@ -12,7 +12,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks import Check, CheckFailed
-from utils.checks.diagnosis import Mistake, asked_through, diagnose
+from utils.checks.diagnosis import Mistake, diagnose, object_to_diagnose
 from utils.checks.outcomes import Outcome
 
 
@@ -121,6 +121,6 @@ def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, M
         exercise = outcome.check.exercise
         if isinstance(outcome.failure, CheckFailed) and exercise not in found:
             student.begin_check(exercise)
-            found[exercise] = diagnose(exercise, getattr(student, asked_through(exercise)))
+            found[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
             student.note_failed_check()
     return {exercise: mistake for exercise, mistake in found.items() if mistake}

@@ -184,13 +184,13 @@ def _likeliest_first(
     """
     raised_at = _raising_lines(failed)
     hangs = any(_hangs(outcome.failure) for outcome in failed)
-    gave_nothing = any(getattr(outcome.failure, "yours", "") == "None" for outcome in failed)
+    returned_none = any(getattr(outcome.failure, "yours", "") == "None" for outcome in failed)
 
     def is_unlikely(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
         cell, first, last, text = numbered[1]
         words = text.split()
         ends = hangs and words[-1:] in (["return"], ["break"])
-        returns = gave_nothing and words[:1] == ["return"] and len(words) > 1
+        returns = returned_none and words[:1] == ["return"] and len(words) > 1
         return not (ends or returns) and not any(
             cell == raising_cell and first <= line <= last for raising_cell, line in raised_at
         )

@@ -46,7 +46,7 @@ def result_of(
     if carried:
         sentences, mistake, outcomes = [carried.sentence], None, carried.outcomes
     shareable_outcomes = [shareable(outcome, open_to_all=carried is None) for outcome in outcomes]
-    story = resolve(shareable_outcomes, mistake=mistake, alone=proven is not None)
+    story = resolve(shareable_outcomes, mistake=mistake, one_mistake=proven is not None)
     messages = messages_of(story)
     maxima = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(

@@ -29,7 +29,7 @@ from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
 from utils.checks import Check, checks_of
-from utils.checks.diagnosis import asked_through
+from utils.checks.diagnosis import object_to_diagnose
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
@@ -94,7 +94,7 @@ class _Runner:
         error = None
         try:
             with self.under_test(check):
-                check.run(getattr(self.proxy, asked_through(check.exercise)))
+                check.run(getattr(self.proxy, object_to_diagnose(check.exercise)))
         except Exception as caught:
             error = caught
         self.record(check, error)
@@ -230,7 +230,7 @@ def visible_calls(
 ) -> tuple[Callable[[], object], ...]:
     """Return the visible ones of some checks as callables that raise for a wrong answer."""
     return tuple(
-        functools.partial(check.run, getattr(student, asked_through(check.exercise)))
+        functools.partial(check.run, getattr(student, object_to_diagnose(check.exercise)))
         for check in checks
         if check.is_shown
     )

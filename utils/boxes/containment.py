@@ -48,6 +48,9 @@ def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
 
 
 def _beyond(offsets: np.ndarray, along: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Return how far offsets (n, 2) from the centre exceed half the sides; the first is `along`."""
+    """Return how far points are outside a rectangle, given their offsets (n, 2) from its centre.
+
+    `half` contains half the lengths of the side in the direction `along` and of the other side.
+    """
     across = np.array([-along[1], along[0]])
     return np.maximum(np.abs(offsets @ along) - half[0], np.abs(offsets @ across) - half[1])

@@ -1,4 +1,4 @@
-"""Broken versions of a function, shown in pictures, which students distinguish by small clouds.
+"""Broken versions of a function, which students expose with small clouds of points.
 
 >>> show_broken(euclidean_clustering)
 >>> tell_apart(euclidean_clustering, A=[[0, 0, 0], [0, 0, 2]])
@@ -36,11 +36,11 @@ def show_broken(function: Callable) -> None:
         return
     import matplotlib.pyplot as plt
 
-    function, shown = own(function), puzzle.shown
+    function, shown = own(function), puzzle.example
     try:
         with limited(SECONDS):
-            right = puzzle.ask(function, shown)
-            puzzle.seen_as(right)
+            right = puzzle.answer_of(function, shown)
+            puzzle.comparable(right)
             answers = {
                 letter: version.answer(function, shown)
                 for letter, version in puzzle.versions.items()
@@ -69,7 +69,7 @@ def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
         return
     unknown = [letter for letter in clouds if letter not in puzzle.versions]
     if unknown:
-        raise TypeError(f"There is no version {unknown[0]}: they are {', '.join(puzzle.versions)}.")
+        raise TypeError(f"There is no version {unknown[0]}, only {', '.join(puzzle.versions)}.")
     lines = {
         letter: _verdict(puzzle, own(function), letter, clouds.get(letter))
         for letter in puzzle.versions
@@ -85,7 +85,7 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
             f"There are no broken versions of {name!r}, only of {', '.join(PUZZLES)}."
         )
     if not is_written(function):
-        print(f"{name} is not written yet: there is nothing to break.")
+        print(f"{name} is not written yet, so there is nothing to break.")
         return None
     return PUZZLES[name]
 
@@ -100,29 +100,31 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
             return "… no cloud yet."
     except (TypeError, ValueError):
         cloud = np.empty(0)
-    if cloud.ndim != 2 or cloud.shape[1] != puzzle.shown.shape[1] or len(cloud) > MOST_ROWS:
+    if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
         return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
-        return "✗ Finite numbers, please: the versions differ on ordinary points."
+        return "✗ Use finite numbers. The versions differ on ordinary points."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
         with limited(SECONDS):
-            right = puzzle.seen_as(puzzle.ask(function, cloud))
+            right = puzzle.comparable(puzzle.answer_of(function, cloud))
             differ = [
                 name
                 for name in (letter, *others)
-                if not _same(right, puzzle.seen_as(puzzle.versions[name].answer(function, cloud)))
+                if not _same(
+                    right, puzzle.comparable(puzzle.versions[name].answer(function, cloud))
+                )
             ]
     except Exception as error:
         return f"✗ {_raised(error)}"
     if letter not in differ:
-        return f"✗ With this cloud {letter} answers as yours does."
-    line = f"✓ Told with {_rows(len(cloud))}. {version.says}"
+        return f"✗ With this cloud, {letter} gives the same answer as your function."
+    line = f"✓ Found with {_rows(len(cloud))}. {version.says}"
     if len(cloud) > version.smallest:
-        line += f" {_rows(version.smallest).capitalize()} can be enough."
+        line += f" {_rows(version.smallest).capitalize()} would be enough."
     if also := [name for name in differ if name != letter]:
         is_wrong = "is" if len(also) == 1 else "are"
-        line += f" {' and '.join(also)} {is_wrong} wrong with this cloud, too."
+        line += f" {' and '.join(also)} {is_wrong} also wrong with this cloud."
     return line
 
 

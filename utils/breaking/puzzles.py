@@ -1,6 +1,6 @@
 """Broken versions of a student's functions, made from right ones; this file has no solutions.
 
-A version calls the student's own function with other arguments, or spoils its answer.
+A version calls the student's own function with other arguments, or changes its answer.
 """
 
 from __future__ import annotations
@@ -40,25 +40,25 @@ class Puzzle:
 
     Attributes
     ----------
-    ask : callable
+    answer_of : callable
         Takes the right function and a cloud; returns the right answer.
-    seen_as : callable
+    comparable : callable
         Converts an answer to an array that is equal for equivalent answers.
     draw : callable
         Takes a cloud, an answer, the right answer, and axes.
     columns : str
         Names of the columns of a cloud.
-    shown : numpy.ndarray
+    example : numpy.ndarray
         The cloud for the pictures.
     versions : dict of str to Version
         The versions by letter.
     """
 
-    ask: Callable
-    seen_as: Callable
+    answer_of: Callable
+    comparable: Callable
     draw: Callable[[np.ndarray, object, object, Axes], object]
     columns: str
-    shown: np.ndarray
+    example: np.ndarray
     versions: dict[str, Version]
 
 
@@ -230,9 +230,9 @@ PUZZLES = {
         np.array(_STREET, dtype=float),
         {
             "A": Version(
-                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It forgets the height.", 2
+                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It ignores the height.", 2
             ),
-            "B": Version(_balls, "It compares with the first point of a cluster only.", 3),
+            "B": Version(_balls, "It compares points only with the first point of a cluster.", 3),
             "C": Version(
                 lambda cluster, cloud: _labels(cluster, cloud, THRESHOLD**0.5),
                 "It compares the squared distance with the threshold.",
@@ -247,9 +247,9 @@ PUZZLES = {
         "x, y, z, label",
         np.array(_LABELLED, dtype=float),
         {
-            "A": Version(_from_zero, "It begins with low = high = 0.", 1),
-            "B": Version(_without_gaps, "It counts labels from 1 to their number.", 1),
-            "C": Version(_of_noise_too, "It boxes label 0 like the others.", 1),
+            "A": Version(_from_zero, "It starts with low = high = 0.", 1),
+            "B": Version(_without_gaps, "It assumes that the labels have no gaps: 1, 2, 3, ...", 1),
+            "C": Version(_of_noise_too, "It also draws a box around label 0.", 1),
         },
     ),
     "euclidean_clustering_accelerated": Puzzle(
@@ -259,12 +259,12 @@ PUZZLES = {
         "x, y, z",
         np.array(_CROWDED, dtype=float),
         {
-            "A": Version(_first_of_cell, "Of each cell it asks the first point only.", 3),
+            "A": Version(_first_of_cell, "It looks only at the first point of each cell.", 3),
             "B": Version(
-                _touching_cells, "It joins what lies in cells that touch, and nothing else.", 2
+                _touching_cells, "It joins points if their cells touch, and no others.", 2
             ),
             "C": Version(
-                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It forgets the height.", 2
+                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It ignores the height.", 2
             ),
         },
     ),

@@ -1,11 +1,11 @@
 """Assertions shared by the checks of many exercises.
 
 Each assertion compares an answer with the expected one. Its failure says what differs and where,
-and how to draw the difference if a picture helps. Answers are accepted in any reasonable form:
-lists instead of arrays, float32, or other labels for the same clusters.
+and can draw the difference. Answers are accepted in any reasonable form: lists instead of arrays,
+float32, or other labels for the same clusters.
 
-Checks write `utils.plots` in full, so that it is loaded only when the first picture is drawn.
-Importing matplotlib is slow, and the judge does not need it.
+Checks write out `utils.plots` instead of importing names from it, so that it is loaded only when
+the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
-from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, in_few_words
+from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
 from utils.remote_objects import Observed, Remote
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
@@ -28,12 +28,12 @@ TOLERANCE = 1e-3
 
 @contextlib.contextmanager
 def needs(basic: str) -> Iterator[None]:
-    """Turn failures in the context into `NotYet`: a precondition of the property does not hold.
+    """Turn failures in the context into `NotYet`, because a precondition is not met.
 
     Parameters
     ----------
     basic : str
-        The precondition, as a clause: "the right points are left".
+        The precondition, as a clause: "the right points are kept".
     """
     try:
         yield
@@ -64,12 +64,12 @@ def frozen(value: object) -> object:
 
 
 def table(text: str) -> np.ndarray:
-    """Return the rows of numbers in a text, such as ``"1 2 0.5; 3 4 0.5"``; read-only."""
+    """Return a read-only array of the rows of numbers in a text, such as ``"1 2 0.5; 3 4 0.5"``."""
     return frozen(np.array([row.split() for row in text.split(";")], dtype=float))
 
 
 def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return points and the mask of those marked with a plus, from ``"8 8 -; 6.5 6.5 +"``.
+    """Return points and a mask of those with a plus, from a text such as ``"8 8 -; 6.5 6.5 +"``.
 
     Parameters
     ----------
@@ -90,12 +90,12 @@ def brief(value: object) -> str:
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
-        # NumPy shows the corners of each dimension, and their number doubles with each.
+        # NumPy shows the corners of an array, and each dimension doubles their number.
         shown = value if value.ndim <= 3 else value.reshape(-1)
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
     else:
-        text = in_few_words(value)  # a list may be long and contain longer lists
+        text = short_text(value)  # a list may be long and contain longer lists
     return text if len(text) <= 90 else text[:87] + "..."
 
 
@@ -126,7 +126,7 @@ def points_text(points: np.ndarray, digits: int = 2) -> str:
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
 
 
-# Types without rows: their values come one by one, or in no order.
+# Types that NumPy does not convert to an array of values, although list(...) does.
 _ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
 
 
@@ -135,10 +135,10 @@ def metres_text(distance: float, digits: int = 2) -> str:
     return f"{distance:.{digits}f} m"
 
 
-def texts_apart(
+def distinct_texts(
     show: Callable[[object, int], str], yours: object, expected: object
 ) -> tuple[str, str]:
-    """Return two values as texts, with as many digits as it takes to tell them apart.
+    """Return two values as texts with enough digits to make the texts differ.
 
     Parameters
     ----------
@@ -172,16 +172,16 @@ def as_array(
     most : int
         As for `utils.checks.size_limits.as_numbers`.
     each : str
-        The thing that one row describes, for the message.
+        What one row describes, for the message.
 
     Raises
     ------
     WrongForm
-        If the answer is None, not numeric, too large or of another shape.
+        If the answer is None, not numeric, too large or of the wrong shape.
     """
     if answer is None:
         raise WrongForm(
-            "The function returned None. Does every way through it end with `return`?",
+            "The function returned None. Does every path through it end with `return`?",
             yours="None",
             expected=what,
         )
@@ -195,21 +195,21 @@ def as_array(
         kind = getattr(answer, "type_name", "") or type(answer).__name__
         if kind in _ONE_BY_ONE:
             raise WrongForm(
-                f"The function returned a {kind}, expected {what}: wrap it in list(...).",
+                f"The function returned a {kind} instead of {what}. Convert it with list(...).",
                 yours=f"a {kind}",
                 expected=what,
             ) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
-            f"The function returned {'a pair' if pair else 'something else'}, expected {what}.",
+            f"The function returned {'a pair' if pair else 'something else'} instead of {what}.",
             yours=f"{kind}: {brief(answer)}",
             expected=what,
         ) from None
     if columns is not None:
         if each == "point" and _is_from_where(answer):
             raise WrongForm(
-                "These are the numbers of the rows, as np.where gives them: return the rows "
-                "themselves, cloud[mask].",
+                "These are row numbers in a tuple, as np.where returns them. Return the rows "
+                "themselves: cloud[mask].",
                 yours=brief(array[0]),
                 expected=what,
             )
@@ -225,26 +225,26 @@ def as_array(
 
 
 def _is_from_where(answer: object) -> bool:
-    """Return whether an answer is a tuple of one array of row numbers, as `np.where` gives it."""
+    """Return whether an answer is a tuple with one array of row numbers, as from `np.where`."""
     if not (isinstance(answer, tuple) and len(answer) == 1 and isinstance(answer[0], np.ndarray)):
         return False
     return answer[0].ndim == 1 and answer[0].dtype.kind == "i"
 
 
 def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
-    """Explain why an array does not have one row per point, or per other thing."""
+    """Explain why an array does not have one row for each point or other object."""
     is_cloud = each == "point"
     if is_cloud and array.dtype.kind in "iu" and array.ndim == 1:
-        return "If these are numbers of rows, return the rows themselves: cloud[rows]."
+        return "If these are row numbers, return the rows themselves: cloud[rows]."
     if is_cloud and array.dtype.kind == "b" and array.ndim == 1:
-        return "This is a mask, True or False for each point: return the rows, cloud[mask]."
+        return "This is a mask, with True or False for each point. Return the rows: cloud[mask]."
     if array.ndim == 2 and array.shape[0] == columns:
         return (
-            f"The answer has {columns} rows, as if each {each} stood in a column: one row per "
-            f"{each}, {columns} columns."
+            f"The answer has {columns} rows, as if each {each} were a column. Return one row per "
+            f"{each}, with {columns} columns."
         )
-    return f"The shape is {array.shape}, expected {columns} columns: one row per {each}" + (
-        ", the columns of the input." if is_cloud else "."
+    return f"The shape is {array.shape}. Return one row per {each}, with {columns} columns" + (
+        ", as in the input." if is_cloud else "."
     )
 
 
@@ -271,7 +271,7 @@ def in_shape(
     Raises
     ------
     WrongForm
-        If the shape is another one.
+        If the shape is different.
     """
     if yours.shape == expected or (yours.shape[:1] == (0,) == expected[:1]):
         return yours.reshape(expected)
@@ -279,19 +279,18 @@ def in_shape(
     words = ""
     if len(expected) == 1:
         if shape == () and n > 1:
-            words = " This is one number for all points: an axis= is missing."
+            words = " This is one number for all points, so an axis= is missing."
         elif shape == (n, 1):
             words = fixed(
-                " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
+                " Shape (n, 1) is a table with one column. Select it with [:, 0], or leave out the "
+                "None in [:, None]."
             )
         elif shape == (1, n):
-            words = fixed(" (1, n) is a table of one row: take [0].")
+            words = fixed(" Shape (1, n) is a table with one row. Select it with [0].")
         elif n > 1 and shape == (n, n):
-            words = fixed(" (n, n) comes from (n, 1) against (n,): both must be (n,).")
+            words = fixed(" Shape (n, n) results from (n, 1) and (n,). Both must be (n,).")
         elif columns and shape == (columns,):
-            words = (
-                f" There are {columns}, one for each column: {fixed('axis=1')} goes along a row."
-            )
+            words = f" There are {columns}, one for each column. Use {fixed('axis=1')}."
     raise WrongForm(
         f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
     )
@@ -315,14 +314,14 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         return
     sides = {"yours": _count(yours), "expected": _count(expected)}
     if len(yours) > len(cloud):
-        raise CheckFailed("There are more rows than the cloud has.", **sides)
+        raise CheckFailed("The answer has more rows than the cloud.", **sides)
     mine = _membership(cloud, yours)
     if mine is None:
         raise CheckFailed(
-            "Some of the returned rows are not rows of the cloud: values changed.",
+            "Some of the returned rows are not rows of the cloud: their values changed.",
             yours=brief(yours),
             expected=brief(expected),
-            hint="Rows go, or stay as they are: nothing is written into them.",
+            hint="Keep or drop whole rows, and do not write into them.",
         )
     if len(yours) == len(expected) and np.array_equal(mine, keep):
         raise CheckFailed(
@@ -338,7 +337,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
     if not parts and len(yours) < len(expected):
         parts.append("rows that occur twice are kept only once")
-    message = "; ".join(parts) or "some rows are there more than once"
+    message = "; ".join(parts) or "some rows occur more than once"
     raise CheckFailed(
         message[0].upper() + message[1:] + ".",
         **sides,
@@ -396,12 +395,12 @@ def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
     answer, cloud, keep : object
         As for `assert_places`.
     """
-    with needs("the right points are left"):
+    with needs("the right points are kept"):
         assert_places(answer, cloud, keep)
     yours, expected = _places(answer, cloud), cloud[keep, :3]
     if not _close(yours, expected):
         row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
-        mine, right = texts_apart(point_text, yours[row], expected[row])
+        mine, right = distinct_texts(point_text, yours[row], expected[row])
         raise CheckFailed(
             "These are the right rows in another order.",
             yours=f"row {row} is {mine}",
@@ -417,25 +416,25 @@ def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> N
     answer, cloud, keep : object
         As for `assert_places`.
     """
-    with needs("the right points are left"):
+    with needs("the right points are kept"):
         assert_places(answer, cloud, keep)
     yours, columns = as_array(answer), cloud.shape[1]
     if yours.ndim != 2 or yours.shape[1] != columns:
         raise CheckFailed(
-            "What is left does not have the columns of the cloud.",
+            "The remaining rows do not have the columns of the cloud.",
             yours=f"shape {yours.shape}",
             expected=f"shape {cloud[keep].shape}",
         )
     if _membership(cloud, yours) is None:
         raise CheckFailed(
-            "The places are right, the other columns are not those of their rows.",
+            "The coordinates are right, but the values in the other columns are not.",
             yours=brief(yours),
             expected=brief(cloud[keep]),
         )
 
 
 def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None:
-    """Assert that the answer is a table with columns but without rows.
+    """Assert that the answer is a table that has columns but no rows.
 
     Parameters
     ----------
@@ -452,14 +451,14 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
         yours = as_array(answer, columns=cloud.shape[1], what=wanted)
     if len(yours):
         raise CheckFailed(
-            "Nothing should be left here.",
+            "No rows should be left here.",
             yours=f"{len(yours)} row{'s' if len(yours) != 1 else ''}",
             expected="0 rows",
         )
 
 
 def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
-    """Return x, y and z of an answer made of rows of a cloud, which may lack the other columns."""
+    """Return x, y and z from rows of a cloud, which may lack the other columns."""
     wanted = "an array of rows of the cloud"
     yours = as_array(answer, what=wanted)
     if yours.ndim == 2 and yours.shape[1] == 3:
@@ -494,16 +493,16 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     if len(extra):
         row, partner = yours[extra[0]], expected[partners[extra[0]]]
         raise CheckFailed(
-            f"{_count(extra)} should not be there; beside the nearest right one:",
-            yours=brief(row),
-            expected=brief(partner),
+            f"{_count(extra)} should not be there.",
+            yours=f"for example {brief(row)}",
+            expected=f"the nearest right row is {brief(partner)}",
         )
     if len(np.unique(partners)) < len(expected):
-        raise CheckFailed("Some rows are there twice and others are missing.")
+        raise CheckFailed("Some rows occur twice, and others are missing.")
 
 
 def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
-    """Convert an answer to whole-numbered labels.
+    """Convert an answer to labels, which are whole numbers.
 
     Parameters
     ----------
@@ -511,7 +510,7 @@ def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
     n : int
         Number of points.
     of : str
-        The labelled things, if they are not points, for the message.
+        The labelled objects, if they are not points, for the message.
 
     Returns
     -------
@@ -521,11 +520,11 @@ def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
     labels = in_shape(labels, (n,), f"one label for each of the {n} {of}")
     if labels.dtype.kind == "b":
         raise WrongForm(
-            f"This is a mask, True or False for each of the {of}; labels are whole numbers.",
+            f"This is a mask, with True or False for each of the {of}. Labels are whole numbers.",
             yours=brief(labels),
         )
     if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
-        raise WrongForm("Labels are whole numbers.", yours=brief(labels))
+        raise WrongForm("Labels must be whole numbers.", yours=brief(labels))
     return labels.astype(np.int64)
 
 
@@ -550,7 +549,7 @@ def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
 
 
 def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
-    """Assert that the answer groups the points as `expected` does, under any labels.
+    """Assert that the answer groups the points as `expected` does, with any labels.
 
     Parameters
     ----------
@@ -566,16 +565,18 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     split = shared > number_expected
     merged = shared > number_yours
     message = {
-        (True, True): "Some clusters are torn apart and others run together.",
+        (True, True): "Some clusters are split and others are merged.",
         (True, False): "Points that belong together have different labels.",
         (False, True): "Points of different clusters have the same label.",
     }[split, merged]
     if expected.all() and not yours.all():
         without = np.count_nonzero(yours == 0)
-        message = f"{without} of {len(yours)} points have " + fixed("the label 0: no label yet.")
+        message = f"{without} of {len(yours)} points have " + fixed(
+            "the label 0, which means that they have no label yet."
+        )
         hint = (
-            "Labels start from 1. Let the loop go over every point: one without a label begins a "
-            "new cluster."
+            "Labels start at 1. Loop over every point. A point without a label begins a new "
+            "cluster."
         )
     raise CheckFailed(
         message,
@@ -615,7 +616,7 @@ def assert_close(
 
 
 def observe(function: Callable, *arguments: object) -> Observed:
-    """Call a function on copies of its arguments; return its result and the arguments afterwards.
+    """Call a function on copies of its arguments; return the result and the arguments after it.
 
     In the judge, the function is in the sandbox, and the call is observed there.
     """
@@ -634,7 +635,7 @@ def observe(function: Callable, *arguments: object) -> Observed:
 
 
 def timed(function: Callable, *arguments: object) -> tuple[object, float]:
-    """Call a function on copies of its arguments; return the answer and the seconds it took.
+    """Call a function on copies of its arguments; return the answer and the time in seconds.
 
     The time is processor time. A function in the sandbox is timed there.
     """
@@ -658,7 +659,7 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
 
 
 def reach(value: object, names: Sequence[str]) -> object:
-    """Follow a chain of attributes, as in `value.first.second`; one message for a remote value."""
+    """Return `value.first.second` for two names; a remote value needs only one message."""
     if isinstance(value, Remote):
         return value.reach(names)
     return attrgetter(".".join(names))(value)
@@ -666,10 +667,10 @@ def reach(value: object, names: Sequence[str]) -> object:
 
 def assert_untouched(function: Callable, *arguments: object) -> None:
     """Assert that the function does not change its arguments, whatever it returns."""
-    assert_left_alone(observe(function, *arguments), *arguments)
+    assert_arguments_unchanged(observe(function, *arguments), *arguments)
 
 
-def assert_left_alone(seen: Observed, *arguments: object) -> None:
+def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
     """Assert that an observed call did not change its arguments."""
     for before, after in zip(arguments, seen.arguments, strict=False):
         if not _unchanged(before, after):
@@ -680,15 +681,15 @@ def assert_left_alone(seen: Observed, *arguments: object) -> None:
 
 
 def _first_change(before: object, after: object) -> dict[str, str]:
-    """Return the first changed row of an argument, or all of it, as `yours` and `expected`."""
+    """Return texts of the first changed row, or of the whole argument, after and before the call."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
         return {"yours": brief(after), "expected": brief(before)}
     rows = zip(before, after, strict=True)
     row = next((row for row, (old, new) in enumerate(rows) if not _unchanged(old, new)), 0)
     return {
-        "yours": f"afterwards row {row} is {brief(after[row])}",
-        "expected": f"as before, {brief(before[row])}",
+        "yours": f"after the call, row {row} is {brief(after[row])}",
+        "expected": f"as before the call: {brief(before[row])}",
     }
 
 
@@ -696,8 +697,8 @@ def assert_new_array(function: Callable, *arguments: object) -> None:
     """Assert that the result does not share memory with an argument."""
     if observe(function, *arguments).shared:
         raise CheckFailed(
-            "The result is the input itself, or a part of it: whoever changes one changes both. "
-            "Return a new array."
+            "The result shares memory with the input, so a change to one changes both. Return a "
+            "new array."
         )
 
 

@@ -1,7 +1,7 @@
-"""Find slips that any exercise may have in the source of a function.
+"""Find slips in the source of a function that can occur in any exercise.
 
-A sentence states what the source says, so it is true whatever the function is meant to do. It is
-shown with a failed check if no known mistake explains the failure.
+Each sentence describes only the source, so it is true in every exercise. It is shown with a failed
+check if no known mistake explains the failure.
 """
 
 import ast
@@ -36,21 +36,21 @@ class CodeSlip:
     hint: str
 
 
-def code_slip(function: Callable, gave_nothing: bool) -> CodeSlip | None:
+def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
     """Return the first slip in the source of a function, or None.
 
     Parameters
     ----------
     function : callable
-    gave_nothing : bool
-        Whether a check failed because the answer was None. Other functions may print and return
-        nothing, such as the `insert` of a tree.
+    returned_none : bool
+        Whether a check failed because the answer was None. Otherwise the function may print
+        without returning anything, as the `insert` of a tree may.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body
         if isinstance(node, ast.FunctionDef) and isinstance(function, FunctionType):
             return (
-                (_prints(node) if gave_nothing else None)
+                (_prints(node) if returned_none else None)
                 or _returns_in_a_loop(node)
                 or _keeps_a_default(node)
                 or _reads_the_notebook(node, function)
@@ -76,7 +76,7 @@ def _prints(node: ast.FunctionDef) -> CodeSlip | None:
     if any(isinstance(part, ast.Call) and ast.unparse(part.func) == "print" for part in parts):
         return CodeSlip(
             "The function prints its result and returns nothing.",
-            "Return the result: print only shows it to you.",
+            "Return the result. `print` only displays it.",
         )
     return None
 
@@ -89,8 +89,8 @@ def _returns_in_a_loop(node: ast.FunctionDef) -> CodeSlip | None:
         jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _inside(loop))
         if not (is_endless or jumps):
             return CodeSlip(
-                "`return` is inside a loop, so the loop ends in its first round.",
-                "Move `return` one level out, after the loop.",
+                "`return` is inside a loop, so the loop ends after its first round.",
+                "Indent `return` one level less, so that it comes after the loop.",
             )
     return None
 
@@ -107,9 +107,9 @@ def _keeps_a_default(node: ast.FunctionDef) -> CodeSlip | None:
             target = part.target
         if isinstance(target, ast.Name) and target.id in kept:
             return CodeSlip(
-                f"`{target.id}` in the first line is made only once, so it keeps what earlier "
-                "calls put into it.",
-                "Make it inside the function, so that each call begins with a new one.",
+                f"The default value of `{target.id}` is created only once, so it keeps what "
+                "earlier calls put into it.",
+                "Create it inside the function, so that each call starts with a new one.",
             )
     return None
 
@@ -129,9 +129,9 @@ def _reads_the_notebook(node: ast.FunctionDef, function: FunctionType) -> CodeSl
     ]
     if unread and used:
         return CodeSlip(
-            f"The function reads the notebook's `{used[0]}`, and never its parameter "
+            f"The function uses the notebook's variable `{used[0]}` and never its own parameter "
             f"`{unread[0]}`.",
-            "Use the parameter: it holds the values with which the function is called.",
+            "Use the parameter. It holds the value that the function is called with.",
         )
     return None
 

@@ -1,7 +1,7 @@
 """Common checks for functions that return one box per cluster; see `common_checks`.
 
 The arguments of the case are `cloud`, with three columns, and `cluster_labels`, which start at 1.
-`expected` has one box per label; it is None if `look` can judge a box by the points alone.
+`expected` has one box per label; it is None if `compare` can judge a box by the points alone.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: flo
         weight=weight,
     )
     def check(function: Callable) -> None:
-        case.basic(function)
+        case.precondition(function)
         _labelled(case, labels).assert_right(function)
 
 
@@ -49,7 +49,7 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
         weight=weight,
     )
     def check(function: Callable) -> None:
-        case.basic(function)
+        case.precondition(function)
         _labelled(case, labels).assert_right(function)
 
 
@@ -81,7 +81,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
-            case.basic(function)  # stray points are not to blame if this fails as well
+            case.precondition(function)  # stray points are not to blame if this fails as well
             raise
 
 
@@ -98,7 +98,7 @@ def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
         weight=weight,
     )
     def check(function: Callable) -> None:
-        case.basic(function)
+        case.precondition(function)
         for cloud in (case.first, case.first[:0]):
             labels = np.zeros(len(cloud), dtype=int)
             as_cluster_boxes(function(cloud.copy(), labels.copy()), labels)

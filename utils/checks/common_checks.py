@@ -4,13 +4,13 @@ A lesson describes a plain call of its exercise once. For each promise, it then 
 weight and the texts. The promise becomes an ordinary visible check, in the order of declaration::
 
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
-                 expected=_INSIDE, look=assert_boxed, basic=assert_crops)
+                 expected=_INSIDE, compare=assert_boxed, precondition=assert_crops)
 
     common_checks.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
     common_row_checks.order(_CROP, "crops_in_order")
 
-Everything that is not a parameter is the same in all exercises. The promises of some kinds of
-exercises are in `common_row_checks`, `common_box_checks` and `common_cluster_checks`.
+Promises for certain kinds of exercises are in `common_row_checks`, `common_box_checks` and
+`common_cluster_checks`.
 """
 
 from __future__ import annotations
@@ -48,20 +48,20 @@ class Case:
         The arguments by name, in the order of the signature. Promises vary the first of them: a
         cloud, points or labels.
     expected : object
-        The value that `look` compares with. For a function that selects rows, the mask of the
-        rows to keep.
-    look : callable
+        The right answer, for `compare`. For a function that selects rows, the mask of the rows to
+        keep.
+    compare : callable
         Takes an answer, the arguments and `expected`; raises `CheckFailed` if the answer is wrong.
-    basic : callable, optional
-        Takes the function; raises `NotYet` if a precondition of the promises does not hold.
+    precondition : callable, optional
+        Takes the function; raises `NotYet` if a precondition of the promises is not met.
     """
 
     lesson: str
     exercise: str
     given: Mapping[str, object]
     expected: object
-    look: Callable
-    basic: Callable = _no_precondition
+    compare: Callable
+    precondition: Callable = _no_precondition
 
     @property
     def first(self) -> np.ndarray:
@@ -74,30 +74,30 @@ class Case:
         return copy.deepcopy(dict(self.given))
 
     @property
-    def by_itself(self) -> Case:
+    def without_precondition(self) -> Case:
         """The same call, judged without its precondition."""
-        return replace(self, basic=_no_precondition)
+        return replace(self, precondition=_no_precondition)
 
-    def of(self, first: np.ndarray, **more: object) -> Case:
+    def with_first(self, first: np.ndarray, **more: object) -> Case:
         """Return the same call with another first argument; `more` replaces other fields."""
         name = next(iter(self.given))
         return replace(self, given={**self.given, name: first}, **more)
 
-    def rows(self, which: slice | np.ndarray) -> Case:
+    def with_rows(self, which: slice | np.ndarray) -> Case:
         """Return the same call for some of the points; `expected` must have one entry for each."""
-        return self.of(self.first[which], expected=self.expected[which])
+        return self.with_first(self.first[which], expected=self.expected[which])
 
-    def ask(self, function: Callable) -> object:
+    def answer_of(self, function: Callable) -> object:
         """Return the answer of a function."""
         return function(*self.copies.values())
 
     def assert_right(self, function: Callable) -> None:
         """Assert that a function returns the expected answer."""
-        self.assert_right_answer(self.ask(function))
+        self.assert_right_answer(self.answer_of(function))
 
     def assert_right_answer(self, answer: object) -> None:
         """Assert that an answer is the expected one."""
-        self.look(answer, *self.given.values(), self.expected)
+        self.compare(answer, *self.given.values(), self.expected)
 
 
 @dataclass(frozen=True)
@@ -118,16 +118,16 @@ class Promise:
     name: str
 
 
-_MADE: list[Promise] = []
+_PROMISES: list[Promise] = []
 
 
-def made() -> tuple[Promise, ...]:
+def all_promises() -> tuple[Promise, ...]:
     """Return all promises of the imported lessons, in the order of their declaration."""
-    return tuple(_MADE)
+    return tuple(_PROMISES)
 
 
 def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
-    """Declare a function as the check of a promise.
+    """Return a decorator that makes a function the check of a promise.
 
     Parameters
     ----------
@@ -146,10 +146,10 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
         `CheckFailed` if that function breaks the promise.
     """
 
-    def declare(ask: Callable) -> Callable:
-        ask.__name__, ask.__module__ = name, case.lesson
-        _MADE.append(Promise(kind, case, name))
-        return visible(case.exercise, **words)(ask)
+    def declare(run: Callable) -> Callable:
+        run.__name__, run.__module__ = name, case.lesson
+        _PROMISES.append(Promise(kind, case, name))
+        return visible(case.exercise, **words)(run)
 
     return declare
 
@@ -169,13 +169,13 @@ def names(
     hint = f"{_FIRST_LINE}."
 
     @promise("names", case, name, title=title, why=why, hint=hint, weight=weight)
-    def ask(function: Callable) -> None:
-        case.basic(function)
+    def run(function: Callable) -> None:
+        case.precondition(function)
         case.assert_right_answer(function(**case.copies))
 
 
 def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
-    """Check that an argument may be omitted; decorate the function that omits it and asserts.
+    """Return a decorator for a function that omits an argument and asserts that it has its default.
 
     Parameters
     ----------
@@ -192,13 +192,15 @@ def default(case: Case, argument: str, *, title: str, why: str, weight: float = 
     """
     hint = f"{_FIRST_LINE}: {argument}."
 
-    def declare(look: Callable) -> Callable:
-        @promise("default", case, look.__name__, title=title, why=why, hint=hint, weight=weight)
-        def ask(function: Callable) -> None:
-            case.basic(function)
-            look(function)
+    def declare(assertion: Callable) -> Callable:
+        @promise(
+            "default", case, assertion.__name__, title=title, why=why, hint=hint, weight=weight
+        )
+        def run(function: Callable) -> None:
+            case.precondition(function)
+            assertion(function)
 
-        return look
+        return assertion
 
     return declare
 
@@ -212,13 +214,13 @@ def untouched(
     title: str = "Leaves its input untouched",
     weight: float = 1,
 ) -> None:
-    """Check that the function changes neither its arguments nor those of `in_full`."""
-    full = in_full(case.given)
+    """Check that the function changes neither its arguments nor those of `extended`."""
+    full = extended(case.given)
     is_more = any(full[argument] is not value for argument, value in case.given.items())
 
     @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
-    def ask(function: Callable) -> None:
-        case.basic(function)
+    def run(function: Callable) -> None:
+        case.precondition(function)
         assert_untouched(function, *case.given.values())
         if not is_more:
             return
@@ -231,10 +233,10 @@ def untouched(
             return  # other checks test whether it accepts four columns or a label 0
 
 
-def in_full(given: Mapping[str, object]) -> dict[str, object]:
-    """Extend the arguments of a call by everything that a function might write into.
+def extended(given: Mapping[str, object]) -> dict[str, object]:
+    """Extend the arguments of a call with everything that a function might overwrite.
 
-    Clouds get intensities, labels get a 0, and lines and planes get an offset from the origin.
+    Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
 
     Parameters
     ----------
@@ -266,14 +268,14 @@ def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> Non
         "three_columns",
         case,
         name,
-        title="Takes three columns as well as four",
-        why="Some files hold no intensity.",
+        title="Accepts three columns as well as four",
+        why="Some files contain no intensities.",
         hint=hint,
         weight=weight,
     )
-    def ask(function: Callable) -> None:
-        case.basic(function)
-        case.of(case.first[:, :3]).assert_right(function)
+    def run(function: Callable) -> None:
+        case.precondition(function)
+        case.with_first(case.first[:, :3]).assert_right(function)
 
 
 def fourth_column(
@@ -289,23 +291,24 @@ def fourth_column(
     """Check that intensities do not affect the answer; the case has three columns."""
 
     @promise("fourth_column", case, name, title=title, why=why, hint=hint, weight=weight)
-    def ask(function: Callable) -> None:
+    def run(function: Callable) -> None:
         try:
-            case.of(np.column_stack([case.first, intensities])).assert_right(function)
+            case.with_first(np.column_stack([case.first, intensities])).assert_right(function)
         except Exception:
-            case.basic(function)  # what is also wrong without intensities is not about them
+            # An answer that is also wrong without intensities fails another check.
+            case.precondition(function)
             raise
 
 
-# ---- one answer per point: `expected` has an entry for each -------------------------------------
+# ---- one number per point: `expected` has an entry for each -------------------------------------
 
 
 def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
-    """Check that one point gives one answer, and no points give none."""
-    hint = "Whole columns do it all: no loop over the points and no special case is needed."
+    """Check that the function returns one number for one point, and none for no points."""
+    hint = "Compute with whole columns. You need no loop over the points and no special case."
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
-    def ask(function: Callable) -> None:
-        case.basic(function)
+    def run(function: Callable) -> None:
+        case.precondition(function)
         for rows in (slice(1, 2), slice(0)):
-            case.rows(rows).assert_right(function)
+            case.with_rows(rows).assert_right(function)

@@ -32,8 +32,8 @@ def case_of(lesson: str, exercise: str) -> Case:
         exercise,
         {"cloud": GROUPS, "threshold": 1.0},
         expected=LABELS,
-        look=lambda answer, cloud, limit, labels: assert_clusters(answer, labels, cloud, limit),
-        basic=assert_works,
+        compare=lambda answer, cloud, limit, labels: assert_clusters(answer, labels, cloud, limit),
+        precondition=assert_works,
     )
 
 
@@ -64,7 +64,7 @@ def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1)
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(euclidean_clustering: Callable) -> None:
-        case.basic(euclidean_clustering)
+        case.precondition(euclidean_clustering)
         for columns in (3, 4):
             for n in (0, 1):
                 labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
@@ -87,7 +87,7 @@ def equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None
 
     @promise("equal_points", case, name, title="Gives equal points the same label", **words)
     def ask(euclidean_clustering: Callable) -> None:
-        case.basic(euclidean_clustering)
+        case.precondition(euclidean_clustering)
         answer = euclidean_clustering(_EQUAL.copy(), 0.8)
         assert_clusters(answer, np.array([1, 2, 1, 3, 1]), _EQUAL, 0.8)
 

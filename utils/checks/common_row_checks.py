@@ -42,7 +42,7 @@ def all_columns(
         weight=weight,
     )
     def check(function: Callable) -> None:
-        assert_all_columns(case.ask(function), case.first, case.expected)
+        assert_all_columns(case.answer_of(function), case.first, case.expected)
 
 
 def order(case: Case, name: str, *, weight: float = 1) -> None:
@@ -59,7 +59,7 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         weight=weight,
     )
     def check(function: Callable) -> None:
-        assert_order(case.ask(function), case.first, case.expected)
+        assert_order(case.answer_of(function), case.first, case.expected)
 
 
 def nothing_left(
@@ -71,7 +71,7 @@ def nothing_left(
 ) -> None:
     """Check clouds without points, with one point, and with only points that are removed."""
     cloud, removed = case.first, np.flatnonzero(~case.expected)[:3]
-    one_kept = case.rows(np.flatnonzero(case.expected)[:1])
+    one_kept = case.with_rows(np.flatnonzero(case.expected)[:1])
 
     @promise(
         "nothing_left",
@@ -83,10 +83,10 @@ def nothing_left(
         weight=weight,
     )
     def check(function: Callable) -> None:
-        case.basic(function)
-        columns = as_array(case.ask(function)).shape[1]
+        case.precondition(function)
+        columns = as_array(case.answer_of(function)).shape[1]
         for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
-            assert_nothing_left(case.of(few).ask(function), few, columns)
+            assert_nothing_left(case.with_first(few).answer_of(function), few, columns)
         one_kept.assert_right(function)
 
 
@@ -106,10 +106,10 @@ def array(case: Case, name: str) -> None:
     """Add a note, which costs no points, if the rows are in a list or lose their columns."""
 
     def check(function: Callable) -> None:
-        answer = case.ask(function)
+        answer = case.answer_of(function)
         if isinstance(answer, (list, tuple)):
             raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
-        without_rows = as_array(case.of(case.first[:0]).ask(function))
+        without_rows = as_array(case.with_first(case.first[:0]).answer_of(function))
         if without_rows.ndim == 1:
             raise CheckFailed(
                 "Without rows, the array has lost its columns, which later cells need.",

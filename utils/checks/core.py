@@ -14,9 +14,9 @@ from utils.checks.code_slips import code_slip
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
-from utils.checks.import_guard import Refusing
+from utils.checks.import_guard import BlockedModules
 from utils.checks.limits import TimeUp, limited
-from utils.checks.line_hint import place_to_change
+from utils.checks.line_hint import find_line_hint
 from utils.checks.outcomes import Check, Outcome
 from utils.checks.run_cache import one_run
 from utils.checks.static_analysis import (
@@ -26,28 +26,28 @@ from utils.checks.static_analysis import (
     refused_modules,
 )
 from utils.checks.summary import resolve
-from utils.checks.timeouts import loops_around, told_of
-from utils.checks.tips import place_in, tip_for
+from utils.checks.timeouts import explanation, loops_around
+from utils.checks.tips import locate, tip_for
 from utils.checks.waiting_cells import remember
 from utils.in_sandbox import ABSENT, CALL_SECONDS
-from utils.lent.events import hear
+from utils.lent.events import report_check
 from utils.lent.stubs import own
 
 if TYPE_CHECKING:
     from utils.checks.display import Table
 
-# More than any right answer needs on a slow machine. A student with an endless loop waits this
-# long.
+# More than any right answer needs on a slow machine. An endless loop is stopped after this time.
 SECONDS = 15
-# Processor time of all checks of an exercise; the solutions need less than one second.
+# Processor time for all checks of an exercise. An answer that needs more is right but slow; the
+# solutions need less than one second.
 SLOW_SECONDS = 4.0
 
-# The checks by exercise. Each module or package `lesson_NN` adds its own when it is imported.
+# The checks of each exercise. Importing a module or package `lesson_NN` adds its checks.
 _CHECKS: dict[str, list[Check]] = {}
 
 
 class ChecksFailed(AssertionError):
-    """Not all checks passed; a notebook shows one line of it, and plain nbgrader gives 0 points."""
+    """At least one check failed. A notebook shows only the message; nbgrader gives 0 points."""
 
     def _render_traceback_(self) -> list[str]:
         return [str(self)]
@@ -75,7 +75,7 @@ def visible(
     Raises
     ------
     ValueError
-        If another lesson has an exercise with that name, as its checks would count in both.
+        If another lesson has an exercise with that name, because its checks would count in both.
     """
 
     def declare(run: Callable) -> Callable:
@@ -84,7 +84,7 @@ def visible(
         if others and others[0].lesson != declared.lesson:
             raise ValueError(
                 f"{declared.lesson} and {others[0].lesson} both have an exercise {exercise}. "
-                "Give one of the two another name."
+                "Rename one of them."
             )
         others.append(declared)
         return run
@@ -138,8 +138,8 @@ def _all_of(exercise: str) -> list[Check]:
         # The order of the lessons does not depend on the order of imports.
         names = sorted(_CHECKS, key=lambda name: _CHECKS[name][0].lesson)
         raise LookupError(
-            f"There are no checks for {exercise!r}. Pass the function itself, "
-            f"under the name it was given: one of {', '.join(names)}."
+            f"There are no checks for {exercise!r}. Pass one of these functions, without renaming "
+            f"it: {', '.join(names)}."
         )
     return _CHECKS[exercise]
 
@@ -167,9 +167,10 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
 
 def _stopped(one_check: Check, over: TimeUp, function: Callable) -> Stopped:
     """Describe a call that exceeded its time limit, and the loop that it was in."""
-    begin = f"{one_check.exercise} did not come back after {SECONDS} s"
-    where = told_of(loops_around(over.__cause__, function), one_check.slow)
-    return Stopped(f"{begin}{where} If a cell of yours hangs, press the stop button ■ above.")
+    timeout = f"{one_check.exercise} did not return within {SECONDS} s"
+    reason = explanation(loops_around(over.__cause__, function), one_check.slow)
+    advice = "If one of your cells hangs, press the stop button ■ in the toolbar."
+    return Stopped(f"{timeout}{reason} {advice}")
 
 
 def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
@@ -177,7 +178,7 @@ def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFail
     exercise = one_check.exercise
     if isinstance(error, ImportError) and error.name in forbidden_in(one_check.lesson):
         return _refusal(exercise, [error.name])
-    kind, (name, place, line) = type(error).__name__, place_in(error, function)
+    kind, (name, place, line) = type(error).__name__, locate(error, function)
     if isinstance(error, NotImplementedError):
         return NotStarted(exercise, name or exercise)
     tip = tip_for(kind, str(error), line)
@@ -186,19 +187,19 @@ def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFail
 
 
 def check(function: Callable, exercise: str | None = None) -> None:
-    """Check an answer and show what is right, what is wrong and why it matters.
+    """Check your answer and show what is right, what is wrong and why it matters.
 
     Parameters
     ----------
     function : callable
         Your function or class for an exercise.
     exercise : str, optional
-        Name of the exercise, if a class contains several. By default, the function's own name.
+        Name of the exercise, if a class contains several. By default, the name of the function.
 
     Raises
     ------
     ChecksFailed
-        If a check fails, after everything has been shown.
+        If a check fails. All results are shown first.
     """
     from utils.checks.display import Table
 
@@ -209,64 +210,64 @@ def check(function: Callable, exercise: str | None = None) -> None:
     exercise = exercise or getattr(function, "__name__", str(function))
     checks = checks_of(exercise)
     table, begin = Table(checks), time.process_time()
-    if refused := refused_modules(_part(function, exercise), checks[0].lesson):
+    if refused := refused_modules(_method_or_function(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
-    elif absent := absent_modules(_part(function, exercise), checks[0].lesson):
+    elif absent := absent_modules(_method_or_function(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _absence(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
     seconds = time.process_time() - begin
     failed = [outcome for outcome in outcomes if outcome.failure]
-    mistake = blamed = place = slip = None
-    # A function that hung would hang again; unstarted and refused functions need no diagnosis.
+    mistake = wrong_helper = hint = slip = None
+    # A function that exceeded its time would do so again. Stubs and refusals need no diagnosis.
     if failed and not any(
         isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
-        mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
-        if not (mistake or blamed):
-            gave_nothing = any(outcome.failure.yours == "None" for outcome in failed)
-            slip = code_slip(_part(function, exercise), gave_nothing)
-        if not blamed and threading.current_thread() is threading.main_thread():
+        mistake, wrong_helper = _mistake(exercise, function), _find_wrong_helper(exercise, function)
+        if not (mistake or wrong_helper):
+            returned_none = any(outcome.failure.yours == "None" for outcome in failed)
+            slip = code_slip(_method_or_function(function, exercise), returned_none)
+        if not wrong_helper and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
-            place = place_to_change(function, checks, lost)
+            hint = find_line_hint(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
     has_notes = any(note.failure for note in notes)
-    story = resolve(outcomes, checks, mistake, notes, blamed, place, slip=slip)
+    summary = resolve(outcomes, checks, mistake, notes, wrong_helper, hint, slip=slip)
     if not failed and seconds > SLOW_SECONDS:
-        story = replace(story, notes=(*story.notes, _slowness(exercise, seconds)))
-    table.finish(story)
+        summary = replace(summary, notes=(*summary.notes, _slowness(exercise, seconds)))
+    table.finish(summary)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
-    remember(exercise, written, not (story.first or has_notes))
-    hear(exercise, not story.first, stopped)
-    if story.first:
-        raise ChecksFailed(story.in_one_line)
+    remember(exercise, written, not (summary.first or has_notes))
+    report_check(exercise, not summary.first, stopped)
+    if summary.first:
+        raise ChecksFailed(summary.in_one_line)
 
 
 def _slowness(exercise: str, seconds: float) -> Outcome:
-    """Return a note for an answer that is right and takes long."""
+    """Return the note on an answer that is right but slow."""
     note = Check(
         "is_slow",
         exercise,
-        title="Right, and slow",
+        title="The answer is right, but slow",
         hint="",
         weight=0,
         why="A scanner delivers ten scans a second.",
     )
     message = (
-        f"All checks together took {seconds:.0f} s. The judge may ask with larger clouds, and "
-        f"waits {CALL_SECONDS:.0f} s for each answer."
+        f"All checks together took {seconds:.0f} s. The judge may use larger clouds, and it waits "
+        f"at most {CALL_SECONDS:.0f} s for each answer."
     )
     return Outcome(note, CheckFailed(message))
 
 
-def _part(function: Callable, exercise: str) -> Callable:
-    """Return the method of an exercise if a class contains several exercises, else the function."""
+def _method_or_function(function: Callable, exercise: str) -> Callable:
+    """Return the method that solves an exercise if the function is a class, else the function."""
     return vars(function).get(exercise, function) if isinstance(function, type) else function
 
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
-    """Run checks with forbidden modules blocked; if one is used, return only that refusal."""
-    with Refusing(forbidden_in(checks[0].lesson)) as refusing:
+    """Run checks with forbidden modules blocked; if one is used, return only the refusal."""
+    with BlockedModules(forbidden_in(checks[0].lesson)) as refusing:
         outcomes = None
         while outcomes is None:
             outcomes = _run_each(checks, function, table, refusing)
@@ -276,12 +277,12 @@ def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> lis
 
 
 def _run_each(
-    checks: tuple[Check, ...], function: Callable, table: Table, refusing: Refusing
+    checks: tuple[Check, ...], function: Callable, table: Table, refusing: BlockedModules
 ) -> list[Outcome] | None:
     """Run checks and show each result; stop after a timeout, a stub or a refusal.
 
-    Return None if the function imported a forbidden module meanwhile. That module is blocked now,
-    so the checks have to start again.
+    Return None if the function has imported a forbidden module. That module is blocked now, so the
+    checks must start again.
     """
     outcomes = []
     with one_run():
@@ -299,7 +300,7 @@ def _refusal(exercise: str, modules: list[str]) -> Refused:
     names = " and ".join(modules)
     return Refused(
         f"{exercise} uses {names}, which is not allowed in this lesson: it does the exercise for "
-        "you. With it the judge gives no points, either."
+        "you. The judge gives no points for such an answer."
     )
 
 
@@ -316,7 +317,7 @@ def _mistake(exercise: str, function: Callable) -> Mistake | None:
         return None
 
 
-def _blamed(exercise: str, function: Callable) -> str | None:
+def _find_wrong_helper(exercise: str, function: Callable) -> str | None:
     """Return an exercise of the same lesson that the function calls and that fails its checks.
 
     Classes are not searched, as the exercises of a class call each other through it.

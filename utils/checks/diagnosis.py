@@ -1,8 +1,8 @@
 """Recognise known mistakes by their effect on the answers of a function.
 
 Each mistake predicts the answers of a function that makes it. A mistake is reported if the function
-gives the predicted answer to every case, and at least two of these differ from the right answer.
-No other mistake of the exercise may predict the same answers.
+returns the predicted answer in every case, if at least two of these answers are wrong, and if no
+other known mistake explains them.
 """
 
 import copy
@@ -15,7 +15,7 @@ import numpy as np
 
 from utils.checks.assertions import CheckFailed, as_array
 
-_TELLING_CASES = 2
+_LEAST_WRONG_ANSWERS = 2
 
 
 @dataclass(frozen=True)
@@ -25,17 +25,17 @@ class Mistake:
     Attributes
     ----------
     says : str
-        One sentence about the code: "`<` stands where `<=` is asked for."
+        One sentence about the code: "`<` is used instead of `<=`."
     predicts : callable
         Takes the right answer and the arguments of a case; returns the answer with the mistake.
     hint : str
         How to fix it; empty if the sentence says so already.
     is_cheap : bool
-        Whether the answer needs no work on the task, such as all labels equal. The mistake then
+        Whether the wrong answer takes no work, such as labels that are all equal. The mistake then
         does not prove a slip; only an edit does.
     is_the_task : bool
-        Whether avoiding the mistake is the point of the exercise. It then keeps fewer points than
-        another slip, and only an edit proves it.
+        Whether avoiding the mistake is the point of the exercise. The answer then keeps fewer
+        points than with another slip, and only an edit proves it.
     """
 
     says: str
@@ -51,8 +51,8 @@ class _Known:
     right: Callable
     mistakes: tuple[Mistake, ...]
     same: Callable
-    ask: Callable
-    through: str
+    call: Callable
+    class_name: str
 
 
 _KNOWN: dict[str, _Known] = {}
@@ -72,7 +72,7 @@ def same_array(answer: object, predicted: object) -> bool:
     )
 
 
-def _called(function: Callable, *case: object) -> object:
+def _plain_call(function: Callable, *case: object) -> object:
     return function(*case)
 
 
@@ -82,8 +82,8 @@ def mistakes(
     cases: Sequence[tuple],
     right: Callable,
     same: Callable = same_array,
-    ask: Callable = _called,
-    through: str = "",
+    call: Callable = _plain_call,
+    class_name: str = "",
 ) -> None:
     """Declare the known mistakes of an exercise.
 
@@ -92,23 +92,23 @@ def mistakes(
     exercise : str
     known : Mistake
     cases : sequence of tuple
-        Positional arguments of some small calls.
+        Positional arguments of a few small calls.
     right : callable
         Takes the arguments of a case; returns the right answer.
     same : callable
         Takes an answer and a prediction; returns whether they are equal.
-    ask : callable
+    call : callable
         Takes the function and the arguments of a case; returns the answer. By default, it calls
         the function with these arguments.
-    through : str
-        Name of the class that `ask` takes instead of the function, if the exercise is a method.
+    class_name : str
+        Name of the class that `call` takes instead of the function, if the exercise is a method.
     """
-    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, ask, through)
+    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, call, class_name)
 
 
-def asked_through(exercise: str) -> str:
-    """Return the name of the object that `diagnose` takes: the exercise, or its class."""
-    return exercise in _KNOWN and _KNOWN[exercise].through or exercise
+def object_to_diagnose(exercise: str) -> str:
+    """Return the name of the object that `diagnose` takes: the exercise, or the class around it."""
+    return exercise in _KNOWN and _KNOWN[exercise].class_name or exercise
 
 
 def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
@@ -117,23 +117,23 @@ def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
 
 
 def diagnose(exercise: str, function: Callable) -> Mistake | None:
-    """Return the only mistake that explains the answers of a function.
+    """Return the mistake that explains the answers of a function, if there is exactly one.
 
     Parameters
     ----------
     exercise : str
     function : callable
-        The student's function or class, or its proxy in the judge; see `asked_through`.
+        The student's function or class, or its proxy in the judge; see `object_to_diagnose`.
 
     Returns
     -------
     Mistake or None
-        None if no mistake or more than one explains the answers, or if a call fails.
+        None also if a call fails.
     """
     known = _KNOWN.get(exercise)
     if known is None:
         return None
-    fitting, telling = list(known.mistakes), Counter()
+    fitting, wrong_answers = list(known.mistakes), Counter()
     for case in known.cases:
         right = known.right(*copy.deepcopy(case))
         predicted = {
@@ -141,33 +141,35 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
             for mistake in fitting
         }
         try:
-            answer = known.ask(function, *copy.deepcopy(case))
+            answer = known.call(function, *copy.deepcopy(case))
             fitting = [mistake for mistake in fitting if known.same(answer, predicted[mistake])]
-        except Exception:  # from the student's code, or from comparing its unknown result
+        except Exception:  # in the student's code, or in comparing its result
             return None
-        telling.update(mistake for mistake in fitting if not known.same(right, predicted[mistake]))
-    fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
+        wrong_answers.update(
+            mistake for mistake in fitting if not known.same(right, predicted[mistake])
+        )
+    fitting = [mistake for mistake in fitting if wrong_answers[mistake] >= _LEAST_WRONG_ANSWERS]
     return fitting[0] if len(fitting) == 1 else None
 
 
 @dataclass(frozen=True)
-class Player:
-    """A function that makes exactly one mistake.
+class Imitation:
+    """A function that makes one known mistake and no other.
 
     Attributes
     ----------
-    plays : callable
+    call : callable
         The function, with the parameters of the exercise.
     same : callable
-        Takes a student's answer and an answer of `plays`; returns whether they are equal.
+        Takes a student's answer and an answer of `call`; returns whether they are equal.
     """
 
-    plays: Callable
+    call: Callable
     same: Callable
 
 
-def player_of(exercise: str, mistake: Mistake, right: Callable) -> Player | None:
-    """Build a function that makes exactly this mistake, from a right function.
+def imitation_of(exercise: str, mistake: Mistake, right: Callable) -> Imitation | None:
+    """Build a function that makes only this mistake, from a right function.
 
     Parameters
     ----------
@@ -178,17 +180,17 @@ def player_of(exercise: str, mistake: Mistake, right: Callable) -> Player | None
 
     Returns
     -------
-    Player or None
+    Imitation or None
         None if the exercise is not a plain function of its arguments, such as a method of a tree.
     """
     known = _KNOWN.get(exercise)
-    if known is None or known.ask is not _called or known.through:
+    if known is None or known.call is not _plain_call or known.class_name:
         return None
     signature = inspect.signature(right)
 
-    def plays(*arguments: object, **keywords: object) -> object:
+    def call(*arguments: object, **keywords: object) -> object:
         bound = signature.bind(*copy.deepcopy(arguments), **copy.deepcopy(keywords))
         bound.apply_defaults()
         return mistake.predicts(right(*copy.deepcopy(bound.args)), *bound.args)
 
-    return Player(plays, known.same)
+    return Imitation(call, known.same)

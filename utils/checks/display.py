@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.summary import Story, details
+from utils.checks.summary import Summary, details
 from utils.display import shell
 
-# White text on these colours has a contrast of at least 4.5:1. The word repeats the meaning.
+# White text on these colours has a contrast of at least 4.5:1. The words repeat what they mean.
 _STATES = {
     "passed": ("#1a7f4b", "✓ passed"),
     "failed": ("#c4420b", "✗ failed"),
@@ -40,18 +40,18 @@ class Table:
                 rows.append(_row("waiting", f"{self._checks[len(outcomes)].title}: running"))
             self._display(_table(rows), "checks are running")
 
-    def finish(self, story: Story) -> None:
+    def finish(self, summary: Summary) -> None:
         """Display all results, and the picture of the first failure."""
         if not self._in_notebook:
-            print(as_text(story))
+            print(as_text(summary))
             return
-        self._display(as_html(story), as_text(story))
-        if story.first and story.first.failure.draw:
+        self._display(as_html(summary), as_text(summary))
+        if summary.first and summary.first.failure.draw:
             import matplotlib.pyplot as plt
 
             opened = set(plt.get_fignums())
             try:
-                story.first.failure.draw()
+                summary.first.failure.draw()
             except Exception:  # an answer may be too wrong to be drawn
                 for figure in set(plt.get_fignums()) - opened:
                     plt.close(figure)
@@ -67,71 +67,73 @@ class Table:
             self._handle = display(data, raw=True, display_id=True)
 
 
-def as_text(story: Story) -> str:
-    """Format a story as plain text."""
-    if story.not_started:
-        return f"[not started] {story.first.failure.message}"
+def as_text(summary: Summary) -> str:
+    """Format a summary as plain text."""
+    if summary.not_started:
+        return f"[not started] {summary.first.failure.message}"
     lines = []
-    if story.first:
-        lines.append(f"[failed] {story.first.check.title}")
-        lines += [f"    {label}: {text}" for label, text in _all_details(story)]
-        lines += [f"    Where to look: {story.place.sentence}"] if story.place else []
-    lines += [f"    [failed] for the same reason: {outcome.check.title}" for outcome in story.same]
-    lines += [f"[failed] {o.check.title}: {o.failure.message}" for o in story.others]
-    lines += [f"[waiting] {outcome.check.title}" for outcome in story.waiting]
-    lines += [f"[passed] {outcome.check.title}" for outcome in story.passed]
+    if summary.first:
+        lines.append(f"[failed] {summary.first.check.title}")
+        lines += [f"    {label}: {text}" for label, text in _all_details(summary)]
+        lines += [f"    Where to look: {summary.line_hint.sentence}"] if summary.line_hint else []
+    lines += [
+        f"    [failed] for the same reason: {outcome.check.title}" for outcome in summary.same
+    ]
+    lines += [f"[failed] {o.check.title}: {o.failure.message}" for o in summary.others]
+    lines += [f"[waiting] {outcome.check.title}" for outcome in summary.waiting]
+    lines += [f"[passed] {outcome.check.title}" for outcome in summary.passed]
     lines += [
         f"[note] {outcome.check.title}: {outcome.failure.message} {outcome.check.why}"
-        for outcome in story.notes
+        for outcome in summary.notes
     ]
     return "\n".join(lines)
 
 
-def as_html(story: Story) -> str:
-    """Format a story as an HTML table."""
-    if story.not_started:
-        return _table([_row("not started", "", _line("", story.first.failure.message))])
+def as_html(summary: Summary) -> str:
+    """Format a summary as an HTML table."""
+    if summary.not_started:
+        return _table([_row("not started", "", _line("", summary.first.failure.message))])
     rows = []
-    if story.first:
-        body = "".join(_line(label, text) for label, text in _all_details(story))
-        if story.place:
+    if summary.first:
+        body = "".join(_line(label, text) for label, text in _all_details(summary))
+        if summary.line_hint:
             body += (
-                f"<details><summary>Where to look</summary>{_line('', story.place.sentence)}"
+                f"<details><summary>Where to look</summary>{_line('', summary.line_hint.sentence)}"
                 "</details>"
             ).replace("<br>", "")
-        if story.same:
+        if summary.same:
             body += (
-                f"<details><summary>{_count(story.same)} for the same reason</summary>"
-                f"{_titles(outcome.check for outcome in story.same)}</details>"
+                f"<details><summary>{_count(summary.same)} for the same reason</summary>"
+                f"{_titles(outcome.check for outcome in summary.same)}</details>"
             )
-        rows.append(_row("failed", story.first.check.title, body))
+        rows.append(_row("failed", summary.first.check.title, body))
     rows += [
         _row("failed", outcome.check.title, _line("", outcome.failure.message))
-        for outcome in story.others
+        for outcome in summary.others
     ]
-    rows += _rows("waiting", story.waiting, story)
-    rows += _rows("passed", story.passed, story)
+    rows += _rows("waiting", summary.waiting, summary)
+    rows += _rows("passed", summary.passed, summary)
     rows += [
         _row(
             "note", outcome.check.title, _line("", f"{outcome.failure.message} {outcome.check.why}")
         )
-        for outcome in story.notes
+        for outcome in summary.notes
     ]
     return _table(rows)
 
 
-def _all_details(story: Story) -> list[tuple[str, str]]:
+def _all_details(summary: Summary) -> list[tuple[str, str]]:
     """Return the details of the first failure, preceded by the function to fix first, if any."""
-    lines = details(story.first, story.mistake)
-    if story.blamed:
-        sentence = f"{story.blamed}, which this calls, does not pass its own checks."
-        lines.insert(0, ("Begin there", sentence))
+    lines = details(summary.first, summary.mistake)
+    if summary.wrong_helper:
+        sentence = f"{summary.wrong_helper}, which this function calls, fails its own checks."
+        lines.insert(0, ("Fix this first", sentence))
     return lines
 
 
-def _rows(state: str, outcomes: Sequence[Outcome], story: Story) -> list[str]:
+def _rows(state: str, outcomes: Sequence[Outcome], summary: Summary) -> list[str]:
     """Return one row per passed or waiting check; next to a failure, fold many rows into one."""
-    if story.first is None or len(outcomes) <= _MANY:
+    if summary.first is None or len(outcomes) <= _MANY:
         return [_row(state, outcome.check.title) for outcome in outcomes]
     titles = _titles(outcome.check for outcome in outcomes)
     summary = f"<summary>{len(outcomes)} checks</summary>"

@@ -1,4 +1,4 @@
-"""Declare the visible checks of an exercise in a few lines, by examples and promises.
+"""Declare the visible checks of an exercise in a few lines, as examples and promises.
 
 Each example is a call and its right answer::
 
@@ -9,8 +9,8 @@ Each example is a call and its right answer::
     total.example("adds_nothing", {"numbers": []}, 0.0, title="...", why="...", hint="...")
     total.promise("untouched", why="Later cells use the same numbers.")
 
-The lessons of the course write most checks by hand, with `utils.checks.core.visible`, because they
-say more about a wrong answer. Both kinds can be mixed.
+The lessons of the course write most checks by hand, with `utils.checks.core.visible`, because such
+checks say more about a wrong answer. An exercise can have both kinds.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.failures import CheckFailed, WrongForm
 
-# The promises, with their declaration, the name of the check, and words that may be left out.
 TOLERANCE = 1e-6
+# For each promise: the function that declares it, the name of the check, and default texts.
 PROMISES = {
     "names": (
         common_checks.names,
@@ -42,7 +42,7 @@ PROMISES = {
     "three_columns": (
         common_checks.three_columns,
         "takes_three_columns",
-        {"hint": "Use the columns x, y and z by number, and no others."},
+        {"hint": "Select the columns x, y and z by index, and use no others."},
     ),
 }
 
@@ -50,19 +50,19 @@ PROMISES = {
 class Exercise:
     """The visible checks of one exercise.
 
-    Creating an exercise declares its first check, the plain case. All other checks need it: while
-    it fails, they wait.
+    Creating an exercise declares its first check, the plain case. While it fails, all other checks
+    wait.
 
     Parameters
     ----------
     lesson : str
-        The module that declares the exercise: its `__name__`.
+        The `__name__` of the module that declares the exercise.
     name : str
         Name of the student's function.
     given : mapping of str to object
         The arguments of a plain call by name, in the order of the function's first line.
     expected : object
-        The right answer to it.
+        The right answer of that call.
     **words : object
         Title, why, hint and weight of the check, as `utils.checks.core.visible` takes them.
     """
@@ -70,19 +70,19 @@ class Exercise:
     def __init__(
         self, lesson: str, name: str, given: Mapping[str, object], expected: object, **words: object
     ) -> None:
-        plain = Case(lesson, name, given, expected, look=_look)
+        plain = Case(lesson, name, given, expected, compare=_compare)
 
         def require_plain_case(function: Callable) -> None:
-            with needs("the answer to a plain call is right"):
+            with needs("a plain call returns the right answer"):
                 plain.assert_right(function)
 
-        self._case = replace(plain, basic=require_plain_case)
+        self._case = replace(plain, precondition=require_plain_case)
         self._declare("plain_case", plain.assert_right, words)
 
     def example(
         self, name: str, given: Mapping[str, object], expected: object, **words: object
     ) -> None:
-        """Declare a check by another call.
+        """Declare a check that makes another call.
 
         Parameters
         ----------
@@ -97,14 +97,14 @@ class Exercise:
         """
         case = replace(self._case, given={**self._case.given, **given}, expected=expected)
 
-        def ask(function: Callable) -> None:
-            case.basic(function)
+        def run(function: Callable) -> None:
+            case.precondition(function)
             case.assert_right(function)
 
-        self._declare(name, ask, words)
+        self._declare(name, run, words)
 
     def promise(self, kind: str, **words: object) -> None:
-        """Declare a check of something that many exercises promise.
+        """Declare a check that many exercises share.
 
         Parameters
         ----------
@@ -119,20 +119,20 @@ class Exercise:
             If there is no such promise.
         """
         if kind not in PROMISES:
-            raise ValueError(f"There is no promise {kind!r}; choose {', '.join(PROMISES)}.")
+            raise ValueError(f"There is no promise {kind!r}. Use one of {', '.join(PROMISES)}.")
         declare, name, usual = PROMISES[kind]
         declare(self._case, name, **(usual | words))
 
-    def _declare(self, name: str, ask: Callable, words: Mapping[str, object]) -> None:
+    def _declare(self, name: str, run: Callable, words: Mapping[str, object]) -> None:
         def check(function: Callable) -> None:
-            ask(function)
+            run(function)
 
         check.__name__, check.__module__ = name, self._case.lesson
         visible(self._case.exercise, **words)(check)
 
 
 def assert_answer(answer: object, expected: object, given: str | None = None) -> None:
-    """Assert that an answer is right: numbers nearly, everything else exactly.
+    """Assert that an answer is right: numbers within a tolerance, everything else exactly.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def assert_answer(answer: object, expected: object, given: str | None = None) ->
     expected : object
         A number, a text, a truth value, or numbers in a list or array.
     given : str, optional
-        What the function was given, for the message.
+        The arguments of the call, for the message.
     """
     try:
         if _is_numeric(expected) and np.ndim(expected):
@@ -150,7 +150,7 @@ def assert_answer(answer: object, expected: object, given: str | None = None) ->
             if not np.isclose(number, expected, rtol=0, atol=TOLERANCE, equal_nan=True):
                 raise CheckFailed("The number is wrong.", **_both(answer, expected))
         elif type(answer) is not type(expected):
-            raise WrongForm("The answer is of another kind.", **_both(answer, expected))
+            raise WrongForm("The answer has the wrong type.", **_both(answer, expected))
         elif answer != expected:
             raise CheckFailed("The answer is wrong.", **_both(answer, expected))
     except CheckFailed as failure:
@@ -171,6 +171,6 @@ def _is_numeric(value: object) -> bool:
         return False
 
 
-def _look(answer: object, *given_and_expected: object) -> None:
+def _compare(answer: object, *given_and_expected: object) -> None:
     *given, expected = given_and_expected
     assert_answer(answer, expected, ", ".join(map(brief, given)))

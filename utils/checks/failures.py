@@ -1,6 +1,6 @@
-"""The ways in which an answer can fail, one exception class for each.
+"""Exceptions for the ways in which an answer can fail.
 
-Failures with the same `cause` are folded into one row.
+The notebook shows failures with the same `cause` in one row.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ def fixed(text: str) -> str:
     return NUMBER.sub(rf"{_BEGIN}\g<0>{_END}", text)
 
 
-def with_numbers(message: str, told: Callable[[str], str]) -> str:
+def with_numbers(message: str, replace: Callable[[str], str]) -> str:
     """Replace each number in the message of a check, except those protected by `fixed`.
 
     Parameters
     ----------
     message : str
         The message with its markers.
-    told : callable
-        Takes a number as text and returns its replacement.
+    replace : callable
+        Takes a number as text; returns its replacement.
     """
     parts = re.split(f"{_BEGIN}(.*?){_END}", message)
-    others = [NUMBER.sub(lambda number: told(number[0]), part) for part in parts[::2]]
+    others = [NUMBER.sub(lambda number: replace(number[0]), part) for part in parts[::2]]
     return "".join(itertools.chain(*itertools.zip_longest(others, parts[1::2], fillvalue="")))
 
 
 class CheckFailed(AssertionError):
-    """A property does not hold.
+    """The function does not have the property that a check tests.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class CheckFailed(AssertionError):
     marked : str
         The message with markers around the numbers that `fixed` protects.
     given, yours, expected : str or None
-        Short texts: the input of the smallest case, the student's answer and the right one.
+        Short texts that show the input, the student's answer and the right answer.
     draw : callable or None
         Takes no arguments; draws the difference with `utils.plots`.
     tip : str
@@ -90,7 +90,7 @@ class CheckFailed(AssertionError):
 
     @property
     def is_about_an_answer(self) -> bool:
-        """Whether there was an answer to judge, which a known mistake may explain."""
+        """Whether the function returned an answer, which a known mistake may explain."""
         return type(self) in (CheckFailed, WrongForm, FarTooMuch)
 
     @property
@@ -112,7 +112,7 @@ class FarTooMuch(WrongForm):
 
 
 class NotYet(CheckFailed):
-    """The property cannot be judged because a precondition does not hold.
+    """The property cannot be judged because a precondition is not met.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class NotYet(CheckFailed):
 
     def __init__(self, basic: str, reason: CheckFailed | None = None) -> None:
         self.basic, self.reason = basic, reason
-        super().__init__(f"Cannot be judged yet. First: {basic}.")
+        super().__init__(f"This check waits until {basic}.")
 
     @property
     def cause(self) -> Hashable:  # noqa: D102
@@ -152,8 +152,8 @@ class NotStarted(CheckFailed):
         self.stub, self.own = stub, stub == exercise
         if self.own:
             message = (
-                f"{exercise} is not started: replace `raise NotImplementedError` with your code, "
-                "run its cell, then this one."
+                f"{exercise} is not started. Replace `raise NotImplementedError` with your code, "
+                "run that cell, and then run this one."
             )
         else:
             message = f"{exercise} calls {stub}, which is not written yet. Write {stub} first."

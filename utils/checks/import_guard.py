@@ -1,7 +1,7 @@
 """Block the modules that a lesson forbids while a notebook checks a function.
 
-The judge's sandbox lacks these modules. In a notebook, other libraries have imported them, so
-student code could reach them through those libraries.
+The judge's sandbox does not have these modules. In a notebook, other libraries have imported them,
+so student code could reach them through those libraries.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from utils.notebooks.forbidden import StandIn, StandInModule, forbidden_part, st
 _CYTHON = "cython_function_or_method"
 
 
-class Refusing:
-    """Context manager that replaces the contents of some modules by stand-ins everywhere."""
+class BlockedModules:
+    """Context manager that replaces the contents of some modules with stand-ins everywhere."""
 
     def __init__(self, modules: Sequence[str]) -> None:
         self._modules, self._beginnings = modules, tuple(f"{module}." for module in modules)
         self._hidden: dict[str, ModuleType] = {}
         self._replaced: list[tuple[dict, str, object]] = []
 
-    def __enter__(self) -> Refusing:
+    def __enter__(self) -> BlockedModules:
         self.hide()
         return self
 
@@ -37,7 +37,7 @@ class Refusing:
             if isinstance(namespace.get(name), StandIn | StandInModule):
                 namespace[name] = value
         sys.modules.update(self._hidden)
-        # Modules imported meanwhile have copied stand-ins into their own namespaces.
+        # Modules imported in the meantime have copied stand-ins into their own namespaces.
         for namespace in _namespaces():
             for name, value in list(namespace.items()):
                 if isinstance(value, StandInModule):
@@ -46,7 +46,7 @@ class Refusing:
                     namespace[name] = getattr(sys.modules[value.__module__], value.__name__, value)
 
     def hide(self) -> bool:
-        """Hide those of the modules that are imported by now; return whether there were any new."""
+        """Hide the modules that have been imported by now; return whether any of them is new."""
         found = {
             name: module
             for name, module in list(sys.modules.items())
@@ -88,7 +88,7 @@ def _namespaces() -> Iterator[dict]:
 
 
 def _module_of(value: object) -> str:
-    """Return the name of a module, or of the module that defines a class or function; else ""."""
+    """Return the name of a module, or of the module that defines a class or function, or ""."""
     if isinstance(value, StandIn | StandInModule):
         return ""
     if isinstance(value, ModuleType):

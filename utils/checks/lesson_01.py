@@ -14,13 +14,13 @@ from utils.checks.assertions import (
     assert_nothing_left,
     assert_order,
     assert_places,
+    distinct_texts,
     frozen,
     in_shape,
     metres_text,
     needs,
     point_text,
     table,
-    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -54,7 +54,7 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
-        mine, right = texts_apart(metres_text, yours[wrong[0]], expected[wrong[0]])
+        mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(cloud)} distances {verb} wrong.",
             given=f"a point at {point_text(cloud[wrong[0]])}",
@@ -133,8 +133,8 @@ _STREET_CASE = Case(
     "horizontal_distance",
     {"cloud": _AT_ALL_HEIGHTS},
     expected=_DISTANCES,
-    look=assert_distances,
-    basic=require_distances_at_all_heights,
+    compare=assert_distances,
+    precondition=require_distances_at_all_heights,
 )
 common_checks.three_columns(
     _STREET_CASE,

@@ -14,12 +14,12 @@ from utils.checks.assertions import (
     as_array,
     brief,
     call_each,
+    distinct_texts,
     frozen,
     in_shape,
     metres_text,
     needs,
     point_text,
-    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -333,7 +333,7 @@ def assert_line_distances(
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
-        mine, right = texts_apart(metres_text, yours[wrong[0]], expected[wrong[0]])
+        mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(points)} distances {verb} wrong.",
             given=f"the line {brief(np.asarray(line))} and the point "
@@ -464,8 +464,8 @@ _PLAIN_CASE = Case(
     "point_line_distance",
     {"points": _POSITIVE_SIDE, "line": _SLANTED},
     expected=_DISTANCES,
-    look=assert_line_distances,
-    basic=require_plain_distances,
+    compare=assert_line_distances,
+    precondition=require_plain_distances,
 )
 common_checks.few_points(
     _PLAIN_CASE,
@@ -895,8 +895,8 @@ _RANSAC_CASE = Case(
         "rng": np.random.default_rng(2),
     },
     expected=None,
-    look=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
-    basic=require_line_among_outliers,
+    compare=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
+    precondition=require_line_among_outliers,
 )
 common_checks.untouched(
     _RANSAC_CASE,

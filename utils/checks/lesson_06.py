@@ -15,11 +15,11 @@ from utils.checks.assertions import (
     as_array,
     assert_nothing_left,
     assert_places,
+    distinct_texts,
     frozen,
     needs,
     points_text,
     table,
-    texts_apart,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -107,8 +107,8 @@ _GROUND_CASE = Case(
     "filter_ground",
     {"cloud": _GROUND_CLOUD, "ground_level": -1.2},
     expected=_IS_ABOVE,
-    look=lambda answer, cloud, level, keep: assert_no_ground_left(answer, cloud, keep, level),
-    basic=require_ground_removed,
+    compare=lambda answer, cloud, level, keep: assert_no_ground_left(answer, cloud, keep, level),
+    precondition=require_ground_removed,
 )
 
 
@@ -292,7 +292,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
     yours, right = assert_row_per_cell(answer, cloud, len(expected), size), expected[:, :3]
     if not _same_rows(yours, right):
         is_single = len(right) == 1
-        mine, expected_text = texts_apart(_points_or_count, yours, right)
+        mine, expected_text = distinct_texts(_points_or_count, yours, right)
         raise CheckFailed(
             "This is not the mean of the points in the cell."
             if is_single
@@ -520,8 +520,8 @@ _GRID_CASE = Case(
     "voxel_grid",
     {"cloud": _CELLS, "voxel_size": 0.2},
     expected=len(_CENTROIDS),
-    look=lambda answer, cloud, size, number: assert_row_per_cell(answer, cloud, number, size),
-    basic=require_row_per_cell,
+    compare=lambda answer, cloud, size, number: assert_row_per_cell(answer, cloud, number, size),
+    precondition=require_row_per_cell,
 )
 
 

@@ -291,8 +291,8 @@ _NEAR_CASE = Case(
     "filter_by_distance",
     {"cloud": _SCATTERED, "distance": 10.0},
     expected=_NEAR,
-    look=assert_points_left,
-    basic=require_near_points,
+    compare=assert_points_left,
+    precondition=require_near_points,
 )
 
 
@@ -436,8 +436,8 @@ _CROP_CASE = Case(
     "crop_region",
     {"cloud": _CROP_CLOUD, "minimum": _MINIMUM, "maximum": _MAXIMUM},
     expected=_INSIDE,
-    look=assert_points_left_by_box,
-    basic=require_crop,
+    compare=assert_points_left_by_box,
+    precondition=require_crop,
 )
 common_checks.names(
     _CROP_CASE,
@@ -557,8 +557,8 @@ _EGO_CASE = Case(
     "remove_ego_returns",
     {"cloud": _EGO_CLOUD, "minimum": _EGO_BOX[0], "maximum": _EGO_BOX[1]},
     expected=frozen(~_IS_EGO),
-    look=assert_points_left_by_box,
-    basic=require_ego_removed,
+    compare=assert_points_left_by_box,
+    precondition=require_ego_removed,
 )
 common_checks.names(
     _EGO_CASE,

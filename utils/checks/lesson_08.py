@@ -131,8 +131,8 @@ _THREE_CASE = Case(
     "get_bounding_boxes",
     {"cloud": _CLOUD, "cluster_labels": _LABELS},
     expected=_BOXES,
-    look=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
-    basic=require_three_boxes,
+    compare=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
+    precondition=require_three_boxes,
 )
 common_box_checks.gaps(
     _THREE_CASE,

@@ -268,8 +268,8 @@ _FILTERED_CASE = Case(
     "filter_clusters",
     {"cluster_labels": _LABELS, "min_num_points": 3},
     expected=_KEPT,
-    look=lambda answer, labels, minimum, kept: as_labels(answer, len(labels)),
-    basic=require_most_clusters_right,
+    compare=lambda answer, labels, minimum, kept: as_labels(answer, len(labels)),
+    precondition=require_most_clusters_right,
 )
 
 

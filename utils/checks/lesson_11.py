@@ -404,8 +404,8 @@ _BLOCK_CASE = Case(
     "principal_axes",
     {"points": _TURNED_BLOCK},
     expected=frozen(_axes_of(_SIDES[0], 50)),
-    look=lambda answer, points, axes: assert_directions(answer, axes),
-    basic=require_directions,
+    compare=lambda answer, points, axes: assert_directions(answer, axes),
+    precondition=require_directions,
 )
 common_checks.fourth_column(
     _BLOCK_CASE,
@@ -437,13 +437,13 @@ def works_on_few_points(principal_axes: Callable) -> None:
 
 
 common_checks.names(
-    _BLOCK_CASE.by_itself,
+    _BLOCK_CASE.without_precondition,
     "keeps_the_name",
     title="Keeps the name of the parameter",
     why="Other programs may call principal_axes(points=...), as the docstring allows.",
 )
 common_checks.untouched(
-    _BLOCK_CASE.of(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
+    _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step of the pipeline uses the same points.",
     hint="points - mean creates a new array. points -= mean changes the input.",
@@ -711,8 +711,8 @@ _BOXES_CASE = Case(
     "get_oriented_boxes",
     {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
     expected=None,
-    look=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
-    basic=require_straight_boxes,
+    compare=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
+    precondition=require_straight_boxes,
 )
 common_box_checks.gaps(
     _BOXES_CASE,
@@ -748,7 +748,7 @@ common_box_checks.no_boxes(
 )
 common_box_checks.fourth_column(_BOXES_CASE, "ignores_intensity_in_boxes")
 common_checks.names(
-    _BOXES_CASE.by_itself,
+    _BOXES_CASE.without_precondition,
     "keeps_the_names",
     why="Other programs may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,

@@ -1,6 +1,6 @@
 """Limits of time and memory for a check in a notebook.
 
-The judge's sandbox has limits of its own.
+The judge's sandbox has its own limits.
 """
 
 import _thread

@@ -1,8 +1,8 @@
 """Find the lines of a function in which one small change makes every visible check pass.
 
 The changed functions run in a forked copy of this process, which ends afterwards. The copy writes
-no files, opens no connections and draws nothing. It reports line numbers only, and only for
-changed functions that pass every check of the notebook.
+no files, opens no connections and draws nothing. It reports only line numbers, and only for
+changes with which every visible check passes.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from utils.display import shell
 from utils.notebooks import slicing
 from utils.notebooks.edits import Edit, edits_of
 
-# Limits for finding the first line, and for each further line. They are processor time, so that a
+# Seconds for finding the first line, and for each further line. They are processor time, so that a
 # busy machine finds the same lines; elapsed time may be PATIENCE times as long.
 SECONDS, SECONDS_FOR_OTHERS, PATIENCE = 3.0, 1.0, 5
-MOST_LINES = 3  # more lines would not say where to look
-# Limit for one check, as a change may cause an endless loop.
+MOST_LINES = 3  # a hint with more lines would not say where to look
+# Limit for one check, because a change may cause an endless loop.
 SECONDS_OF_A_CHECK = 0.5
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 # Audit events with effects outside the process: https://docs.python.org/3/library/audit_events.html
@@ -64,11 +64,11 @@ class LineHint:
     @property
     def sentence(self) -> str:
         """The hint for the student, as one sentence."""
-        named = ", or one in ".join(map(str, self.lines))
-        return f"One change in {named}, makes everything here green."
+        lines = ", or in ".join(map(str, self.lines))
+        return f"A single change in {lines}, makes all checks here pass."
 
 
-def place_to_change(
+def find_line_hint(
     function: Callable, checks: Sequence[Check], failed: Sequence[Check]
 ) -> LineHint | None:
     """Return the lines in each of which one change makes all checks pass.
@@ -143,8 +143,8 @@ def _passing(
 ) -> Iterator[int]:
     """Yield the first line of each edit with which all checks pass, without repetition.
 
-    Only the likeliest edits count, as unlikely ones undo a mistake far from where it was made. An
-    edit of the first line of the function, `def`, says nothing about its body.
+    Only the likeliest edits count, because an unlikely edit may be far from the mistake that it
+    cancels. An edit of the `def` line says nothing about the body of the function.
     """
     found, best = set(), None
     for number, changed in _changed(function, statement, edits):
@@ -158,7 +158,7 @@ def _passing(
 
 
 def _isolate() -> None:
-    """Keep output and side effects of this process from the notebook, files and the screen."""
+    """Keep the output and side effects of this process away from the notebook, files and screen."""
     with contextlib.suppress(Exception):
         shell().display_pub.publish = lambda *arguments, **keywords: None
     if "matplotlib" in sys.modules:
@@ -201,7 +201,11 @@ def _changed(
 
 
 def _written_for(exercise: str, function: Callable) -> Callable:
-    """Return the function itself, or the one that a method of a class contains or passes on to."""
+    """Return the function with the code of an exercise.
+
+    If a class contains the exercise, this is a method, or a function of the notebook with the same
+    name that the method calls.
+    """
     if not isinstance(function, type):
         return function
     method = vars(function).get(exercise)
@@ -212,7 +216,7 @@ def _written_for(exercise: str, function: Callable) -> Callable:
 
 
 def _class_with(kind: type, name: str, changed: FunctionType) -> type:
-    """Return a subclass in which a method, or the function that it passes on to, is another one."""
+    """Return a subclass in which `changed` replaces a method, or the function that it calls."""
     if _written_for(name, kind) is vars(kind).get(name):
         return type(kind.__name__, (kind,), {name: changed})
     methods = {

@@ -24,12 +24,12 @@ class Check:
         Share of the exercise's points, relative to the other checks; 0 for a note, which costs no
         points.
     why : str
-        The consequence for the car, or for later cells, if the property does not hold.
+        The consequence for the car, or for later cells, if the function lacks the property.
     run : callable or None
-        Takes the function; raises `CheckFailed` if the property does not hold. None for a hidden
-        check, which the judge runs as a pytest test.
+        Takes the function; raises `CheckFailed` if the function lacks the property. None for a
+        hidden check, which the judge runs as a pytest test.
     slow : str
-        Question to show after a timeout, if the usual cause is not an endless loop.
+        Question to show after a timeout, if the usual cause has a better one than the default.
     """
 
     name: str

@@ -26,7 +26,9 @@ def one_run() -> Iterator[None]:
 
 
 def once(assertion: Callable[..., None]) -> Callable[..., None]:
-    """Decorate an assertion about a function: it runs once per run, and its failure is repeated.
+    """Decorate an assertion about a function, so that it runs only once per run of checks.
+
+    If it failed, the failure is raised again.
 
     Parameters
     ----------
@@ -56,21 +58,21 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
     return cached
 
 
-def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) -> object:
-    """Return the answer of a student's function; within a run, each question is asked once.
+def answer_to(function: Callable, call: Hashable, *arguments: np.ndarray) -> object:
+    """Return the answer of a student's function, which is called only once per run of checks.
 
-    Only arrays are cached, as they can be copied; other answers may change later. An array that is
-    larger than any right answer is not kept.
+    Only arrays are cached, because they can be copied; other answers may change later. An array
+    that is larger than any right answer is not kept.
 
     Parameters
     ----------
     function : callable
-    question : hashable
-        Identifies the question among all questions to this function.
+    call : hashable
+        Identifies this call among all calls of the function.
     arguments : numpy.ndarray
         The arguments; the function receives copies.
     """
-    cache, key = _CACHE.get(), (getattr(function, "__name__", None), question)
+    cache, key = _CACHE.get(), (getattr(function, "__name__", None), call)
     if cache is not None and key in cache:
         return cache[key]
     answer = function(*(argument.copy() for argument in arguments))

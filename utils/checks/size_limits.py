@@ -1,4 +1,4 @@
-"""Limits for the size of an answer, applied before it is compared; far above any right answer.
+"""Limits for the size of an answer, far above any right answer, applied before it is compared.
 
 In the judge, answers come from untrusted code, which could make a comparison take an hour.
 """
@@ -33,7 +33,7 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     ----------
     answer : object
     most : {1_000_000, 100}
-        The most numbers that a right answer can contain.
+        Number of values that a right answer does not exceed.
 
     Returns
     -------
@@ -60,10 +60,10 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     return answer
 
 
-def in_few_words(value: object) -> str:
+def short_text(value: object) -> str:
     """Return a short `repr` of a value, shortened while it is built."""
     if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
-        return "a whole number of more than nineteen digits"
+        return "a whole number with more than nineteen digits"
     try:
         return _SHORT.repr(value)
     except Exception:  # a `__repr__` written by the student
@@ -71,7 +71,7 @@ def in_few_words(value: object) -> str:
 
 
 class _Short(reprlib.Repr):
-    """Shorten also arrays, sets, dictionaries and huge numbers inside a list."""
+    """Also shorten arrays, sets, dictionaries and huge numbers inside a list."""
 
     def repr_int(self, value: int, level: int) -> str:
         return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."
@@ -90,7 +90,7 @@ _SHORT = _Short()
 
 
 def _look_through(answer: object, most: int) -> None:
-    """Refuse lists that are too long, too deep, or contain texts or other objects."""
+    """Refuse lists that are too long or too deeply nested, or contain text or other objects."""
     count, waiting = 0, [(answer, 0)]
     while waiting:
         value, depth = waiting.pop()
@@ -103,7 +103,7 @@ def _look_through(answer: object, most: int) -> None:
                 _assert_short(max(value, key=abs))
             elif not kinds <= _NUMBERS:
                 if len(waiting) + len(value) > MOST_ROWS:
-                    raise TooLarge("The answer is a list of far more rows than any cloud has.")
+                    raise TooLarge("The answer is a list with far more rows than any cloud.")
                 waiting += [(item, depth + 1) for item in value]
         elif isinstance(value, np.ndarray):
             count += value.size
@@ -117,14 +117,18 @@ def _look_through(answer: object, most: int) -> None:
 
 def _assert_few(count: int, most: int) -> None:
     if count > most:
-        raise TooLarge(f"The answer holds more than {_WORDS[most]} values; no right one does.")
+        raise TooLarge(
+            f"The answer contains more than {_WORDS[most]} values. No right answer does."
+        )
 
 
 def _assert_flat(dimensions: int) -> None:
     if dimensions > MOST_DIMENSIONS:
-        raise TooLarge("The answer has more than three dimensions; no right one does.")
+        raise TooLarge("The answer has more than three dimensions. No right answer does.")
 
 
 def _assert_short(number: int) -> None:
     if abs(number) > LARGEST_INTEGER:
-        raise TooLarge("The answer holds a number of more than nineteen digits; no right one does.")
+        raise TooLarge(
+            "The answer contains a number with more than nineteen digits. No right answer does."
+        )

@@ -16,8 +16,8 @@ from utils.lent.stubs import own
 
 # Written by `python -m grader build` from the headers of the lessons that are judged.
 _FORBIDDEN = Path(__file__).with_name("forbidden.json")
-# Modules at the top level that the judge's sandbox can import: Python's own, those of
-# `utils.in_sandbox.INSTALLED`, and what these and IPython bring with them.
+# Top-level modules that the judge's sandbox can import: Python's own, those of
+# `utils.in_sandbox.INSTALLED`, IPython, and the packages that these depend on.
 _AVAILABLE = frozenset(
     (
         *sys.stdlib_module_names,
@@ -52,9 +52,9 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
 def absent_modules(function: Callable, lesson: str) -> list[str]:
     """Return the installed modules that a function uses and that the judge does not have.
 
-    Modules of the student, which are submitted with the notebook, are not among them; neither are
-    modules for which the notebook has a fallback: an import in a ``try`` statement. A lesson that
-    is not judged may use every module. The parameters are those of `refused_modules`.
+    The student's own modules are not included, because they are submitted with the notebook. Nor
+    are modules that the notebook imports in a ``try`` statement, as it has a fallback for them. A
+    lesson that is not judged may use every module. The parameters are those of `refused_modules`.
     """
     if lesson not in _forbidden():
         return []
@@ -77,7 +77,7 @@ def _is_installed(module: str) -> bool:
 
 
 def _has_fallback(module: str, function: Callable) -> bool:
-    """Return whether a cell imports a module in a ``try`` statement, so that it may be missing."""
+    """Return whether a cell imports a module in a ``try`` statement, with a fallback for it."""
     code = getattr(function, "__code__", None)
     own_cell = "".join(linecache.getlines(code.co_filename)) if code else ""
     cells = [own_cell, *(shell().user_ns.get("In", ()) if shell() else ())]
@@ -110,7 +110,7 @@ def _imports_in_try(module: str, cell: str) -> bool:
 
 
 def functions_used(function: Callable) -> dict[str, Callable]:
-    """Return the functions of the same notebook that a function calls, directly or not, by name."""
+    """Return the notebook's functions that a function calls, directly or indirectly, by name."""
     return {
         name: own(value)
         for part in _functions(function)
@@ -143,14 +143,14 @@ def _modules_of(function: Callable) -> Iterator[str]:
 
 
 def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, object]]:
-    """Yield the names and values of the globals that code loads; attributes do not count."""
+    """Yield the names and values of the globals that code loads, without attributes."""
     for instruction in dis.get_instructions(code):
         if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
             yield instruction.argval, function.__globals__.get(instruction.argval)
 
 
 def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the names of a module and of its attributes in `names`, or a value's home module."""
+    """Yield the names of a module and of its submodules in `names`, or of a value's module."""
     waiting, seen = [value], []
     while waiting:
         value = waiting.pop()
@@ -163,7 +163,10 @@ def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
 
 
 def _functions(function: object) -> list[FunctionType]:
-    """Return a function, those it calls, and methods of classes it uses, all of one notebook."""
+    """Return a function, the functions it calls, and the methods of classes it uses.
+
+    Only functions and classes of the same notebook are included.
+    """
     found, waiting, home = [], [function], getattr(function, "__module__", None)
     while waiting:
         value = waiting.pop()

@@ -1,6 +1,6 @@
 """Choose the failure to show in full, and group the others.
 
-Pedal, an autograder for introductory courses, calls this step its resolver: it ranks many findings
+Pedal, an autograder for introductory courses, calls this step the resolver: it ranks many findings
 and shows one.
 """
 
@@ -17,7 +17,7 @@ from utils.checks.outcomes import Check, Outcome
 
 
 @dataclass(frozen=True)
-class Story:
+class Summary:
     """The results of an exercise, grouped for display.
 
     Attributes
@@ -36,9 +36,9 @@ class Story:
     mistake : Mistake or CodeSlip or None
         The mistake that explains all answers, if `first` is about an answer; else the slip in
         the source of the function.
-    blamed : str or None
-        A function that this one calls and that is itself wrong.
-    place : utils.checks.line_hint.LineHint or None
+    wrong_helper : str or None
+        A function that this one calls and that fails its own checks.
+    line_hint : utils.checks.line_hint.LineHint or None
         The lines in which one change makes all visible checks pass.
     """
 
@@ -49,8 +49,8 @@ class Story:
     waiting: tuple[Outcome, ...] = ()
     notes: tuple[Outcome, ...] = ()
     mistake: Mistake | CodeSlip | None = None
-    blamed: str | None = None
-    place: LineHint | None = None
+    wrong_helper: str | None = None
+    line_hint: LineHint | None = None
 
     @property
     def not_started(self) -> bool:
@@ -65,8 +65,8 @@ class Story:
             return f"{failure.stub} is not started." if failure.own else failure.message
         failed = 1 + len(self.same) + len(self.others)
         count = failed + len(self.passed) + len(self.waiting)
-        which = "" if failed == 1 else ", the first of them"
-        return f"{failed} of {count} checks failed{which}:\n{self.first.check.title}"
+        title = self.first.check.title if failed == 1 else f"The first is: {self.first.check.title}"
+        return f"{failed} of {count} checks failed.\n{title}"
 
 
 def resolve(
@@ -74,11 +74,11 @@ def resolve(
     checks: Sequence[Check] = (),
     mistake: Mistake | None = None,
     notes: Sequence[Outcome] = (),
-    blamed: str | None = None,
-    place: LineHint | None = None,
-    alone: bool = False,
+    wrong_helper: str | None = None,
+    line_hint: LineHint | None = None,
+    one_mistake: bool = False,
     slip: CodeSlip | None = None,
-) -> Story:
+) -> Summary:
     """Choose the failure to show, and group the rest under it.
 
     Parameters
@@ -89,10 +89,10 @@ def resolve(
         All checks; those that were not run are waiting.
     mistake : Mistake, optional
     notes : sequence of Outcome
-    blamed : str, optional
-    place : utils.checks.line_hint.LineHint, optional
-    alone : bool
-        Whether it is proven that only one thing is wrong. A `place` proves it as well.
+    wrong_helper : str, optional
+    line_hint : utils.checks.line_hint.LineHint, optional
+    one_mistake : bool
+        Whether only one thing is known to be wrong. A `line_hint` implies it.
     slip : utils.checks.code_slips.CodeSlip, optional
     """
     passed = tuple(outcome for outcome in outcomes if outcome.failure is None)
@@ -101,12 +101,12 @@ def resolve(
     waiting = tuple(Outcome(check, None) for check in checks if check not in ran)
     notes = tuple(outcome for outcome in notes if outcome.failure is not None)
     if not failed:
-        return Story(passed, None, waiting=waiting, notes=notes)
-    # A stub explains all other failures. Otherwise, the checks are in the order to read them in.
+        return Summary(passed, None, waiting=waiting, notes=notes)
+    # A stub explains all other failures. Otherwise the most basic failure is shown.
     stubs = [outcome for outcome in failed if isinstance(outcome.failure, NotStarted)]
     ready = [outcome for outcome in failed if not isinstance(outcome.failure, NotYet)]
     if not ready and failed[0].failure.reason:
-        # No other check tells what the precondition lacks.
+        # No other check shows why the precondition fails.
         ready = [replace(failed[0], failure=failed[0].failure.reason)]
         failed[0] = ready[0]
     first = (stubs or ready or failed)[0]
@@ -116,11 +116,11 @@ def resolve(
     same = tuple(
         outcome
         for outcome in rest
-        if alone or place or (cause is not None and outcome.failure.cause == cause)
+        if one_mistake or line_hint or (cause is not None and outcome.failure.cause == cause)
     )
     others = tuple(outcome for outcome in rest if outcome not in same)
     mistake = (mistake if first.failure.is_about_an_answer else None) or slip
-    return Story(passed, first, same, others, waiting, notes, mistake, blamed, place)
+    return Summary(passed, first, same, others, waiting, notes, mistake, wrong_helper, line_hint)
 
 
 def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list[tuple[str, str]]:
@@ -134,7 +134,7 @@ def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list
     """
     failure = outcome.failure
     comparison = [("Yours", failure.yours), ("Expected", failure.expected)]
-    if failure.yours == failure.expected:  # the difference is not in what these texts show
+    if failure.yours == failure.expected:  # these texts do not show the difference
         comparison = []
     lines = [
         ("What your code does", mistake.says if mistake else ""),

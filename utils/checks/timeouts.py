@@ -1,4 +1,4 @@
-"""Find the loops in which a function was when it exceeded its time limit."""
+"""Find the loops that a function was in when it exceeded its time limit."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import CodeType
 
-from utils.checks.tips import frames_of, written_name
+from utils.checks.tips import function_name, student_frames
 from utils.remote_objects import ENDLESS
 
 
@@ -21,9 +21,9 @@ class Loop:
     Attributes
     ----------
     line : int
-        Number of its first line in the cell of its function.
+        Number of its first line in the function's cell.
     function : str
-        Name of that function.
+        Name of the function that contains the loop.
     text : str
         Text of its first line.
     condition : str
@@ -52,11 +52,11 @@ def loops_around(error: BaseException, function: Callable) -> list[Loop]:
     Returns
     -------
     list of Loop
-        Only the `while` loops, if there are any: a `for` loop ends unless its list grows.
+        Only the `while` loops, if there are any, because most `for` loops end by themselves.
     """
     found = [
         loop
-        for code, line in reversed(frames_of(error, function))
+        for code, line in reversed(student_frames(error, function))
         for loop in _loops_of(code, line)
     ]
     return [loop for loop in found if loop.condition] or found
@@ -75,7 +75,7 @@ def _loops_of(code: CodeType, at: int) -> Iterator[Loop]:
         for node in sorted(nodes, key=lambda node: -node.lineno):
             condition = ast.unparse(node.test) if isinstance(node, ast.While) else ""
             text = rows[node.lineno - 1].strip()
-            yield Loop(first + node.lineno - 1, written_name(code), text, condition)
+            yield Loop(first + node.lineno - 1, function_name(code), text, condition)
 
 
 def _is_loop_around(node: ast.AST, row: int) -> bool:
@@ -83,30 +83,30 @@ def _is_loop_around(node: ast.AST, row: int) -> bool:
     return isinstance(node, ast.While | ast.For) and node.lineno - 1 <= row < node.end_lineno
 
 
-def told_of(loops: list[Loop], known: str) -> str:
-    """Return the end of a sentence that begins "It did not come back after 15 s".
+def explanation(loops: list[Loop], question: str) -> str:
+    """Return the text that follows "f did not return within 15 s".
 
     Parameters
     ----------
     loops : list of Loop
         From `loops_around`.
-    known : str
+    question : str
         The question that the check suggests; may be empty.
     """
     if not loops:
-        return f": {known or ENDLESS}"
-    still = f", and was in the loop of {loops[0]}"
+        return f": {question or ENDLESS}"
+    where = f". It was in the loop in {loops[0]}"
     if len(loops) > 1:
-        still += f", inside that of {loops[1]}"
-    return f"{still}. {known[:1].upper() + known[1:] or _question_about(loops)}"
+        where += f", inside the loop in {loops[1]}"
+    return f"{where}. {question[:1].upper() + question[1:] or _question_about(loops)}"
 
 
 def _question_about(loops: list[Loop]) -> str:
     first = loops[0]
     if not first.condition:
-        return "Does it add to what it goes through, or is there far too much of it?"
+        return "Does the loop add items to what it goes through, or are there far too many items?"
     if len(loops) > 1:
-        return "Which of the two never ends?"
+        return "Which of the two loops never ends?"
     if first.condition in ("True", "1"):
-        return "Does it ever come to its `break` or `return`?"
-    return f"Which line in it makes `{first.condition}` false?"
+        return "Does the loop ever reach its `break` or `return`?"
+    return f"Which line of the loop makes `{first.condition}` false?"

@@ -1,4 +1,4 @@
-"""Let cells of a notebook wait until functions have passed their checks."""
+"""Make cells of a notebook wait until functions have passed their checks."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def remember(exercise: str, function: Callable, passed: bool) -> None:
 def ready(*functions: Callable) -> bool:
     """Return whether functions have passed their checks without a note; print those that have not.
 
-    Use it in cells where a wrong function would do worse than fail. For example, an endless loop
-    in compiled code cannot be stopped.
+    Use it in cells where a wrong function is worse than an error. For example, an endless loop in
+    compiled code cannot be stopped.
     """
     waiting = [
         function
@@ -30,7 +30,6 @@ def ready(*functions: Callable) -> bool:
         if _PASSED.get(function.__name__) is not function
     ]
     for function in waiting:
-        wrong = "has not passed its check, or not without a note"
-        why = wrong if is_written(function) else "is not written yet"
-        print(f"{function.__name__} {why}: this cell waits for it.")
+        goal = "passes its checks without a note" if is_written(function) else "is written"
+        print(f"This cell waits until {function.__name__} {goal}.")
     return not waiting

@@ -71,7 +71,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             name,
             f"byte {member.header_offset}",
             f"{member.compress_size} bytes "
-            f"announce to unpack to {member.file_size}, which no cloud does",
+            f"claim to unpack to {member.file_size}, which no cloud does",
         )
     try:
         with archive.open(member) as stream:
@@ -80,7 +80,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             values = np.frombuffer(stream.read(wanted + 1), kind)  # + 1 to reach the checksum
     except CloudFileError:
         raise
-    except Exception as error:  # damage provokes errors of zlib, lzma, struct, tokenizer ...
+    except Exception as error:  # damaged data raise errors of zlib, lzma, struct, tokenizer ...
         raise file_error(
             name,
             "array 'cloud'",

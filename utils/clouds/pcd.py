@@ -88,7 +88,7 @@ def _ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
         raise file_error(
             name,
             f"line {header.lines}",
-            f"the header announces {_announced(header)} points, {len(rows)} lines follow",
+            f"the header announces {_announced(header)} points, but {len(rows)} lines follow",
             ADVICE,
         )
     if not len(rows):
@@ -113,7 +113,7 @@ def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) ->
                 f"found {excerpt(line)}, expected {columns} numbers as the header says",
                 ADVICE,
             )
-    return file_error(name, f"line {lines_above + 1}", "these are no lines of numbers")
+    return file_error(name, f"line {lines_above + 1}", "these are not lines of numbers")
 
 
 def _binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
@@ -151,7 +151,7 @@ def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
         or unpacked != points * header.step
         or (unpacked > packed * lzf.LARGEST_RATIO)
     ):
-        raise _wrong_size(header, f"{packed} bytes announce to unpack to {unpacked}", name)
+        raise _wrong_size(header, f"{packed} bytes claim to unpack to {unpacked}", name)
     try:
         raw = lzf.decompress(bytes(body[8 : 8 + packed]), unpacked)
     except ValueError as error:

@@ -31,7 +31,7 @@ class CloudFolder(Sequence):
         return len(self.paths)
 
     def __getitem__(self, index: int | slice) -> np.ndarray | CloudFolder:
-        """Read cloud `index`; a slice is again a lazy sequence."""
+        """Read cloud `index`; a slice gives another lazy sequence."""
         if isinstance(index, slice):
             return CloudFolder(self.paths[index])
         return read_cloud(self.paths[index])
@@ -84,7 +84,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
             folder,
             "",
             f"no {' or '.join(wanted)} file in {folder.absolute()}",
-            "Give the folder that holds the frames themselves.",
+            "Pass the folder that contains the frames themselves.",
         )
     if len(kinds) > 1:
         counts = " and ".join(f"{count} {kind}" for kind, count in kinds.most_common())

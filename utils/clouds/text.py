@@ -49,7 +49,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
             f"line {first}",
             f"the header names the columns {' '.join(names)!r}, expected "
             "x y z [intensity] in this order",
-            "Save these columns only, without an index column.",
+            "Save only these columns, without an index column.",
         )
     announced = _announced_points(lines, first)
     start = first if announced is None else first + 1
@@ -67,7 +67,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
         raise file_error(
             name,
             f"line {first + 1}",
-            f"{announced} points are announced, {len(rows)} follow",
+            f"{announced} points are announced, but {len(rows)} follow",
             "Was the file copied completely?",
         )
     return rows
@@ -192,7 +192,7 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
             raise file_error(
                 name,
                 place,
-                f"found {len(numbers)} numbers, expected {len(rows[0])} as in the lines before",
+                f"found {len(numbers)} numbers, expected {len(rows[0])} as in the previous lines",
                 "Correct the line; if it is the last one, the file was cut off.",
             )
         if len(numbers) not in (3, 4):
@@ -200,7 +200,7 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
                 name,
                 place,
                 f"found {len(numbers)} column{'s' * (len(numbers) != 1)}, expected {EXPECTED}",
-                "Save these columns only.",
+                "Save only these columns.",
             )
         rows.append(numbers)
     return np.array(rows)
@@ -214,7 +214,7 @@ def split_fields(line: str) -> list[str]:
 
 
 def _number(field: str) -> float | None:
-    """Convert a field, or return None if it is not a number; ``1_000`` is not one in a file."""
+    """Convert a field, or return None if it is not a number; ``1_000`` is not one here."""
     try:
         return float(field) if "_" not in field else None
     except ValueError:

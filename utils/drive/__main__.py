@@ -1,4 +1,4 @@
-"""Drive through the simulator's streets on the detector of a notebook of yours.
+"""Drive through the simulator's streets with the detector in one of your notebooks.
 
     python -m utils.drive 12_streaming_obstacles.ipynb
     python -m utils.drive 12_streaming_obstacles.ipynb --street 3
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     streets = [STREETS[number - 1] for number in options.street or range(1, len(STREETS) + 1)]
     if options.to and len(streets) != 1:
-        print("A film is of one street: name it, such as --street 3.")
+        print("A film shows a single street. Choose it, for example with --street 3.")
         return 2
     done: dict[int, Result] = {}
     stopped = False
@@ -78,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Streets: " + " · ".join(f"{street.number} {street.title}" for street in STREETS),
     )
     parser.add_argument(
-        "notebook", nargs="?", metavar="NOTEBOOK", help="with detect_obstacles(cloud)"
+        "notebook", nargs="?", metavar="NOTEBOOK", help="notebook with detect_obstacles(cloud)"
     )
     parser.add_argument(
         "--street",
@@ -86,17 +86,20 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         choices=range(1, len(STREETS) + 1),
         metavar="N",
-        help=f"1 to {len(STREETS)}; all of them by default",
+        help=f"numbers of the streets, 1 to {len(STREETS)} (default: all)",
     )
     parser.add_argument(
         "--to",
         type=_file,
         metavar="FILE",
-        help="a film (.mp4, .gif), its last picture (.png), or a page with the frame of each "
-        "braking (.html)",
+        help="write a film (.mp4, .gif), its last picture (.png), or a page with the frame of each "
+        "braking event (.html)",
     )
     parser.add_argument(
-        "--seconds", type=_seconds, default=20.0, help="how long to drive in each street (20)"
+        "--seconds",
+        type=_seconds,
+        default=20.0,
+        help="seconds to drive in each street (default: 20)",
     )
     return parser
 
@@ -104,7 +107,7 @@ def _parser() -> argparse.ArgumentParser:
 def _file(text: str) -> Path:
     path = Path(text)
     if path.suffix not in SUFFIXES:
-        raise argparse.ArgumentTypeError(f"{path.name} ends in none of {', '.join(SUFFIXES)}")
+        raise argparse.ArgumentTypeError(f"{path.name} does not end in {', '.join(SUFFIXES)}")
     return path
 
 

@@ -1,7 +1,7 @@
 """Road users that do something unexpected: step off the kerb, cross the road or brake.
 
-An actor begins when the ego car reaches a given place. Every drive therefore meets it, a slow
-drive later than a fast one.
+An actor begins when the ego car reaches a given place. Every car therefore meets it, a slow car
+later than a fast one.
 """
 
 from __future__ import annotations

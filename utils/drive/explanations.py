@@ -1,8 +1,8 @@
 """Explanations in words: why the car braked, and why it hit something.
 
-A braking is justified if the planner would have braked for a real object, with some tolerance,
-within a second of its start. Otherwise it was needless, and the returns in the box that the
-planner braked for show the mistake.
+Braking is justified if the planner would have braked for a real object, with some tolerance, within
+a second of the start. Otherwise it was needless, and the returns in the box for which the planner
+braked show the mistake.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ WORDS = {
     "foliage": "a tree or hedge",
 }
 MISTAKEN = {
-    "ground": "road taken for an obstacle",
-    "ego": "our own car taken for an obstacle",
-    "invalid": "lost returns taken for an obstacle",
-    "raindrop": "rain taken for an obstacle",
+    "ground": "road mistaken for an obstacle",
+    "ego": "our own car mistaken for an obstacle",
+    "invalid": "lost returns mistaken for an obstacle",
+    "raindrop": "rain mistaken for an obstacle",
 }
 
 TOGETHER = 5
-"""Largest difference in moments between two brakings that count as one."""
+"""Longest pause, in moments, between two phases of braking that count as one event."""
 
 AROUND = 10
-"""Moments before and after the start of a braking in which a real object justifies it."""
+"""Moments before and after the start of braking in which a real object justifies it."""
 
 WIDER, FARTHER = 0.3, 1.3
 """The tolerance: metres added on either side of the corridor, and a factor for the distance."""
@@ -50,7 +50,7 @@ LOOKING_BACK = 30
 
 @dataclass(frozen=True)
 class Braking:
-    """One braking of the car.
+    """One braking event of the car.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Braking:
     needless : bool
         Whether no real object justifies it.
     reason : str
-        Such as "road taken for an obstacle".
+        Such as "road mistaken for an obstacle".
     """
 
     first: int
@@ -78,7 +78,7 @@ class Braking:
 
 
 def brakings(drive: Drive) -> Iterator[Braking]:
-    """Yield all brakings of a drive, in order."""
+    """Yield all braking events of a drive, in order."""
     for first, last in _spans(drive):
         number = _decisive(drive, first, last)
         moment = drive.moments[number]
@@ -89,12 +89,12 @@ def brakings(drive: Drive) -> Iterator[Braking]:
             reason = _apparent_cause(drive, number, cause)
             if needed:  # justified by an object outside the box
                 other = WORDS[drive.street.kind_of(min(needed))]
-                reason += f", and {other} is in the way, too"
+                reason += f", and {other} is also in the way"
         yield Braking(first, last, moment.seen or 0, moment.decision.gap, not needed, reason)
 
 
 def _spans(drive: Drive) -> list[tuple[int, int]]:
-    """Return the first and last moment of each braking."""
+    """Return the first and last moment of each braking event."""
     spans: list[tuple[int, int]] = []
     for moment in drive.moments:
         if not moment.brakes or moment.speed < 1.0:
@@ -107,7 +107,7 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
 
 
 def _decisive(drive: Drive, first: int, last: int) -> int:
-    """Return the moment of a braking whose cause explains it.
+    """Return the moment of a braking event whose cause explains it.
 
     A thing that overlaps the ego car comes first, because it keeps the car from driving on.
     """
@@ -119,7 +119,7 @@ def _decisive(drive: Drive, first: int, last: int) -> int:
 
 
 def _justifying(drive: Drive, first: int) -> set[int]:
-    """Return the identities of all real objects that justify a braking that starts at `first`."""
+    """Return the identities of all real objects that justify braking from moment `first`."""
     numbers = range(max(first - AROUND, 0), min(first + AROUND + 1, len(drive.moments)))
     return {
         obstacle.identity
@@ -154,10 +154,10 @@ def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.nd
 
 
 def _apparent_cause(drive: Drive, number: int, cause: Thing) -> str:
-    """Describe the box of a braking that contains none of the objects that justify it."""
+    """Describe the box that caused braking, if no object in it justifies the braking."""
     classes, objects = contents(drive, number, cause)
     if not len(classes):
-        return "a box with nothing in it"
+        return "a box without returns"
     counts = np.bincount(classes, minlength=len(KINDS))
     kind = KINDS[int(counts.argmax())]
     if kind in MISTAKEN:
@@ -167,16 +167,16 @@ def _apparent_cause(drive: Drive, number: int, cause: Thing) -> str:
     things = [int(identities[row]) for row in order if returns[row] >= max(3, 0.05 * len(objects))]
     first = WORDS[drive.street.kind_of(things[0])] if things else WORDS[kind]
     if not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed)):
-        return f"{first} beside our lane, taken to move into it"
+        return f"{first} next to our lane, assumed to move into it"
     if len(things) > 1:
         second = WORDS[drive.street.kind_of(things[1])]
         other = f"another {second.partition(' ')[2]}" if second == first else second
         return f"{first} and {other} in one box"
-    return f"box of {first} beside our lane reaches into it"
+    return f"the box of {first} next to our lane reaches into it"
 
 
 def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
-    """Describe the object in the box that justifies a braking; empty if there is none."""
+    """Describe the object in the box that justifies the braking; empty if there is none."""
     _, objects = contents(drive, number, cause)
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
     real = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in needed]
@@ -184,7 +184,7 @@ def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> st
         return ""
     thing = WORDS[drive.street.kind_of(real[0])]
     comes = not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed))
-    return f"{thing} about to come into our lane" if comes else f"{thing} in our lane"
+    return f"{thing} about to enter our lane" if comes else f"{thing} in our lane"
 
 
 def collision(drive: Drive) -> str:
@@ -193,7 +193,7 @@ def collision(drive: Drive) -> str:
         return ""
     end = drive.moments[-1]
     thing = WORDS[drive.street.kind_of(drive.hit)]
-    return f"The drive ends at {thing}, at {3.6 * end.speed:.0f} km/h. {_detections_of_hit(drive)}"
+    return f"The car hits {thing} at {3.6 * end.speed:.0f} km/h. {_detections_of_hit(drive)}"
 
 
 def _detections_of_hit(drive: Drive) -> str:
@@ -211,12 +211,12 @@ def _detections_of_hit(drive: Drive) -> str:
         if len(moment.boxes) and within.any(axis=1).mean() >= 0.3:
             boxed.append(moment.number)
     if not seen:
-        return "No scan had enough of it to see."
+        return "It had too few returns in every scan."
     if not boxed:
-        return f"It was in {len(seen)} of the last scans, and had a box in none of them."
+        return f"It was in {len(seen)} of the last scans, but never had a box."
     end = drive.moments[-1]
     age = (end.number - (end.seen or 0)) / 10
     if age > 0.35:
-        return f"It had a box, but what the car knew was {age:.1f} s old."
-    share = f"It was in {len(seen)} of the last scans, and had a box in {len(boxed)} of them"
-    return f"{share}, the first {(end.number - boxed[0]) / 10:.1f} s before."
+        return f"It had a box, but the car knew only boxes that were {age:.1f} s old."
+    share = f"It was in {len(seen)} of the last scans and had a box in {len(boxed)} of them"
+    return f"{share}, for the first time {(end.number - boxed[0]) / 10:.1f} s before the collision."

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from utils.drive.loop import Drive, Moment
 from utils.drive.metrics import Report
 from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL, TAIL, stopping_distance
-from utils.films.film import SIZE, camera_team
+from utils.films.film import SIZE, picture_taker
 from utils.films.writers import Film, write_film
 from utils.plots.style import GREEN, INK, PAPER, VERMILION
 from utils.progress import progress
@@ -58,7 +58,7 @@ def film(
         numbers = (numbers if path.suffix != ".png" else []) + [len(drive.moments) - 1]
 
     def images() -> Iterator[np.ndarray]:
-        with camera_team(size, BEHIND, renderer) as take:
+        with picture_taker(size, BEHIND, renderer) as take:
             for number in progress(numbers, f"Recording {path.name}"):
                 picture = dashboard(take(scene_of(drive, report, number)), drive.moments[number])
                 yield picture
@@ -143,7 +143,7 @@ def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
 
 
 def framed(image: np.ndarray) -> np.ndarray:
-    """Draw a red frame on a picture, and words that say that the drive ends here."""
+    """Draw a red frame and the words "The drive ends here" on a picture."""
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
     width, height = picture.size

@@ -27,7 +27,7 @@ from utils.simulator.world import World
 from utils.tracking import Tracker
 
 ROLLING = 0.3
-"""Speed in m/s above which contact is a collision; others may walk into a car that stands."""
+"""Speed in m/s above which contact is a collision; others may walk into a car that stands still."""
 
 NO_BOXES = np.empty((0, 8, 3))
 
@@ -135,7 +135,7 @@ def drive(
         Takes a cloud (n, 4) and returns boxes (N, 8, 3), such as ``detect_obstacles``. Without a
         detector the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        A tracker from the functions of lesson 12. Functions that it lacks are given.
+        A tracker with functions of lesson 12. The course provides those that it lacks.
     seconds : float
         Duration of the drive; a collision ends it earlier.
     clock : callable, optional

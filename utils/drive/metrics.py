@@ -1,4 +1,4 @@
-"""Metrics of a drive: distance, comfort, closest pass and brakings."""
+"""Metrics of a drive: distance, comfort, closest pass and braking events."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Report:
     metres, seconds : float
         Distance and duration of the drive.
     brakings : tuple of Braking
-        All brakings, in order.
+        All braking events, in order.
     collision : str
         A sentence about the collision; empty without one.
     closest : float
@@ -34,8 +34,8 @@ class Report:
     closest_kind : str
         Words for that road user, such as "a cyclist".
     near_misses : int
-        Number of road users that came nearer than 0.5 m while the car was faster than 2 m/s,
-        without one that it hit.
+        Number of road users that came nearer than 0.5 m while the car was faster than 2 m/s; one
+        that it hit does not count.
     hardest : float
         Largest deceleration in m/s².
     harsh : float
@@ -58,7 +58,7 @@ class Report:
 
     @property
     def needless(self) -> int:
-        """Number of needless brakings."""
+        """Number of needless braking events."""
         return sum(braking.needless for braking in self.brakings)
 
 

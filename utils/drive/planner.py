@@ -91,9 +91,9 @@ class StayingObstacle:
 class Planner:
     """Brakes for a thing that is in the way in three scans in a row, to ignore flickering boxes.
 
-    A road user cannot get onto the ego car from one scan to the next. A raindrop can appear there,
-    but vanishes; dirt on the sensor can, but stays in place. A thing over the car therefore counts
-    only after a second in one place.
+    A road user cannot get onto the ego car from one scan to the next. A raindrop can appear there
+    but vanishes at once. A thing over the car therefore counts only after it has stayed in one
+    place for a second.
     """
 
     def __init__(self) -> None:
@@ -145,7 +145,9 @@ def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
     decisions = [Decision(free)]
     for thing in things:
         gap = room(thing, speed)
-        ahead = max(thing.velocity[0], 0.0) if gap > 0 else 0.0  # a thing over us leads no car
+        ahead = (
+            max(thing.velocity[0], 0.0) if gap > 0 else 0.0
+        )  # a thing over us is not a leading vehicle
         needed = needed_room(thing, speed)
         if gap <= needed + (speed == 0):  # a standing car waits for 1 m more
             ours_to_lose = max(speed**2 - ahead**2, 0.0)

@@ -33,11 +33,11 @@ DECELERATION = 7.0
 """Reaction time that the planner allows, in s, and largest deceleration of the car, in m/s²."""
 
 SURE = 3
-"""Number of consecutive scans in which a thing must be in the way; 0.2 s of the reaction time."""
+"""Number of scans in a row in which a thing must be in the way; 0.2 s of the reaction time."""
 
 OVER, STAYS, STILL = 0.5, 10, 0.3
-"""Believe a thing that overlaps the ego car by more than OVER metres only after STAYS scans, with
-its centre moving at most STILL metres from each scan to the next."""
+"""A thing that overlaps the ego car by more than OVER metres counts only after STAYS scans in which
+its centre moves at most STILL metres from each scan to the next."""
 
 COMFORTABLE = 3.0
 ACCELERATION = 2.0

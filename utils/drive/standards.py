@@ -27,7 +27,7 @@ class Result:
     metres : float
         Distance driven.
     needless : int
-        Number of needless brakings.
+        Number of needless braking events.
     collisions : int
     near_misses : int
     """
@@ -43,7 +43,7 @@ class Result:
 
     def __str__(self) -> str:
         return (
-            f"{self.metres:5.0f} m, {_counted(self.needless, 'needless braking')}, "
+            f"{self.metres:5.0f} m, {_counted(self.needless, 'needless braking event')}, "
             f"{_counted(self.collisions, 'collision')}"
         )
 
@@ -53,7 +53,7 @@ def _counted(count: int, noun: str) -> str:
 
 
 def result_of(report: Report) -> Result:
-    """Return the part of a report that can be added up."""
+    """Return the metrics of a report that can be added up."""
     return Result(
         round(report.metres, 1), report.needless, int(bool(report.collision)), report.near_misses
     )

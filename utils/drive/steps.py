@@ -1,7 +1,7 @@
-"""Given steps of a detector, so that you can drive with a single step of your own.
+"""Given steps of a detector, so that you can drive with only one step of your own.
 
-The given steps use libraries, and none of them is the solution of an exercise. Replace any of them
-by your own function:
+The given steps use libraries, and none of them solves an exercise. Replace any of them with your
+own function:
 
 >>> detect = chain(ground=lambda points: filter_ground(points, -1.2))
 >>> drive_street(6, detect)
@@ -27,7 +27,7 @@ def chain(
     boxes: Callable | None = None,
     voxel: float = 0.2,
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Build a detector from steps of your own and given ones.
+    """Build a detector from your own steps and given ones.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ SCANNER = Sensor(
 """Like `hdl64` with a third of its returns, so that a drive can be simulated in real time."""
 
 BEHIND, AHEAD = -12.0, 50.0
-"""Range of the simulated objects in metres, relative to the car: little more than it has to see."""
+"""Range of the simulated objects in metres, relative to the car: slightly more than it must see."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +209,7 @@ def _streets() -> Iterable[Street]:
             ),
         ),
     )
-    yield Street(13, "A wide road at 50", 50, slope=0.025, traffic=True, plan=empty)
+    yield Street(13, "A wide road at 50 km/h", 50, slope=0.025, traffic=True, plan=empty)
     yield Street(14, "A pedestrian crosses a wide road", 50, plan=empty, actors=(adult(110, v50),))
     yield Street(15, "A crowded street", traffic=True, plan=crowded)
     yield Street(16, "Downhill", slope=-0.05, actors=(adult(90, v30, side=1),))
@@ -217,7 +217,7 @@ def _streets() -> Iterable[Street]:
     yield Street(
         18, "Rain, a dirty bonnet and a child", rain=60, dirt=True, actors=(child(75, v30),)
     )
-    yield Street(19, "Somebody runs", actors=(adult(80, v30, pace=2.22),), plan=crowded)
+    yield Street(19, "A pedestrian runs", actors=(adult(80, v30, pace=2.22),), plan=crowded)
     yield Street(
         20,
         "All of it",

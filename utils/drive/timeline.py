@@ -1,4 +1,4 @@
-"""Timeline of a drive: speed over time, and each braking with its reason and its frame."""
+"""Timeline of a drive: speed over time, and each braking event with its reason and frame."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ padding: 0 1rem }} h1 {{ font-size: 1.3rem }}</style></head>
 
 
 def fragment(drive: Drive, report: Report) -> str:
-    """Return the timeline and the list of brakings as HTML without scripts, for a notebook."""
+    """Return the timeline and the braking events as HTML without scripts, for a notebook."""
     rows = "".join(
         _row(drive, braking, number) for number, braking in enumerate(report.brakings, start=1)
     )
@@ -65,7 +65,7 @@ def _token(drive: Drive) -> str:
 
 
 def _row(drive: Drive, braking: Braking, number: int) -> str:
-    """Describe a braking in a line of HTML that opens to show its frame."""
+    """Describe a braking event in a line of HTML that opens to show its frame."""
     kind = "needless: " if braking.needless else ""
     mark = "✗" if braking.needless else "✓"
     time = f"{drive.moments[braking.first].time:.1f} s"
@@ -77,7 +77,7 @@ def _row(drive: Drive, braking: Braking, number: int) -> str:
 
 
 def _svg(drive: Drive, report: Report) -> str:
-    """Draw the speed over time, with numbered brakings; needless ones are hatched."""
+    """Draw the speed over time, with numbered braking events; needless ones are hatched."""
     last = max(len(drive.moments) - 1, 1)
     top = max(36.0, 3.6 * max(moment.speed for moment in drive.moments) * 1.1)
 
@@ -164,7 +164,7 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
     number : int
         Number of the moment.
     braking : Braking, optional
-        Braking whose box is outlined and labelled.
+        Braking event whose box is outlined and labelled.
     """
     import matplotlib.pyplot as plt
     import shapely

@@ -22,7 +22,7 @@ class Trip:
 
     @cached_property
     def report(self) -> Report:
-        """Metrics of the drive and explanations of its brakings."""
+        """Metrics of the drive and explanations of its braking events."""
         return measure(self.drive)
 
     def save(self, path: str | os.PathLike) -> str:
@@ -42,7 +42,7 @@ class Trip:
             from utils.drive.timeline import write_page
 
             write_page(self.drive, self.report, path)
-            return "speed over time, and the frame of each braking."
+            return "speed over time, and the frame of each braking event."
         from utils.drive.film import film
 
         return film(self.drive, self.report, path).recap
@@ -61,7 +61,9 @@ class Trip:
         words += [f"  {line}" for line in comfort(report)]
         if self.drive.problems:
             failed, first = len(self.drive.problems), self.drive.problems[0]
-            words.append(f"  The detector failed for {failed} of the scans; first: {first}")
+            words.append(
+                f"  The detector failed for {failed} of the scans. The first failure: {first}"
+            )
         return "\n".join(words)
 
     def __repr__(self) -> str:
@@ -85,14 +87,14 @@ def comfort(report: Report) -> list[str]:
     words = []
     if report.hardest > 1.0:
         words.append(
-            f"Hardest braking {report.hardest:.1f} m/s²; {report.harsh:.1f} s of it harsh."
+            f"Hardest braking: {report.hardest:.1f} m/s². Harsh braking: {report.harsh:.1f} s."
         )
     if report.closest_kind and report.closest < 5:
         words.append(f"Closest pass: {report.closest:.1f} m from {report.closest_kind}.")
     if report.near_misses:
         words.append(f"Near misses: {report.near_misses}.")
     if report.age > 0.15:
-        words.append(f"The detector is late: the car went by scans {report.age:.1f} s old.")
+        words.append(f"The detector is late: the car used scans that were {report.age:.1f} s old.")
     return words
 
 
@@ -114,8 +116,8 @@ def drive_street(
         ``detect_obstacles``: takes a cloud (n, 4) and returns boxes (N, 8, 3). Without a detector
         the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        A tracker from the functions of lesson 12: ``Tracker(match_boxes)``, or one with more of
-        them. Functions that it lacks are given.
+        A tracker with your functions of lesson 12, at least ``Tracker(match_boxes)``. The course
+        provides the others.
     seconds : float
         Duration of the drive; a collision ends it earlier.
     clock : callable, optional
@@ -133,6 +135,6 @@ def drive_street(
     """
     if not isinstance(street, Street):
         if street not in range(1, len(STREETS) + 1):
-            raise ValueError(f"There is no street {street!r}. They are 1 to {len(STREETS)}.")
+            raise ValueError(f"There is no street {street!r}. The streets are 1 to {len(STREETS)}.")
         street = STREETS[street - 1]
     return Trip(drive(street, detect, tracker, seconds=seconds, clock=clock))

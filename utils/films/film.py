@@ -213,7 +213,7 @@ def record(
     detected = []
 
     def images() -> Iterator[np.ndarray]:
-        with camera_team(size, camera, renderer) as take:
+        with picture_taker(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
             for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(frame))
@@ -233,10 +233,10 @@ def record(
 
 
 @contextmanager
-def camera_team(
+def picture_taker(
     size: tuple[int, int], camera: Camera, renderer: str | None
 ) -> Iterator[Callable[[Scene], np.ndarray]]:
-    """Yield a function that takes pictures; with PyVista all of them share one studio."""
+    """Yield a function that draws scenes; with PyVista, all pictures share one `Studio`."""
     if renderer_for(renderer) == "matplotlib":
         yield lambda scene: picture_of(scene, camera, size, "matplotlib")
         return
@@ -252,5 +252,5 @@ def checked_boxes(found: ArrayLike) -> np.ndarray:
     if boxes.size == 0:
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise ValueError(f"A detector returns boxes (N, 8, 3); yours returned {boxes.shape}.")
+        raise ValueError(f"A detector must return boxes (N, 8, 3); yours returned {boxes.shape}.")
     return boxes

@@ -58,7 +58,8 @@ class Film:
             )
         if self.problems:
             words.append(
-                f"The detector failed in {len(self.problems)} of them; first: {self.problems[0]}."
+                f"The detector failed in {len(self.problems)} of them. The first failure: "
+                f"{self.problems[0]}."
             )
         return " ".join(words)
 

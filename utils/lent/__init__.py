@@ -1,7 +1,7 @@
 """Stored answers of the course, which replace functions that a student has not written yet.
 
 ``lesson_NN.json`` contains the answers that the functions of a lesson gave in its solved notebook:
-labels, boxes and numbers, but no code. They let a student who is stuck go on. A stub returns the
+labels, boxes and numbers, but no code. They let a student who is stuck continue. A stub returns the
 stored answers to the calls in the notebook, and says that they are the course's.
 
 `grader.course.recorded_answers` records the answers. They also replace a function that fails its
@@ -14,12 +14,20 @@ import json
 from pathlib import Path
 
 from utils.display import shell
-from utils.lent.events import LISTENERS, hear
+from utils.lent.events import LISTENERS, report_check
 from utils.lent.recorder import Recorder, record_answers
 from utils.lent.stand_ins import Lender
 from utils.lent.stubs import is_written, own
 
-__all__ = ["Lender", "Recorder", "hear", "is_written", "lend_answers", "own", "record_answers"]
+__all__ = [
+    "Lender",
+    "Recorder",
+    "report_check",
+    "is_written",
+    "lend_answers",
+    "own",
+    "record_answers",
+]
 
 _HERE = Path(__file__).resolve().parent
 # Keys of the code cells of each lesson, written by `python -m grader build`.
@@ -47,7 +55,7 @@ def lend_answers(number: str) -> None:
     cells = json.loads(CELLS.read_text("utf-8")).get(number, [])
     continuation = Continuation(lender, shell().user_ns, cells, shell().showtraceback)
     _LENDING.add(number)
-    LISTENERS.append(continuation.hear)
+    LISTENERS.append(continuation.record_check)
     shell().showtraceback = continuation.show_traceback
     shell().events.register("pre_run_cell", continuation.before_cell)
     shell().events.register("post_run_cell", continuation.after_cell)

@@ -1,4 +1,4 @@
-"""Let a student go on after a wrong answer.
+"""Let a student continue after a wrong answer.
 
 If a cell of the lesson fails with a function that has not passed its check, the function is treated
 as a stub. The cell runs again with the stored answers, and says so. If it fails again, the first
@@ -20,7 +20,7 @@ import numpy as np
 
 from utils.checks.static_analysis import functions_used
 from utils.display import shell
-from utils.lent.rerun import RerunPlan, free_names, is_about_ones_own, key_of_cell, plan
+from utils.lent.rerun import RerunPlan, free_names, key_of_cell, plan, tests_own_function
 from utils.lent.stubs import is_written
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
@@ -45,7 +45,7 @@ class _Cell:
     """The running cell, and the state before it."""
 
     source: str
-    place: int | None  # position in the lesson; None for a cell of the student's own
+    place: int | None  # position in the lesson; None for a cell that the student added
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
     passed: set[str] = field(default_factory=set)
@@ -88,7 +88,7 @@ class Continuation:
         source = info.raw_cell
         place = self._places.get(key_of_cell(source))
         self._cell = _Cell(source, place, _generators(self._namespace), _figures())
-        if place is not None and not is_about_ones_own(source):
+        if place is not None and not tests_own_function(source):
             self._ran[place] = source
             self._broken.add(place)  # until it succeeds
             wrong = self._wrong_at(place)
@@ -131,7 +131,7 @@ class Continuation:
         else:
             self._show(*arguments, **options)
 
-    def hear(self, exercise: str, passed: bool, hangs: bool) -> None:
+    def record_check(self, exercise: str, passed: bool, hangs: bool) -> None:
         """Record the result of a check."""
         if self._cell is None:
             return
@@ -251,7 +251,7 @@ class Continuation:
             self._switched.discard(exercise)
             made = {name for name, sources in self._borrowed.items() if exercise in sources}
             last = max(self._ran, default=0)
-            # A pretend cell that uses these names makes the plan cover their statements.
+            # A dummy cell that uses these names makes the plan include their statements.
             self._ran[last + 1] = "; ".join(sorted(made))
             statements = self._plan(last + 1, [exercise]).statements
             del self._ran[last + 1]

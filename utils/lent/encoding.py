@@ -126,7 +126,7 @@ def encode(answer: object, arguments: tuple = ()) -> object:
                 known[id(value)] = len(known)
                 waiting.append(value)
             return {"object": known[id(value)]}
-        raise TypeError(f"an answer of the kind {type(value).__name__} cannot be stored")
+        raise TypeError(f"an answer of type {type(value).__name__} cannot be stored")
 
     stored = encoded(answer)
     while waiting:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-# Each listener is called with the arguments of `hear`.
+# Each listener is called with the arguments of `report_check`.
 LISTENERS: list[Callable[[str, bool, bool], None]] = []
 
 
-def hear(exercise: str, passed: bool, hangs: bool = False) -> None:
+def report_check(exercise: str, passed: bool, hangs: bool = False) -> None:
     """Notify all listeners of the result of checking an exercise.
 
     Parameters

@@ -11,11 +11,11 @@ from pathlib import Path
 from utils.display import shell
 from utils.lent.encoding import encode, key_of, rng_states
 from utils.lent.stand_ins import Lender
-from utils.lent.stubs import ASKING, own
+from utils.lent.stubs import CALLERS, own
 
 
 class Recorder(Lender):
-    """Records the answers of functions in a solved notebook, except in calls from `ASKING`.
+    """Records the answers of functions in a solved notebook, except in calls from `CALLERS`.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Recorder(Lender):
                 if callable(function) and not hasattr(function, "is_recorded"):
                     # Use the function itself, as an older stored answer may replace it already.
                     self._namespace[name] = self._wrapped(name, own(function), answers)
-        for name in ASKING:
+        for name in CALLERS:
             caller = self._namespace.get(name)
             if callable(caller) and not hasattr(caller, "is_unheard"):
                 self._namespace[name] = self._unrecorded(caller)

@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from utils.lent.stubs import ASKING
+from utils.lent.stubs import CALLERS
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
 
@@ -44,11 +44,11 @@ def key_of_cell(source: str) -> str:
     return hashlib.sha256(lines.encode()).hexdigest()[:8]
 
 
-def is_about_ones_own(source: str) -> bool:
+def tests_own_function(source: str) -> bool:
     """Return whether a cell checks or replays the student's own function."""
     nodes = [statement.node for statement in slicing.parse_notebook([source])[0]]
     calls = [node.value for node in nodes if isinstance(node, ast.Expr)]
-    return any(getattr(getattr(call, "func", None), "id", None) in ASKING for call in calls)
+    return any(getattr(getattr(call, "func", None), "id", None) in CALLERS for call in calls)
 
 
 def free_names(source: str) -> set[str]:

@@ -1,4 +1,4 @@
-"""Replace functions of a notebook by stored answers."""
+"""Replace functions of a notebook with stored answers."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class AnswerUnavailable(NotImplementedError):
     def __init__(self, missing: str, why: str) -> None:
         self.missing = missing
         super().__init__(
-            f"{missing} {why}, and the course lends its answers only to the calls that stand in "
-            "this notebook."
+            f"{missing} {why}, and the course has stored answers only for the calls in this "
+            "notebook."
         )
 
     def _render_traceback_(self) -> list[str]:
@@ -123,19 +123,22 @@ class Lender:
 
     def announce_replaced(self, names: Collection[str], first: bool = False) -> None:
         """Say that stored answers replace functions in this cell, and how to get them back."""
-        back = " Yours is back when it passes, or when you run its own cell again." if first else ""
-        self._show_reason(names, f"this cell goes on with **the course's answer**.{back}")
+        back = (
+            " Yours is used again when it passes, or when you run its cell again." if first else ""
+        )
+        self._show_reason(names, f"this cell continues with **the course's answer**.{back}")
 
     def announce_recomputed(self, names: Collection[str]) -> None:
         """Say that the arguments of functions were recomputed, as the functions may change them."""
-        self._show_reason(names, "this cell goes on with its original input, computed again.")
+        sentence = "this cell continues with its original input, which was computed again."
+        self._show_reason(names, sentence)
 
     def _show_reason(self, names: Collection[str], consequence: str) -> None:
         names = sorted(name for name in names if name not in self._said)
         if names:
             have, its = ("has", "its check") if len(names) == 1 else ("have", "their checks")
             listed = " and ".join(f"`{name}`" for name in names)
-            self._show_once(names[0], f"{listed} {have} not passed {its}: {consequence}")
+            self._show_once(names[0], f"{listed} {have} not passed {its}, so {consequence}")
             self._said.update(names)
 
     def announce_borrowed(self, name: str, functions: Collection[str]) -> None:
@@ -143,13 +146,13 @@ class Lender:
         listed = " and ".join(f"`{function}`" for function in sorted(functions))
         self._show_once(
             name,
-            f"`{name}` was made with **the course's answer** for {listed}. Run the cell that makes "
-            "it again, and it is made with yours.",
+            f"`{name}` was computed with **the course's answer** for {listed}. To compute it with "
+            "yours, run the cell that makes it again.",
         )
 
     def announce_returned(self, name: str) -> None:
         """Say that cells use the student's own function again."""
-        self._show_once(name, f"`{name}` has passed: from here on, the cells have **yours** again.")
+        self._show_once(name, f"`{name}` has passed, so the following cells use **yours** again.")
 
     def _show_once(self, name: str, sentence: str) -> None:
         """Show a sentence about a name, at most once per cell."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from types import FunctionType
 
 # Functions of the course that call the student's function; the notebook does not use the answers.
-ASKING = ("check", "replay", "show_broken", "tell_apart")
+CALLERS = ("check", "replay", "show_broken", "tell_apart")
 
 
 def is_written(function: Callable) -> bool:
@@ -26,7 +26,7 @@ def is_written(function: Callable) -> bool:
 
 
 def own(function: Callable) -> Callable:
-    """Return the student's own function, without the wrapper that answers for it.
+    """Return the student's own function, without the wrapper around it.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class Edit:
     statement : str
         Source of the whole statement after the edit.
     rank : int
-        The least for the likeliest edits.
+        Lower for likelier edits.
     """
 
     cell: int
@@ -118,7 +118,7 @@ def _edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> E
 
 
 def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
-    """Yield the rank of each edit, the least for the likeliest, and a function that makes it."""
+    """Yield the rank of each edit, lower for likelier ones, and a function that makes the edit."""
     source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
@@ -132,7 +132,7 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
         yield rank, functools.partial(str, text)
     for rank, text in _moved_statements(block, function):
         yield rank, functools.partial(str, text)
-    for text in _kept_too(block, function):
+    for text in _with_assignment(block, function):
         yield 1, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
         yield rank, functools.partial(_with_texts, source, replacements)
@@ -158,7 +158,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Yield the block with a final return of a name or a part of an argument, if none is there."""
+    """Yield the block with a final return of a name or a part of an argument, if it has none."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -168,10 +168,11 @@ def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[
                 yield 4, f"{end}{whole}[~{name}]"
 
 
-def _kept_too(block: str, function: ast.AST) -> Iterator[str]:
-    """Yield the block with one name of a loop kept in another one that the loop never sets.
+def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
+    """Yield the block with an added assignment in a loop, such as `best = row`.
 
-    The other name is returned, but set before the loop only.
+    The name on the left is set only before the loop and occurs in a `return`. The name on the right
+    is set in the loop.
     """
     lines = block.split("\n")
     shown = {
@@ -218,7 +219,7 @@ def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]
 
 
 def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt]) -> Iterator[str]:
-    """Yield the lines with one `return` behind one of the blocks that it is in."""
+    """Yield the lines with one `return` moved behind one of the blocks that contain it."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.Return):
             first, last = child.lineno - 1, child.end_lineno

@@ -194,7 +194,7 @@ def edits_of_node(
     Yields
     ------
     tuple of int, int, int, str
-        The likeliest edits have the least rank. Positions are in bytes.
+        Likelier edits have a lower rank. Positions are in bytes.
     """
     value = getattr(node, "value", None)
     if isinstance(node, ast.Compare):
@@ -280,7 +280,7 @@ def _operators(
 def _of_comparison(
     source: SourceText, node: ast.Compare, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Change the operator, drop the comparison, or compare the same value of another name."""
+    """Change the operator, drop the comparison, or change a name on one side of it."""
     yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     if len(node.ops) > 1:
         return
@@ -319,7 +319,7 @@ def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, 
 
 
 def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
-    """Let the other one of two operators that follow each other come first."""
+    """Add or remove parentheses, so that another operator is applied first."""
     begin, end = source.span(node)
     if isinstance(node.left, ast.BinOp) and source.span(node.left)[0] == begin:
         middle = source.span(node.left.right)[0]
@@ -332,7 +332,7 @@ def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, 
         around = source.text(max(begin, first - 1), first) + source.text(last, min(last + 1, end))
         if isinstance(operand, ast.BinOp) and around == "()":
             yield 1, first - 1, last + 1, source.of(operand)
-    call = node.left  # f(x) + y is f(x + y), and the other way round
+    call = node.left  # f(x) + y becomes f(x + y); `_with_less_inside` does the reverse
     if isinstance(call, ast.Call) and len(call.args) == 1 and not call.keywords:
         (first, last), close = source.span(call.args[0]), source.span(call)[1]
         rest = source.text(close, end)
@@ -563,7 +563,7 @@ def _wrapped(
             yield 2, begin, end, f"~{inner}"
         for wrap in _WRAPS:
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
-        number = isinstance(node, (ast.BinOp, ast.Name))  # the sign of a table hardly gets lost
+        number = isinstance(node, (ast.BinOp, ast.Name))  # the sign of an array is rarely lost
         yield 1 if placed and number else 3, begin, end, f"(-{inner})"
         yield 3, begin, end, f"(1 - {inner})"
         for part in _SLICES if atom and placed else ():

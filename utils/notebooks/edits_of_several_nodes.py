@@ -1,4 +1,4 @@
-"""Slips that repeat themselves in a function, and the edits that correct all their places."""
+"""Slips that occur several times in a function, and the edits that correct all occurrences."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from utils.notebooks.edits_of_nodes import AXIS_FUNCTIONS, TWINS, Names, SourceT
 def edits_of_several_nodes(
     source: SourceText, function: ast.AST, names: Names
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Yield the rank of each slip that repeats itself, and all its replacements.
+    """Yield the rank of each edit, and all its replacements.
 
-    Such slips are a variable of the notebook or a number in place of a parameter, two names that
+    Such slips are a variable of the notebook or a number instead of a parameter, two names that
     are exchanged throughout, and calls that all lack the same axis.
 
     Parameters
@@ -50,7 +50,7 @@ def edits_of_several_nodes(
 def _axes_of_several_calls(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Give all calls the same axis if none of them has one, or all of one name if they have."""
+    """Add an axis to all calls without one, or give all calls of one function the same axis."""
     bare, given = [], {}
     for node in nodes:
         name = node.func.attr if isinstance(getattr(node, "func", None), ast.Attribute) else ""

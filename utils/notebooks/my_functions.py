@@ -82,7 +82,9 @@ def load_my_functions(
     """
     path = _find(Path(name).expanduser())
     if path in _LOADING:
-        raise RecursionError(f"{path.name} is waiting for its own functions.")
+        raise RecursionError(
+            f"{path.name} loads its own functions, directly or through another notebook."
+        )
     cells = _cells(path)
     if paste:
         print(to_paste([paste] if isinstance(paste, str) else paste, cells, path.stem))
@@ -234,7 +236,7 @@ def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[st
 
 
 def _execute_statement(statement: Statement, module: ModuleType) -> None:
-    """Execute a statement in a module; a call of a stub then explains that it is unfinished."""
+    """Execute a statement in a module; a stub that it defines explains itself when called."""
     node, notebook = statement.node, module.__name__
     if is_stub(node):
         setattr(module, node.name, _stub(node.name, notebook))

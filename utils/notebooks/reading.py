@@ -116,7 +116,7 @@ def _decode(draft: _Draft) -> str:
         except UnicodeDecodeError:
             encoding, sentence = (
                 "latin-1",
-                f"{draft.name} is not UTF-8, as notebooks are: letters with accents may be wrong. "
+                f"{draft.name} is not encoded in UTF-8, so letters with accents may be wrong. "
                 "Save it again in Jupyter.",
             )
     else:
@@ -168,9 +168,8 @@ def _parse(draft: _Draft) -> str:
         )
     if text[end:].strip(" \t\r\n\0"):
         return (
-            f"After the end of the notebook {draft.name} there is something else, such as a "
-            "second copy. Only the notebook was read. Save it again in Jupyter and submit "
-            "it again."
+            f"{draft.name} contains something after the end of the notebook, such as a second "
+            "copy. Only the notebook was read. Save it again in Jupyter and submit it again."
         )
     return ""
 
@@ -227,7 +226,8 @@ def _read_cells(draft: _Draft) -> str:
     draft.cells = tuple(_cell(cell, draft.old) for cell in cells)
     odd = len(draft.found) - len(cells)
     if odd:
-        return f"{odd} of the cells of {draft.name} {'is' if odd == 1 else 'are'} none; left out."
+        cells, were = ("entry", "was") if odd == 1 else ("entries", "were")
+        return f"{odd} {cells} of {draft.name} cannot be read as cells and {were} left out."
     return ""
 
 

@@ -73,7 +73,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
 
 
 def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
-    """Return the text of a statement whose comprehensions have a scope of their own."""
+    """Return the text of a statement whose comprehensions have their own scope."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
     source = ast.unparse(node)
     if any(isinstance(inner, comprehensions) for inner in inside):

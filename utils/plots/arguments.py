@@ -96,14 +96,14 @@ def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
         return []
     texts = [str(name) for name in (range(count) if names is True else names)]
     if len(texts) != count:
-        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
+        raise ValueError(f"names must contain one name per box: {count}, not {len(texts)}.")
     return texts
 
 
 def _checked_length(array: np.ndarray, count: int, name: str) -> np.ndarray:
     if array.shape != (count,):
         raise ValueError(
-            f"{name} must hold one entry per point: shape ({count},); yours has {array.shape}."
+            f"{name} must have one entry per point: shape ({count},); yours has {array.shape}."
         )
     return array
 
@@ -125,8 +125,9 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
 
     Points with a non-finite coordinate are left out. The others are divided into runs of k points,
     and one random point of each run is drawn. Taking exactly every k-th point could fall in step
-    with the beams of a scan and drop most of them. Points inside and outside the view have a k of
-    their own, so a closer view shows more. Points outside are kept in case the view moves later.
+    with the beams of a scan and drop most of them. Points inside and outside the view have
+    different values of k, so a closer view shows more. Points outside are kept in case the view
+    moves later.
 
     Returns
     -------

@@ -298,7 +298,9 @@ def growth(
     ]
     titles = [f"step {step}" for step in range(len(frames))] if titles is None else list(titles)
     if len(titles) != len(frames):
-        raise ValueError(f"titles must hold one title per step: {len(frames)}, not {len(titles)}.")
+        raise ValueError(
+            f"titles must contain one title per step: {len(frames)}, not {len(titles)}."
+        )
     own_figure = axes is None
     columns = min(columns, max(1, len(frames)))
     rows = -(-len(frames) // columns)

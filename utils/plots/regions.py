@@ -33,7 +33,7 @@ from utils.plots.style import (
     key,
     styled,
 )
-from utils.visits import NOT_YET, PRUNED, VISITED, fates
+from utils.visits import NOT_YET, PRUNED, VISITED, node_states
 
 if TYPE_CHECKING:
     from utils.visits import Node
@@ -194,18 +194,18 @@ def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
 
 def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int | None) -> None:
     """Hatch the largest cells that the search prunes, and dot those that it enters later."""
-    cells, fate_of = _cells(axes, root), fates(root, visited, steps)
-    for fate, style in LEFT_OUT.items():
+    cells, state_of = _cells(axes, root), node_states(root, visited, steps)
+    for state, style in LEFT_OUT.items():
         branches = 0
         for cell in cells:
-            above = VISITED if cell.parent is None else fate_of[id(cell.parent)]
-            if fate_of[id(cell.node)] == fate and above == VISITED:
+            above = VISITED if cell.parent is None else state_of[id(cell.parent)]
+            if state_of[id(cell.node)] == state and above == VISITED:
                 size = cell.upper - cell.lower
                 axes.add_patch(Rectangle(cell.lower, *size, linewidth=0, zorder=0.9, **style))
                 branches += 1
         if branches:
-            count = sum(node_fate == fate for node_fate in fate_of.values())
-            label = f"{fate}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
+            count = sum(node_fate == state for node_fate in state_of.values())
+            label = f"{state}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
             axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **style))
 
 
@@ -248,7 +248,7 @@ def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
     if rows.size == 0:
         return np.empty(0, dtype=int)
     if not np.issubdtype(rows.dtype, np.integer) or rows.min() < 0 or rows.max() >= count:
-        raise ValueError(f"{name} must hold indices of points: whole numbers below {count}.")
+        raise ValueError(f"{name} must contain indices of points: whole numbers below {count}.")
     return rows
 
 
@@ -266,7 +266,7 @@ def _cells(axes: Axes, root: Node | None) -> list[_Cell]:
         point = np.ravel(cell.node.point)
         if len(point) != 2:
             raise ValueError(
-                f"Only trees of points (x, y) divide the plane; a node holds {len(point)} numbers."
+                f"Only trees of points (x, y) divide the plane; a node has {len(point)} numbers."
             )
         axis = cell.depth % 2
         upper, lower = cell.upper.copy(), cell.lower.copy()

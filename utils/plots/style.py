@@ -126,7 +126,7 @@ def panels(
         axes = grid.flat[:count]
     axes = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if len(axes) != count:
-        raise ValueError(f"axes must hold one Axes per panel: {count}, not {len(axes)}.")
+        raise ValueError(f"axes must contain one Axes per panel: {count}, not {len(axes)}.")
     for panel in axes:
         canvas(panel)
     return axes
@@ -142,10 +142,10 @@ def frame(
 ) -> None:
     """Fix the visible region before anything is drawn.
 
-    If `limits` are given, they decide. Otherwise axes that already show something keep their view,
-    so that figures can be drawn on top of each other. Empty axes get a region that contains the
-    points and fills the axes. In a large cloud the outermost 1 % along each axis may be cut off,
-    because a few distant returns would make everything else tiny.
+    `limits` set the region if they are given. Otherwise axes that already show something keep their
+    view, so that figures can be drawn on top of each other. Empty axes get a region that contains
+    the points and fills the axes. In a large cloud the outermost 1 % along each axis may be cut
+    off, because a few distant returns would make everything else tiny.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ from utils.plots.style import (
     number,
     styled,
 )
-from utils.visits import NOT_YET, PRUNED, VISITED, fates
+from utils.visits import NOT_YET, PRUNED, VISITED, node_states
 
 if TYPE_CHECKING:
     from utils.visits import Node
@@ -73,7 +73,7 @@ def kd_tree(
     axes = canvas(axes)
     order = _in_order(root)
     visited = None if visited is None else list(visited)
-    fate_of = {} if visited is None else fates(root, visited, steps)
+    state_of = {} if visited is None else node_states(root, visited, steps)
     positions = {id(node): (rank, depth) for rank, (node, depth) in enumerate(order)}
     deepest = max((depth for _, depth in order), default=0)
     axes.set_xlim(-1, max(len(order), 1))
@@ -82,20 +82,20 @@ def kd_tree(
     for node, _ in order:
         for child in (node.left, node.right):
             if child is not None:
-                fate = fate_of.get(id(child), VISITED)
-                links[fate].append((positions[id(node)], positions[id(child)]))
-    for fate, dashes in ((VISITED, "-"), (PRUNED, "-"), (NOT_YET, ":")):
-        style = {"colors": MUTED if fate == VISITED else PALE, "linestyles": dashes}
+                state = state_of.get(id(child), VISITED)
+                links[state].append((positions[id(node)], positions[id(child)]))
+    for state, dashes in ((VISITED, "-"), (PRUNED, "-"), (NOT_YET, ":")):
+        style = {"colors": MUTED if state == VISITED else PALE, "linestyles": dashes}
         axes.add_collection(
-            LineCollection(links[fate], linewidths=1.2, zorder=1, **style), autolim=False
+            LineCollection(links[state], linewidths=1.2, zorder=1, **style), autolim=False
         )
-    if fate_of:
+    if state_of:
         branches = [(node, child) for node, _ in order for child in (node.left, node.right)]
-        branches = [(node, child) for node, child in branches if fate_of.get(id(child)) == PRUNED]
+        branches = [(node, child) for node, child in branches if state_of.get(id(child)) == PRUNED]
         middles = [
             np.mean([positions[id(node)], positions[id(child)]], axis=0)
             for node, child in branches
-            if fate_of[id(node)] == VISITED
+            if state_of[id(node)] == VISITED
         ]
         if middles:
             style = {"markersize": 9, "markeredgewidth": 2}

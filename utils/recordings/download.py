@@ -58,13 +58,13 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
     except OSError as error:
         reason = getattr(error, "reason", None) or error
         raise DownloadError(
-            f"{url} cannot be downloaded ({reason}). Connect to the internet and run this again: "
-            "what has arrived is kept."
+            f"{url} cannot be downloaded ({reason}). Connect to the internet and run this again. "
+            "What has arrived is kept."
         ) from None
     except ValueError:
         raise DownloadError(
-            f"{url} arrived, but its checksum is wrong: the file was changed on the way or at its "
-            "source. It was thrown away; run this again."
+            f"{url} was downloaded, but its checksum is wrong: the file was changed in transit or "
+            "at its source. It was deleted. Run this again."
         ) from None
     finally:
         logger.setLevel(level)
@@ -116,7 +116,7 @@ def _append_rest(url: str, part: Path) -> None:
             shutil.copyfileobj(response, file, BLOCK)
             received = file.tell() - before
     if expected is not None and received != int(expected):
-        raise ConnectionError(f"the connection broke off after {received} of {expected} bytes")
+        raise ConnectionError(f"the connection was lost after {received} of {expected} bytes")
 
 
 def unpack(archive: Path, folder: Path, wanted: Callable[[str], bool]) -> None:

@@ -95,7 +95,7 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
         raise file_error(
             path,
             "",
-            f"these are no KITTI tracklets ({excerpt(error, 80)})",
+            f"these are not KITTI tracklets ({excerpt(error, 80)})",
             "Unpack the drive's tracklets again, or delete the file.",
         ) from None
     return boxes
@@ -108,7 +108,7 @@ def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
         raise ValueError(f"<{names[texts.index(None)]}> is missing")
     numbers = tuple(map(float, texts))
     if not np.isfinite(numbers).all():
-        raise ValueError(f"{' '.join(texts)} are not numbers of metres")
+        raise ValueError(f"{' '.join(texts)} are not lengths in metres")
     return numbers
 
 

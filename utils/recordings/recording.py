@@ -50,7 +50,7 @@ class Recording(Sequence):
         return len(self.clouds)
 
     def __getitem__(self, index: int | slice) -> RecordedFrame | Recording:
-        """Read frame `index`; a slice is again a lazy recording."""
+        """Read frame `index`; a slice gives another lazy recording."""
         if isinstance(index, slice):
             return Recording(self.clouds[index], self.times[index], self.boxes[index])
         cloud = self.clouds[index]

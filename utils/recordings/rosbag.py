@@ -58,7 +58,7 @@ class Bag(Sequence):
         return len(self.timestamps)
 
     def __getitem__(self, index: int | slice) -> np.ndarray | Bag:
-        """Read cloud `index`; a slice is again a lazy sequence."""
+        """Read cloud `index`; a slice gives another lazy sequence."""
         if isinstance(index, slice):
             return Bag(self.path, self.topic, self.timestamps[index], self.repeats[index])
         index = range(len(self))[index]
@@ -190,7 +190,7 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
             name,
             place,
             f"{height} x {width} points of {step} bytes are announced, "
-            f"the message holds {len(message.data)} bytes",
+            f"but the message has {len(message.data)} bytes",
             "Was the recording cut off?",
         )
     cloud = np.empty((height, width, len(wanted)), precision)
@@ -232,7 +232,7 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
         raise file_error(
             path,
             "",
-            f"this is no intact ROS recording ({excerpt(error, 80)})",
+            f"this is not an intact ROS recording ({excerpt(error, 80)})",
             "Was it copied completely, and closed properly when recording?",
         ) from None
 

@@ -1,7 +1,7 @@
 """Step-by-step replay of your own function: ``replay(my_function)`` in a notebook.
 
 The run is recorded from the function as it is, however it is written. The player shows it step by
-step and begins at the first mistake. It reports only certain mistakes and says nothing in doubt.
+step and begins at the first mistake. It reports only mistakes that are certain.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ def replay(function: Callable) -> None:
     name = getattr(function, "__name__", str(function))
     if name not in _RUNS:
         raise LookupError(
-            f"{name!r} cannot be replayed. Pass the function itself, under the name it was given: "
-            f"one of {', '.join(_RUNS)}."
+            f"{name!r} cannot be replayed. Pass one of these functions, without renaming it: "
+            f"{', '.join(_RUNS)}."
         )
     if not is_written(function):
-        print(f"{name} is not written yet: there is nothing to replay.")
+        print(f"{name} is not written yet, so there is nothing to replay.")
         return
     module, run_of = _RUNS[name]
     play(getattr(importlib.import_module(module), run_of)(function))

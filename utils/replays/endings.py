@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from utils.checks.assertions import brief
-from utils.checks.tips import place_in
+from utils.checks.tips import locate
 from utils.remote_objects import ENDLESS
 from utils.replays.tracer import Ending
 
@@ -18,9 +18,9 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
         The student's function.
     """
     if ending.stopped:
-        return f"Your function was stopped: it had no end in sight. {ENDLESS.capitalize()}"
+        return f"Your function was stopped because it did not end. {ENDLESS.capitalize()}"
     if ending.error is not None:
-        kind, (_, place, line) = type(ending.error).__name__, place_in(ending.error, function)
+        kind, (_, place, line) = type(ending.error).__name__, locate(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""
         return f"Here your function raised {kind}: {ending.error}{where}"
     return f"Your function returned {brief(ending.answer)}."

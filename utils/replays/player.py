@@ -1,4 +1,4 @@
-"""Player that shows a run step by step with a slider, and begins where the run goes wrong."""
+"""Player that shows a run step by step with a slider, starting where the run goes wrong."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ class Replay:
     ----------
     steps : sequence of ReplayStep
         Steps in order; empty if nothing could be observed.
-    wrong : Wrong or None
-        First mistake; None if nothing is certainly wrong.
+    wrong : Fault or None
+        First mistake; None if no mistake is certain.
     remark : str
         Remark on the whole run, or the reason why there is nothing to show.
     """
@@ -118,7 +118,7 @@ def _show(run: Replay, position: int) -> None:
     show(html, text)
 
 
-def _slider(count: int, begin: int) -> Widget:
+def _slider(count: int, initial: int) -> Widget:
     """Build a slider for the steps, with buttons for the previous and the next step."""
     import ipywidgets
     from traitlets import Int
@@ -126,14 +126,14 @@ def _slider(count: int, begin: int) -> Widget:
     class Steps(ipywidgets.HBox, ipywidgets.ValueWidget):
         """Slider and buttons, combined into one widget with a value for `interact`."""
 
-        value = Int(begin)
+        value = Int(initial)
         description, min, max, step = "step", 1, count, 1
 
     narrow = {"width": "auto"}
     back = ipywidgets.Button(description="◀ back", tooltip="One step back", layout=narrow)
-    forth = ipywidgets.Button(description="next ▶", tooltip="One step on", layout=narrow)
+    forth = ipywidgets.Button(description="next ▶", tooltip="One step forward", layout=narrow)
     slider = ipywidgets.IntSlider(
-        value=begin, min=1, max=count, description="step", continuous_update=False
+        value=initial, min=1, max=count, description="step", continuous_update=False
     )
     steps = Steps([slider, back, forth], layout={"flex_flow": "row wrap"})
     ipywidgets.link((slider, "value"), (steps, "value"))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from utils.replays.player import Fault, Replay, ReplayStep, first_of
-from utils.visits import nodes_of, told
+from utils.visits import describe_step, nodes_of
 
 if TYPE_CHECKING:
     from utils.visits import Node
@@ -48,14 +48,18 @@ def walk(
     nodes = {node.index: node for node in nodes_of(root)}
     if not nodes or not set(visited) <= set(nodes):
         return Replay(
-            remark="The tree is empty, or a search has changed it: there is no walk to show."
+            remark="The tree is empty, or a search has changed it, so there is no search to show."
         )
     points = np.array([nodes[index].point for index in sorted(nodes)], dtype=float)
     rows = [int(row) for row in found if isinstance(row, int | np.integer) and row in nodes]
-    remark = "" if len(rows) == len(found) else "Your search returns what is no row of the tree."
+    remark = (
+        ""
+        if len(rows) == len(found)
+        else "Your search returns a value that is not an index of the tree."
+    )
 
     def step(number: int) -> ReplayStep:
-        says = told(root, visited, number, target, tolerance)
+        says = describe_step(root, visited, number, target, tolerance)
         says = f"{says[0].upper()}{says[1:]}".removesuffix(".") + "."
         return ReplayStep(says, lambda title: draw(number, title))
 
@@ -98,7 +102,7 @@ def _misplaced(root: Node | None) -> Iterator[str]:
         for side in ("left", "right"):
             for below in nodes_of(getattr(node, side)):
                 if (below.point[axis] < node.point[axis]) != (side == "left"):
-                    yield f"point {below.index} hangs to the {side} of point {node.index}"
+                    yield f"point {below.index} is to the {side} of point {node.index}"
 
 
 def _first_mistake(
@@ -118,12 +122,12 @@ def _first_mistake(
         if is_near and not times and index not in step_of:
             while parent is not None and parent.index not in step_of:
                 parent, side = above[id(parent)]
-            where = "anywhere" if parent is None else f"to the {side} of node {parent.index}"
+            where = "any node" if parent is None else f"the {side} branch of node {parent.index}"
             step = 0 if parent is None else step_of[parent.index]
-            faults.append(Fault(step, f"The search never goes on {where}, where {far}."))
+            faults.append(Fault(step, f"The search never visits {where}, although {far}."))
         elif is_near != bool(times) and index in step_of:
-            has = "has it" if times else "has not got it"
-            faults.append(Fault(step_of[index], f"{far.capitalize()}. Your answer {has}."))
+            does = "contains it" if times else "does not contain it"
+            faults.append(Fault(step_of[index], f"{far.capitalize()}. Your answer {does}."))
         elif times > 1:
             faults.append(Fault(step_of[index], f"Node {index} is in your answer {times} times."))
         elif index in step_of and parent is not None and _visits_child(node, step_of):
@@ -132,9 +136,9 @@ def _first_mistake(
             if cut <= low if side == "left" else high < cut:
                 why = f"The box reaches from {low:g} to {high:g} along {'xyz'[axis]}, and node "
                 why += (
-                    f"{parent.index} cuts at {cut:g}: nothing to its {side} can be near, and the "
+                    f"{parent.index} cuts at {cut:g}. Nothing to its {side} can be near, but the "
                 )
-                faults.append(Fault(step_of[index], f"{why}search goes on there."))
+                faults.append(Fault(step_of[index], f"{why}search continues there."))
     return first_of(faults)
 
 

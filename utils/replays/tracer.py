@@ -42,7 +42,7 @@ class Ending:
     stopped: bool = False
 
     @property
-    def came_back(self) -> bool:
+    def returned_normally(self) -> bool:
         """Whether the function returned."""
         return self.error is None and not self.stopped
 

@@ -154,7 +154,7 @@ def box_parts(
     edges = solids.edges_of(corners)
     colour, width = BOX_LOOKS[layer]
     if reference:
-        return [*parts, Segments(dashed(edges), MUTED, 2.0, layer, name, broken=True)]
+        return [*parts, Segments(dashed(edges), MUTED, 2.0, layer, name, is_dashed=True)]
     faces = _faces(solids.faces_of(corners), colour, layer, 0.14)
     return [*parts, Segments(edges, colour, width, layer, name), faces]
 

@@ -33,7 +33,7 @@ class Camera:
     target: tuple[float, float, float]
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     view_angle: float = VIEW_ANGLE
-    seen_from: str = "from a place of its own"
+    seen_from: str = "from a custom viewpoint"
 
     def farther(self, factor: float) -> Camera:
         """Return a camera with the same target at `factor` times the distance."""
@@ -47,7 +47,7 @@ class Camera:
         if not np.isfinite(forward).all() or not np.linalg.norm(right) > 0:
             raise ValueError(
                 "A camera needs a position, a target elsewhere, and an upward direction that is "
-                f"not the line between them; yours stands at {self.position}, looks at "
+                f"not the line between them; yours is at {self.position}, looks at "
                 f"{self.target} and has {self.up} upwards."
             )
         rows = np.stack([right, np.cross(right, forward), forward])

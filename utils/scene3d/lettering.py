@@ -35,7 +35,7 @@ def legend_of(parts: Iterable[Part]) -> list[tuple[str, str, str]]:
         if not getattr(part, "name", ""):
             continue
         if isinstance(part, Segments):
-            entries.append((part.name, part.colour, "dashes" if part.broken else "line"))
+            entries.append((part.name, part.colour, "dashes" if part.is_dashed else "line"))
             continue
         # For a part with many colours, the legend shows the colour in the middle of the array.
         colours = part.colours if len(part.colours) else [(0, 0, 0)]

@@ -32,7 +32,7 @@ NO_OPENGL = (
 
 
 @lru_cache(maxsize=1)
-def obstacle() -> str:
+def problem() -> str:
     """Return the reason why PyVista cannot draw, as a sentence; empty if it can.
 
     Colab comes without PyVista. There, the first call installs it.
@@ -59,8 +59,8 @@ def obstacle() -> str:
 def has_screen() -> bool:
     """Return whether PyVista can open a window on a screen."""
     if sys.platform != "linux":
-        return not os.environ.get("SSH_CONNECTION") and not obstacle()
-    if not os.environ.get("DISPLAY") or obstacle():
+        return not os.environ.get("SSH_CONNECTION") and not problem()
+    if not os.environ.get("DISPLAY") or problem():
         return False
     with quiet():  # DISPLAY may name a screen that no longer exists
         return _kind_of_window() == "vtkXOpenGLRenderWindow"

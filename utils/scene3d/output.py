@@ -20,7 +20,7 @@ from utils.scene3d.parts import Drawable
 if TYPE_CHECKING:
     from PIL import Image
 
-NOT_TRUSTED = "<p>To turn it, run this cell, or trust the notebook.</p>"
+NOT_TRUSTED = "<p>To rotate it, run this cell or trust the notebook.</p>"
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
 
 
@@ -30,7 +30,7 @@ def renderer_for(wanted: str | None) -> str:
         raise ValueError(f'renderer must be "pyvista" or "matplotlib", not {wanted!r}.')
     if wanted == "matplotlib":
         return wanted
-    if problem := opengl.obstacle():
+    if problem := opengl.problem():
         _say_once(problem)
         return "matplotlib"
     return "pyvista"
@@ -73,11 +73,11 @@ def show(
         from utils.scene3d.with_pyvista import Window
 
         window = Window(_as_size(size), as_camera(camera))
-        window.put(scene)
-        window.stay()
+        window.show_scene(scene)
+        window.wait_until_closed()
         window.close()
     else:
-        print('No window can be opened here. Keep the picture instead: scene.save("scene.png")')
+        print('No window can be opened here. Save the picture instead: scene.save("scene.png")')
 
 
 def bundle_of(

@@ -72,7 +72,7 @@ class Segments:
         `name` is the entry in the legend; there is none if it is empty.
     opacity : float
         From 0 (invisible) to 1 (opaque).
-    broken : bool
+    is_dashed : bool
         Whether to show a dashed line in the legend.
     """
 
@@ -82,7 +82,7 @@ class Segments:
     layer: str
     name: str = ""
     opacity: float = 1.0
-    broken: bool = False
+    is_dashed: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 
 from utils.plots.style import PAPER, canvas
 from utils.scene3d.cameras import NEAREST, Camera, as_camera, cut_off
+from utils.scene3d.eye_dome import eye_dome
 from utils.scene3d.lettering import write
 from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
-from utils.scene3d.shading import eye_dome
 
 DOTS_PER_INCH = 100
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from utils.plots.style import INK, PAPER
 from utils.scene3d.cameras import CAMERAS, Camera
+from utils.scene3d.eye_dome import eye_dome
 from utils.scene3d.lettering import write
 from utils.scene3d.opengl import quiet, without_screen
 from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
-from utils.scene3d.shading import eye_dome
 
 if TYPE_CHECKING:
     import pyvista
@@ -91,7 +91,7 @@ class Window:
 
     Attributes
     ----------
-    halted : bool
+    paused : bool
         Whether the reader has paused.
     open : bool
         Whether the window is still open.
@@ -102,15 +102,15 @@ class Window:
 
         self.plotter = pyvista.Plotter(window_size=list(size), lighting="none", notebook=False)
         self.plotter.set_background(PAPER)
-        self.halted, self.open = False, True
+        self.paused, self.open = False, True
         for number, preset in enumerate(CAMERAS.values(), start=1):
             # The digits 1 to 4 are not used, because 3 toggles VTK's red and blue stereo view.
             self.plotter.add_key_event(f"F{number}", _camera_setter(self.plotter, preset))
-        self.plotter.add_key_event("space", self._halt)
+        self.plotter.add_key_event("space", self._pause)
         self.plotter.iren.add_observer("ExitEvent", self._leave)  # q or the close button
         aim(self.plotter, camera)
 
-    def put(self, scene: Drawable) -> None:
+    def show_scene(self, scene: Drawable) -> None:
         """Replace the scene; the view that the reader has chosen remains."""
         self.plotter.clear_actors()
         for part in scene.parts:
@@ -126,7 +126,7 @@ class Window:
         if self.open:
             self.plotter.update()
 
-    def stay(self) -> None:
+    def wait_until_closed(self) -> None:
         """Keep the window open until the reader closes it."""
         if self.open:
             self.plotter.iren.start()
@@ -135,8 +135,8 @@ class Window:
         """Close the window."""
         self.plotter.close()
 
-    def _halt(self) -> None:
-        self.halted = not self.halted
+    def _pause(self) -> None:
+        self.paused = not self.paused
 
     def _leave(self, *event: object) -> None:
         self.open = False

@@ -80,7 +80,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     """
     rays = ray_directions(sensor)
     rng = np.random.default_rng(seed)
-    # Random numbers are drawn for every ray, so that a hit of one does not change the others.
+    # Random numbers are drawn for every ray, so that a hit of one ray does not change the others.
     shape = rays.shape[1:]
     noise, flicker = rng.standard_normal(shape), rng.standard_normal(shape)
     luck, penetration = rng.random(shape), rng.standard_exponential(shape)

@@ -34,7 +34,7 @@ class Material:
     reflectivity : float
         Diffuse reflectivity, 0 to 1; retro-reflecting foil also has a value near 1.
     loss : float
-        Share of pulses that never come back, whatever the distance (glass, chrome).
+        Share of pulses that are lost at any distance (glass, chrome).
     depth : float
         Mean free path in metres inside a porous solid such as foliage; 0 is opaque.
     """

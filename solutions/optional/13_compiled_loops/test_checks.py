@@ -70,7 +70,7 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     if variant.right:
         assert not failed and diagnose(name, function) is None
         return
-    if "did not come back" in variant.says:
+    if "did not return within" in variant.says:
         # After a timeout, only the first failed check counts.
         failed = dict([*failed.items()][:1])
     assert set(variant.loses) <= set(failed), sorted(failed)
@@ -78,7 +78,7 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
                     f"{one.failure.hint} {one.check.hint}" for one in failed.values())  # fmt: skip
     assert variant.says in messages, messages
-    mistake = None if "did not come back" in variant.says else diagnose(name, function)
+    mistake = None if "did not return within" in variant.says else diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
     assert variant.told in (mistake.says if mistake else "")
 
@@ -116,12 +116,14 @@ def must_not_be_called(*arguments):
 
 def test_compiled_functions_are_checked_as_python(numba, monkeypatch, capsys):
     monkeypatch.setattr(core, "SECONDS", 0.2)
-    (hangs,) = (answer for answer in answers_to("root_of") if "did not come back" in answer.says)
+    (hangs,) = (
+        answer for answer in answers_to("root_of") if "did not return within" in answer.says
+    )
     function = function_of("root_of", hangs, lambda made: Compiled(made, must_not_be_called))
     with pytest.raises(ChecksFailed):
         check(function)
     shown = capsys.readouterr().out
-    assert "did not come back after 0.2 s: does each round of the loop move" in shown
+    assert "did not return within 0.2 s: does each round of the loop move" in shown
     assert not ready(function) and "root_of has not passed" in capsys.readouterr().out
 
 

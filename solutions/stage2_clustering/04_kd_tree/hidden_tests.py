@@ -14,7 +14,7 @@ import pytest
 from extension import samples
 from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import (
-    assert_left_alone,
+    assert_arguments_unchanged,
     assert_untouched,
     call_each,
     frozen,
@@ -173,7 +173,7 @@ def test_point(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(9) / 4, 3)
     tree = student.KdTree()
     for index, point in enumerate(points):
-        assert_left_alone(observe(tree.insert, point, index), point, index)
+        assert_arguments_unchanged(observe(tree.insert, point, index), point, index)
     with needs("every point is in its place"):
         assert_tree(tree, points, may_be_mirrored=True)
 

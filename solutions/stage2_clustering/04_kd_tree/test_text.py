@@ -9,7 +9,7 @@ import pytest
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import names_of
 from utils.datasets import DATA
-from utils.visits import depth_of, fates, nodes_of, place_of, told, watched
+from utils.visits import depth_of, describe_step, node_states, nodes_of, place_of, watched
 
 LESSON = find_lesson("04_kd_tree")
 NAMES = (
@@ -78,11 +78,11 @@ def test_the_second_puzzle_matches_its_table():
     space = taught()
     visited, found = space["trace"](space["better"], space["target"], space["radius"])
     assert sorted(visited) == sorted(space["looked_at"]) and found == [0, 4]
-    made = fates(space["better"].root, visited)
+    made = node_states(space["better"].root, visited)
     by_index = {node.index: made[id(node)] for node in nodes_of(space["better"].root)}
     assert [index for index, fate in by_index.items() if fate == "pruned"] == [2, 6, 5]
     texts = [
-        told(space["better"].root, visited, step, space["target"], space["radius"])
+        describe_step(space["better"].root, visited, step, space["target"], space["radius"])
         for step in range(1, 5)
     ]
     assert texts[0].startswith("node 3 cuts x at 3, the box reaches from -7 to 1: left searched, ")
@@ -95,7 +95,7 @@ def test_the_search_step_by_step_prunes_four_branches():
     space = taught()
     yard = space["grow"](space["fifteen"])
     visited, found = space["trace"](yard, [2, -1], 4)
-    made = fates(yard.root, visited)
+    made = node_states(yard.root, visited)
     branches = [
         child
         for node in nodes_of(yard.root)
@@ -103,8 +103,8 @@ def test_the_search_step_by_step_prunes_four_branches():
         if child is not None and made[id(node)] == "looked at" and made[id(child)] == "pruned"
     ]
     assert (len(found), len(branches), depth_of(yard.root)) == (3, 4, 5)
-    assert set(fates(yard.root, visited, 0).values()) == {"not yet"}
-    assert told(yard.root, visited, 0, [2, -1], 4).startswith("Before")
+    assert set(node_states(yard.root, visited, 0).values()) == {"not yet"}
+    assert describe_step(yard.root, visited, 0, [2, -1], 4).startswith("Before")
 
 
 def test_a_search_without_result_visits_some_nodes():

@@ -250,8 +250,8 @@ common_checks.names(
         "fit_plane",
         {"points": frozen(scattered_plane(2, 80, 0, noise=0.05)[0])},
         expected=None,  # `assert_direction` computes it
-        look=lambda answer, points, _: assert_direction(answer, points),
-        basic=require_direction,
+        compare=lambda answer, points, _: assert_direction(answer, points),
+        precondition=require_direction,
     ),
     "keeps_points",
     title="Keeps the name of its parameter, points",

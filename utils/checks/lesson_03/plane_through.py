@@ -246,8 +246,8 @@ _SLOPE_CASE = Case(
     "plane_through",
     dict(zip("pqr", TRIANGLES[2], strict=True)),
     expected=TRIANGLES[2],
-    look=lambda answer, p, q, r, triangle: assert_perpendicular(answer, triangle),
-    basic=require_perpendicular_normals,
+    compare=lambda answer, p, q, r, triangle: assert_perpendicular(answer, triangle),
+    precondition=require_perpendicular_normals,
 )
 common_checks.untouched(
     _SLOPE_CASE,

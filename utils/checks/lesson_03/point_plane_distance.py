@@ -256,8 +256,8 @@ common_checks.names(
         "point_plane_distance",
         {"points": _IN_FRONT[:, :3], "plane": frozen(np.array([*_NORMAL, 0.0]))},
         expected=None,  # `assert_distances` computes it
-        look=lambda answer, points, plane, _: assert_distances(answer, points, plane),
-        basic=require_plain_distances,
+        compare=lambda answer, points, plane, _: assert_distances(answer, points, plane),
+        precondition=require_plain_distances,
     ),
     "keeps_points_and_plane",
     title="Keeps the names of its parameters: points and plane",

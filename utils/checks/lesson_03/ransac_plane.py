@@ -589,10 +589,10 @@ common_checks.names(
             "rng": np.random.default_rng(1),
         },
         expected=_ON_PLANE,
-        look=lambda answer, points, _, tolerance, __, on_plane: assert_finds(
+        compare=lambda answer, points, _, tolerance, __, on_plane: assert_finds(
             answer, points, tolerance, on_plane
         ),
-        basic=require_plane_among_outliers,
+        precondition=require_plane_among_outliers,
     ),
     "keeps_the_names_of_ransac",
     why="Later cells may call ransac_plane(street, max_iterations=50, distance_tolerance=0.2, "

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from utils.checks.assertions import (
     CheckFailed,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     call_each,
     frozen,
@@ -220,7 +220,7 @@ def leaves_the_point(KdTree: Callable) -> None:
     require_root(KdTree)
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
-        assert_left_alone(observe(tree.insert, point, index), point, index)
+        assert_arguments_unchanged(observe(tree.insert, point, index), point, index)
     with needs("every point is in its place"):
         assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
@@ -335,6 +335,6 @@ mistakes(
     ),
     right=_paths,
     same=operator.eq,
-    ask=_paths_in,
-    through="KdTree",
+    call=_paths_in,
+    class_name="KdTree",
 )

@@ -349,8 +349,8 @@ common_checks.untouched(
         "median_order",
         {"points": ELEVEN_POINTS},
         expected=None,  # `assert_halves` computes it
-        look=lambda answer, points, _: assert_halves(answer, points),
-        basic=_assert_halves,
+        compare=lambda answer, points, _: assert_halves(answer, points),
+        precondition=_assert_halves,
     ),
     "leaves_its_input",
     why="The order refers to the rows of the original cloud. If the cloud is sorted, it refers to "
@@ -449,5 +449,5 @@ mistakes(
     ),
     right=lambda points, order: (points, order),
     same=lambda answer, predicted: predicted(*answer),
-    ask=lambda median_order, points, order: (points, as_order(median_order(points), len(points))),
+    call=lambda median_order, points, order: (points, as_order(median_order(points), len(points))),
 )

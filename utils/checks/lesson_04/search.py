@@ -527,8 +527,8 @@ mistakes(
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance
     },
     same=_same_indices,
-    ask=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
+    call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
         target, tolerance
     ),
-    through="KdTree",
+    class_name="KdTree",
 )

@@ -13,7 +13,7 @@ from utils.checks.assertions import (
     WrongForm,
     as_array,
     as_labels,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     frozen,
     in_shape,
@@ -169,7 +169,7 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
     "received.",
 )
 def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
-    assert_left_alone(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
+    assert_arguments_unchanged(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
 
 
 # ---- step 2 ------------------------------------------------------------------------------------
@@ -280,7 +280,9 @@ def joins_exactly(join_exactly: Callable) -> None:
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
     with needs("the function joins the whole pieces that points 3 and 4 connect"):
         joins_exactly(join_exactly)
-    assert_left_alone(observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES))
+    assert_arguments_unchanged(
+        observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
+    )
 
 
 @visible(

@@ -9,7 +9,7 @@ import numpy as np
 
 from utils.checks.assertions import (
     CheckFailed,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     needs,
     observe,
@@ -275,7 +275,7 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these values
     observed = observe(detect_obstacles, cloud)
     require_cars_found(observed.result, square(SQUARE_SEED))
-    assert_left_alone(observed, cloud)
+    assert_arguments_unchanged(observed, cloud)
 
 
 @noted(

@@ -398,10 +398,10 @@ _MOVED_CASE = Case(
     "match_boxes",
     {"previous": _BEFORE, "current": _AFTER, "max_distance": 1.5},
     expected=_ORDER,
-    look=lambda answer, previous, current, _, order: assert_matched(
+    compare=lambda answer, previous, current, _, order: assert_matched(
         answer, order, previous, current
     ),
-    basic=require_matching,
+    precondition=require_matching,
 )
 common_checks.names(
     _MOVED_CASE,

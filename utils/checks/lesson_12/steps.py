@@ -13,7 +13,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     frozen,
     needs,
@@ -159,7 +159,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
     hint="boxes + ... creates new boxes. boxes += ... changes the input.",
 )
 def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
-    assert_left_alone(
+    assert_arguments_unchanged(
         observe(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1), _PARKED, _PARKED_VELOCITIES, 0.1
     )
 
@@ -359,7 +359,7 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
 )
 def keeps_its_input_unchanged(correct_boxes: Callable) -> None:
     arguments = _EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1
-    assert_left_alone(observe(correct_boxes, *arguments), *arguments)
+    assert_arguments_unchanged(observe(correct_boxes, *arguments), *arguments)
 
 
 def _corrected_by(
@@ -555,7 +555,7 @@ def works_on_empty_frames(coast: Callable) -> None:
     hint="np.where(..., 0, missed + 1) creates new counts. missed[...] = 0 changes the input.",
 )
 def keeps_the_counts_unchanged(coast: Callable) -> None:
-    assert_left_alone(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
+    assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
 
 
 def _counted_by(count: Callable) -> Callable:

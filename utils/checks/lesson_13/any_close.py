@@ -8,7 +8,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_left_alone,
+    assert_arguments_unchanged,
     frozen,
     needs,
     observe,
@@ -179,7 +179,7 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
 )
 def keeps_the_points_unchanged(any_close: Callable) -> None:
     arguments = _ROWS, *_CELLS, _BELOW**2
-    assert_left_alone(observe(any_close, *arguments), *arguments)
+    assert_arguments_unchanged(observe(any_close, *arguments), *arguments)
 
 
 @noted("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)

@@ -4,7 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.assertions import CheckFailed, assert_left_alone, brief, frozen, needs, observe
+from utils.checks.assertions import (
+    CheckFailed,
+    assert_arguments_unchanged,
+    brief,
+    frozen,
+    needs,
+    observe,
+)
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
@@ -92,7 +99,7 @@ def returns_zero(count_near: Callable) -> None:
 )
 def keeps_the_points_unchanged(count_near: Callable) -> None:
     arguments = _points_at(_OFFSETS), _PLANE, _TOLERANCE
-    assert_left_alone(observe(count_near, *arguments), *arguments)
+    assert_arguments_unchanged(observe(count_near, *arguments), *arguments)
 
 
 @noted("count_near", title=COMPILES_TITLE, why=COMPILES_WHY)

@@ -7,7 +7,7 @@ import numpy as np
 from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
-    assert_left_alone,
+    assert_arguments_unchanged,
     brief,
     frozen,
     needs,
@@ -142,7 +142,7 @@ def works_on_one_point(snuggest_turn: Callable) -> None:
 )
 def keeps_the_points_unchanged(snuggest_turn: Callable) -> None:
     points = _rectangle(20, 5, 3)
-    assert_left_alone(observe(snuggest_turn, points), points)
+    assert_arguments_unchanged(observe(snuggest_turn, points), points)
 
 
 @noted("snuggest_turn", title=COMPILES_TITLE, why=COMPILES_WHY)

@@ -334,5 +334,5 @@ mistakes(
     cases=((_PARENT, 6, 9), (_PARENT, 9, 3), (_PARENT, 3, 8), (_PARENT, 4, 6)),
     right=lambda parent, a, b: _groups(_joined_roots(a, b)),
     same=lambda answer, predicted: answer == predicted,
-    ask=_pieces_after,
+    call=_pieces_after,
 )

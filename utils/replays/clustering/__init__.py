@@ -48,12 +48,12 @@ def _remark(
 ) -> str:
     about = f"Twelve points, threshold {THRESHOLD} m."
     if ending.stopped:
-        return f"{about} Your function was stopped: it had no end in sight."
+        return f"{about} Your function was stopped because it did not end."
     if not wrong and answer is not None and groups_in(answer) == groups_in(GROUP_OF):
         about += " Your labels are right."
-    asked = Counter(frame.asked for frame in frames if frame.asked is not None)
-    if more := [row for row, count in asked.items() if count > 1]:
-        about += f" Asked more than once: {', '.join(map(str, sorted(more)))}."
+    visited = Counter(frame.visited for frame in frames if frame.visited is not None)
+    if more := [row for row, count in visited.items() if count > 1]:
+        about += f" Visited more than once: {', '.join(map(str, sorted(more)))}."
     return about
 
 
@@ -64,7 +64,7 @@ def _replay_of_answer(function: Callable, ending: Ending, answer: list | None) -
     blank = object()
     frame = ReplayFrame((blank,) * len(POINTS), tuple(answer), blank)
     remark = (
-        "While your function runs, nothing in it has one label for each point, so its steps "
+        "No variable of your function has one label for each point while it runs, so its steps "
         "cannot be shown. This is its answer."
     )
     wrong = first_wrong(function, [frame], answer, ending)

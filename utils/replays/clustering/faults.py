@@ -1,4 +1,4 @@
-"""Mistakes that are certain because the answer contains them, and the step of each."""
+"""Mistakes that are certain because the answer contains them, each with its step."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def first_wrong(
     if ending.error:
         return Fault(last, how_it_ended(ending, function))
     if answer is None:
-        return Fault(last, f"{how_it_ended(ending, function)} One label for each point was wanted.")
+        return Fault(
+            last, f"{how_it_ended(ending, function)} It should return one label for each point."
+        )
     faults = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
     return first_of([wrong for wrong in faults if wrong])
 
@@ -44,7 +46,7 @@ def _merged(frames: list[ReplayFrame], answer: list) -> Fault | None:
                 other = min(others, key=lambda other: GAPS[row, other])
                 return Fault(
                     position,
-                    f"Points {row} and {other} have the same label now, and in your answer. They "
+                    f"Points {row} and {other} have the same label, here and in your answer. They "
                     f"are {GAPS[row, other]:.2f} m apart, and no chain of steps below "
                     f"{THRESHOLD} m joins them.",
                 )
@@ -61,14 +63,14 @@ def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
             near = f"Point {other} is {GAPS[row, other]:.2f} m away, closer than {THRESHOLD} m"
             apart = "In your answer they have different labels."
             parted = frame.labels[row] != frame.labels[other]
-            if frame.asked == row and parted and frame.has_label(row):
+            if frame.visited == row and parted and frame.has_label(row):
                 does = "has another label" if frame.has_label(other) else "does not join"
-                return Fault(position, f"{near}, and {does}. {apart}")
+                return Fault(position, f"{near}, but {does}. {apart}")
             both = frame.has_label(row) and frame.has_label(other) and row in frame.joined
             if both and parted:
                 gets = f"Point {row} gets label {written(frame.labels[row])}"
                 has = f"point {other} has {written(frame.labels[other])}"
-                return Fault(position, f"{gets}, and {has}. {near}. {apart}")
+                return Fault(position, f"{gets}, but {has}. {near}. {apart}")
     without = [row for row in ROWS if not frames[-1].has_label(row)]
     if without and answer == list(frames[-1].labels):
         return Fault(len(frames) - 1, f"The function ends here. {named(without)} got no label.")
@@ -83,8 +85,8 @@ def _misnumbered(frames: list[ReplayFrame], answer: list) -> Fault | None:
             if frame.has_label(row) and answer[row] not in range(1, count + 1):
                 return Fault(
                     position,
-                    f"In your answer point {row} has label {written(answer[row])}. It has "
-                    f"{count} different labels, so they go from 1 to {count}.",
+                    f"In your answer, point {row} has label {written(answer[row])}. The answer has "
+                    f"{count} different labels, so they should be 1 to {count}.",
                 )
     return None
 
@@ -93,12 +95,12 @@ def _visited_twice(frames: list[ReplayFrame]) -> Fault | None:
     """Find the first point that an endless run visits a second time."""
     seen = set()
     for position, frame in enumerate(frames):
-        if frame.asked in seen:
+        if frame.visited in seen:
             return Fault(
                 position,
-                f"Point {frame.asked} is asked for the second time. The run was stopped before its "
-                "end.",
+                f"Point {frame.visited} is visited for the second time. The run was stopped "
+                "before its end.",
             )
-        if frame.asked is not None:
-            seen.add(frame.asked)
+        if frame.visited is not None:
+            seen.add(frame.visited)
     return None

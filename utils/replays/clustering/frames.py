@@ -21,7 +21,7 @@ class ReplayFrame:
         Label of each point before and after the step.
     blank : object
         Label of a point that has none yet.
-    asked : int or None
+    visited : int or None
         Row of the point that the function visited.
     waiting : tuple or None
         Rows in the queue after the step; None without a queue.
@@ -32,7 +32,7 @@ class ReplayFrame:
     before: tuple
     labels: tuple
     blank: object
-    asked: int | None = None
+    visited: int | None = None
     waiting: tuple | None = None
     is_first: bool = False
 
@@ -49,16 +49,16 @@ class ReplayFrame:
     def says(self) -> str:
         """Description of the step in words."""
         if self.is_first:
-            return "Before the first point: nobody has a label."
-        parts = [] if self.asked is None else [f"Point {self.asked} is asked."]
+            return "Before the first point: no point has a label."
+        parts = [] if self.visited is None else [f"Point {self.visited} is visited."]
         for label in dict.fromkeys(self.labels[row] for row in self.joined):
             rows = [row for row in self.joined if self.labels[row] == label]
             gets = "gets" if len(rows) == 1 else "get"
             parts.append(f"{named(rows)} {gets} label {written(label)}.")
-        if self.asked is not None and not self.joined:
-            parts.append("Nobody joins.")
+        if self.visited is not None and not self.joined:
+            parts.append("No point joins.")
         if self.waiting is not None:
-            waits = ", ".join(map(str, self.waiting)) or "nobody"
+            waits = ", ".join(map(str, self.waiting)) or "no point"
             parts.append(f"In the queue: {waits}.")
         return " ".join(parts)
 
@@ -78,8 +78,8 @@ class ReplayFrame:
             axes.annotate(words, POINTS[row, :2], xytext=(14, 2), textcoords="offset points",
                           fontsize=9)  # fmt: skip
         look = {"markersize": 13, "fillstyle": "none", "color": "black"}
-        if self.asked is not None:
-            x, y = POINTS[self.asked, :2]
+        if self.visited is not None:
+            x, y = POINTS[self.visited, :2]
             plots.ring(axes, x, y, radius=THRESHOLD)
             axes.plot(x, y, "o", **look)
         for row in set(self.waiting or ()):
@@ -89,7 +89,7 @@ class ReplayFrame:
 
 
 def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ReplayFrame]:
-    """Divide a run into steps; each ends at the next point visited or the next cluster begun."""
+    """Divide a run into steps; each visited point and each new cluster begins a step."""
     moments = [(time, "labels", state, new) for time, state, new in labels.states]
     moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
     moments.sort(key=lambda moment: moment[0])
@@ -101,9 +101,9 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
         now = frames[-1]
         if kind == "queue":
             gone = Counter(waiting) - Counter(state)
-            asked = next(iter(gone)) if gone.total() == 1 and not new else None
-            if asked is not None or (new and now.asked is not None):
-                frames.append(ReplayFrame(now.labels, now.labels, blank, asked))
+            visited = next(iter(gone)) if gone.total() == 1 and not new else None
+            if visited is not None or (new and now.visited is not None):
+                frames.append(ReplayFrame(now.labels, now.labels, blank, visited))
             waiting = state
         elif state != now.labels:
             if now.is_first or not queue or (not waiting and _begins_cluster(now, state)):
@@ -114,11 +114,11 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
 
 
 def _begins_cluster(now: ReplayFrame, state: tuple) -> bool:
-    """Return whether the changed labels begin a new cluster: the visited point has another one."""
+    """Return whether the changed labels begin a new cluster, without the point visited last."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
-    if now.asked is None or now.asked in changed:
+    if now.visited is None or now.visited in changed:
         return False
-    return all(state[row] != now.labels[now.asked] for row in changed)
+    return all(state[row] != now.labels[now.visited] for row in changed)
 
 
 def named(rows: list[int]) -> str:

@@ -58,7 +58,8 @@ class LabelObserver:
     def _note(
         self, tracks: list[VariableTrack], kind: str, name: Hashable, value: object, state: tuple
     ) -> None:
-        # A track continues with the same object under another name, or another under the same.
+        # A track continues with the same object under another name, or with another object under
+        # the same name.
         track = self._known.get((kind, id(value)))
         if track is None or track.last is not value:  # Python reuses the id of a deleted object
             track = self._known.get((kind, name))

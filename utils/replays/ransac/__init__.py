@@ -39,8 +39,8 @@ def run_of(task: Task, search: Callable) -> Replay:
     observer, points = SampleObserver(task, getattr(through, "__code__", None)), task.points.copy()
     ending = record(search, (points, ROUNDS, task.tolerance, task.seed), observer.see)
     if not np.array_equal(points, task.points):
-        return Replay(remark="Your function changes the points that it gets: its run is not shown.")
-    answer = ModelAndMask.of(task, ending.answer) if ending.came_back else None
+        return Replay(remark="Your function changes its input, so its run is not shown.")
+    answer = ModelAndMask.of(task, ending.answer) if ending.returned_normally else None
     rounds, outcome = observer.rounds, Rounds(task, observer.rounds, answer)
     if not rounds and answer is None:
         return Replay(remark=how_it_ended(ending, search))
@@ -56,7 +56,7 @@ def run_of(task: Task, search: Callable) -> Replay:
 def _expected(task: Task, ending: Ending) -> str:
     if ending.error:
         return ""
-    return f" The {task.model} and the mask of its inliers were wanted, in this order."
+    return f" It should return the {task.model} and the mask of its inliers, in this order."
 
 
 def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -> str:
@@ -68,9 +68,9 @@ def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -
         )
     if ending.stopped:
         return f"{about} Your function was stopped after {len(rounds)} rounds."
-    if len(rounds) != ROUNDS and ending.came_back and was_called:
-        times = "once" if len(rounds) == 1 else f"{len(rounds)} times"
-        return f"{about} Your function drew {times}."
+    if len(rounds) != ROUNDS and ending.returned_normally and was_called:
+        samples = "one sample" if len(rounds) == 1 else f"{len(rounds)} samples"
+        return f"{about} Your function drew {samples}."
     return about
 
 
@@ -78,13 +78,13 @@ def _step(outcome: Rounds, number: int) -> ReplayStep:
     task, round_ = outcome.task, outcome.rounds[number - 1]
     says = [f"Round {number}:"]
     if round_.rows is None:
-        says.append("the sample is none of the points, so nothing is known of it.")
+        says.append("the sample does not consist of points of the cloud, so it is not shown.")
     elif round_.model is None:
-        makes = "are drawn." if round_.raised else f"make no {task.model}."
+        makes = "are drawn." if round_.raised else f"do not define a {task.model}."
         says.append(f"{_listed(round_.rows)} {makes}")
     else:
         most = max((before.count for before in outcome.rounds[: number - 1]), default=0)
-        rank = "the most so far" if round_.count > most else f"and {most} is the most so far"
+        rank = "the most so far" if round_.count > most else f"while the most so far is {most}"
         says.append(
             f"{_listed(round_.rows)} are drawn. {round_.count} of {len(task.points)} points are "
             f"within {task.tolerance} m of their {task.model}, {rank}."
@@ -100,8 +100,8 @@ def _last_step(outcome: Rounds) -> ReplayStep:
     if answer.model is None:
         says = f"Your answer: no {task.model}."
     else:
-        origin = f", that of round {winner.number}" if winner else ""
-        says = f"Your answer: a {task.model}{origin}, with {answer.mask.sum()} inliers."
+        name = f"the {task.model} of round {winner.number}" if winner else f"a {task.model}"
+        says = f"Your answer: {name}, with {answer.mask.sum()} inliers."
     model, mask = answer.model, answer.mask
     return ReplayStep(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
 

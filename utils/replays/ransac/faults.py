@@ -1,4 +1,4 @@
-"""Certain mistakes of a search, and the round of each."""
+"""Certain mistakes of a search, each with its round."""
 
 from __future__ import annotations
 
@@ -120,21 +120,21 @@ class Rounds:
         both = f"{sum(mask)} points, and {self.answer.expected.sum()} are"
         if self.winner is None:
             place = f"within {task.tolerance} m of the {task.model} that you return"
-            return Fault(self._last, f"Your mask has {both} {place}: they are not the same.")
+            return Fault(self._last, f"Your mask has {both} {place}. They are not the same points.")
         for round_ in self.rounds:  # earlier masks in the variable of the returned mask
             held = round_.masks.get(self.name_of_mask)
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Fault(
                     round_.number - 1,
                     f"Your mask has {sum(held)} points in this round, and {round_.count} are "
-                    f"within {task.tolerance} m of the {task.model}: they are not the same.",
+                    f"within {task.tolerance} m of the {task.model}. They are not the same points.",
                 )
         why = f"Your answer is the {task.model} of round {self.winner.number}, whose mask has "
-        why += f"{self.answer.expected.sum()} points; but yours has {sum(mask)}"
+        why += f"{self.answer.expected.sum()} points, but yours has {sum(mask)}"
         for round_ in self.rounds:
             if round_.near is not None and tuple(round_.near.tolist()) == mask:
                 step = max(round_.number, self.winner.number) - 1
-                return Fault(step, f"{why}: it is that of round {round_.number}.")
+                return Fault(step, f"{why}. It is the mask of round {round_.number}.")
         return Fault(self.winner.number - 1, f"{why}.")
 
     def _length(self) -> Fault | None:
@@ -149,7 +149,7 @@ class Rounds:
             return None
         then = f"your answer is the {self.task.model} of round {winner.number}, with {winner.count}"
         step = max(best.number, winner.number) - 1
-        return Fault(step, f"{_count_in_words(best)}, more than any other; but {then}.")
+        return Fault(step, f"{_count_in_words(best)}, more than any other, but {then}.")
 
     def _was_closest(self) -> bool:
         """Return whether the winner has the lowest cost of MSAC, a method that the lesson names."""
@@ -170,7 +170,7 @@ class Rounds:
             if len(samples) > ROUNDS:
                 return Fault(
                     round_.number - 1,
-                    f"This is one sample more than the {ROUNDS} that were asked for.",
+                    f"This is one sample more than the {ROUNDS} that the call allows.",
                 )
         return None
 
@@ -180,11 +180,15 @@ def _own_mistake(round_: Round) -> Fault | None:
     task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:
         twice = next(row for row in rows if rows.count(row) > 1)
-        return Fault(step, f"Point {twice} was drawn twice: that sample makes no {task.model}.")
+        return Fault(
+            step, f"Point {twice} was drawn twice. Such a sample does not define a {task.model}."
+        )
     if rows is None or round_.raised:
         return None
     if round_.model is None:
-        return Fault(step, f"{task.through} gave no {task.model} for these points, which make one.")
+        return Fault(
+            step, f"{task.through} returned no {task.model} for these points, but they define one."
+        )
     gaps = gaps_from(round_.sample, round_.model)
     if gaps.max() > HAIR:
         return Fault(
@@ -202,4 +206,4 @@ def _own_mistake(round_: Round) -> Fault | None:
 
 
 def _count_in_words(round_: Round) -> str:
-    return f"Round {round_.number} has {round_.count} near points"
+    return f"Round {round_.number} has {round_.count} points within the threshold"

@@ -1,4 +1,4 @@
-"""Observer that finds the rounds of a search from outside.
+"""Observer that finds the rounds of a search while it runs.
 
 A round is a call of `line_through` or `plane_through` from any function. Its arguments are the
 sample, and its return value is the model. In a search without these calls, a round begins when as
