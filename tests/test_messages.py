@@ -79,8 +79,8 @@ def test_messages_on_shown_checks_have_counts_but_no_answer():
     assert message_lines(SHOWN, CheckFailed("676 of -3 are 1e5"))[0] == "… of … are …"
 
 
-SEE_ANSWER = "The check in the notebook shows your answer beside the right one."
-SEE_PYTHON = "The check in the notebook shows what Python says about it."
+SEE_ANSWER = "The check in the notebook shows your answer next to the right one."
+SEE_PYTHON = "The check in the notebook shows Python's full error message."
 
 
 @pytest.mark.parametrize(

@@ -313,9 +313,11 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
 
 def test_interrupted_calls_hang_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
-    assert repair._hangs(StudentError("f", name)) and repair._hangs(StudentStopped("It is gone."))
+    assert repair._was_stopped(StudentError("f", name)) and repair._was_stopped(
+        StudentStopped("It is gone.")
+    )
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
-    assert not any(map(repair._hangs, others))
+    assert not any(map(repair._was_stopped, others))
 
 
 def test_a_hang_is_recognised_inside_a_checks_own_failure():
@@ -328,7 +330,7 @@ def test_a_hang_is_recognised_inside_a_checks_own_failure():
                 raise CheckFailed(f"60,000 points. {original}") from None
         except CheckFailed as failure:
             failures.append(failure)
-    assert list(map(repair._hangs, failures)) == [True, False]
+    assert list(map(repair._was_stopped, failures)) == [True, False]
 
 
 def test_only_three_passing_edits_are_judged(passing):

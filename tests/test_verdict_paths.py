@@ -266,7 +266,7 @@ def test_a_verdict_has_the_outcome_of_each_check():
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, asked, None)
     half, said = exercise.points / 2, "It is upside down.\nno"
-    more = f"{said}\nThe check in the notebook shows your answer beside the right one."
+    more = f"{said}\nThe check in the notebook shows your answer next to the right one."
     assert result.tests == (
         CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
         CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),
