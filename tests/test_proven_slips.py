@@ -313,7 +313,8 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
 
 def test_interrupted_calls_hang_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
-    assert repair._was_stopped(StudentError("f", name)) and repair._was_stopped(
+    assert repair._was_stopped(StudentError("f", name))
+    assert repair._was_stopped(StudentStopped("It is gone."))
         StudentStopped("It is gone.")
     )
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
