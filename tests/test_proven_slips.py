@@ -315,8 +315,6 @@ def test_interrupted_calls_hang_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
     assert repair._was_stopped(StudentError("f", name))
     assert repair._was_stopped(StudentStopped("It is gone."))
-        StudentStopped("It is gone.")
-    )
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
     assert not any(map(repair._was_stopped, others))
 
