@@ -117,7 +117,7 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        sentence = sentence_on(error) if visible else error.without_words
+        sentence = sentence_on(error) if visible else error.safe_sentence
         tip = tip_for(error.type_name, error.message, error.line)
         place = error.place if visible else error.shown_place
         return Raised(sentence, kind=error.shown_type, place=place, tip=tip)

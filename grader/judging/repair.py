@@ -88,7 +88,7 @@ def find_slips(
     would have to wait for them again.
     """
     found = {}
-    if setting.budget and not setting.budget.begins:
+    if setting.budget and not setting.budget.cells_finish:
         return found
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = results.mistakes.get(exercise.name)
@@ -243,7 +243,7 @@ class _FailedChecks:
         On the large input of a hidden test, even a right answer may exceed this limit. An edit
         that does not finish there counts as passing, and the full judgement decides.
         """
-        self._budget.lost.pop(self._student.exercise, None)
+        self._budget.failed_seconds.pop(self._student.exercise, None)
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL

@@ -18,7 +18,7 @@ from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SHORT, function, tried
-from tests.prerequisites import PATIENCE, ROOT, demand_walls
+from tests.prerequisites import PATIENCE, ROOT, require_sandbox
 
 pytestmark = pytest.mark.slow
 
@@ -27,9 +27,9 @@ pytestmark = pytest.mark.slow
 def walls():
     if os.geteuid():
         pytest.skip(ROOT)
-    if chroot.path_in_own_folders():
+    if chroot.path_in_writable_folders():
         pytest.skip("a course outside /tmp and /var/tmp, with its Python: clone it elsewhere")
-    return demand_walls("chroot")
+    return require_sandbox("chroot")
 
 
 def attack(source, **limits):

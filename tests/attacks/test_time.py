@@ -11,7 +11,7 @@ from grader.judging import judge, repair
 from grader.sandbox import Limits
 from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.student import ONCE_MORE
+from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
 from tests.attacks.attack import WALLS, attack, function, outcome_of, tried
 from tests.attacks.test_resources import HOLD
@@ -237,7 +237,7 @@ def test_a_notebook_that_never_starts_is_not_searched_for_edits(begins, hand_in,
 
 def test_the_threat_model_states_what_an_exercise_may_cost():
     limits = Limits()
-    again = limits.call_seconds * ONCE_MORE
+    again = limits.call_seconds * SHARE_AFTER_FAILURES
     first = limits.call_seconds + limits.restarts * again
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for sentence in (

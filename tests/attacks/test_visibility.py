@@ -397,7 +397,13 @@ def elsewhere(tmp_path, monkeypatch):
             monkeypatch.setattr(bubblewrap, name, value)
         options = bubblewrap._options_for_files((), ())
         ran = subprocess.run(
-            [*bubblewrap._walls(Limits()), *options, "--", "/usr/bin/find", str(tmp_path)],
+            [
+                *bubblewrap._sandbox_command(Limits()),
+                *options,
+                "--",
+                "/usr/bin/find",
+                str(tmp_path),
+            ],
             capture_output=True,
             text=True,
         )
@@ -437,7 +443,15 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
         f"test -e '{PROJECT}/grader' && echo gained; ls -A / /root /home; true"
     )
     ran = subprocess.run(
-        [*bubblewrap._walls(Limits()), "--remount-ro", "/", "--", "/bin/sh", "-c", script],
+        [
+            *bubblewrap._sandbox_command(Limits()),
+            "--remount-ro",
+            "/",
+            "--",
+            "/bin/sh",
+            "-c",
+            script,
+        ],
         capture_output=True,
         text=True,
         cwd="/",
