@@ -196,7 +196,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
     verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
     *problems, last = verdict.problems
     assert problems == ["A cell.", "A helper is wrong."]
-    assert last.startswith("filter_ground is written 3 times")
+    assert last.startswith("filter_ground is defined 3 times")
 
 
 @pytest.fixture
