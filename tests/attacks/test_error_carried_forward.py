@@ -7,7 +7,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
-from tests.attacks.attack import WALLS
+from tests.attacks.attack import SANDBOX
 
 pytestmark = pytest.mark.slow
 
@@ -43,7 +43,7 @@ RANSAC = (
 def judged(lesson, tmp_path, **answers):
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
-    verdict = judge(path, 3, WALLS)
+    verdict = judge(path, 3, SANDBOX)
     return {exercise.name: exercise for exercise in verdict.exercises}, verdict
 
 

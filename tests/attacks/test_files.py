@@ -18,7 +18,7 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
-from tests.attacks.attack import SEED, SHORT, WALLS, attack, outcome_of, tried
+from tests.attacks.attack import SANDBOX, SEED, SHORT, attack, outcome_of, with_attacks
 from tests.prerequisites import PATIENCE
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -43,7 +43,7 @@ def notebook_of(*sources, **metadata):
     }
 
 
-@tried(
+@with_attacks(
     "content",
     {
         "a list": [],
@@ -61,7 +61,7 @@ def test_json_that_is_not_a_notebook(content, tmp_path):
         read_notebook(path)
 
 
-@tried(
+@with_attacks(
     "content",
     {
         "a cell that is a number": {"cells": [3]},
@@ -85,7 +85,7 @@ def test_malformed_cells_hold_no_code(content, tmp_path):
     assert "".join(read_notebook(path).code) == ""
 
 
-@tried(
+@with_attacks(
     "text",
     {
         "half a million brackets": "[" * 500_000,
@@ -103,7 +103,7 @@ def test_a_file_made_to_break_the_reader_is_refused(text, tmp_path):
         read_notebook(path)
 
 
-@tried(
+@with_attacks(
     "make",
     {
         "a link to another student's work": lambda path, other: path.symlink_to(other),
@@ -129,7 +129,7 @@ def test_a_file_that_is_too_large_is_refused(tmp_path):
         read_notebook(path)
 
 
-@tried(
+@with_attacks(
     "number, shown",
     {
         "the format is 3: sheets are shown": (3, "worksheets"),
@@ -149,7 +149,7 @@ def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_pa
     assert read == f"{shown} {'input' if shown == 'worksheets' else 'source'}"
 
 
-@tried(
+@with_attacks(
     "cell",
     {
         "a hundred thousand parentheses": "(" * 100_000,
@@ -194,20 +194,20 @@ def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_pa
 def test_a_cell_made_to_break_parsers(cell):
     """The other cells of the notebook still work."""
     program = Program((cell, "def f(): return 1"), ("f",))
-    with StudentProxy(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
+    with StudentProxy(program, SANDBOX, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
         assert student.f() == 1
 
 
 @pytest.mark.slow
 def test_hundreds_of_shell_commands_are_read():
     program = Program(("x = !ls\n" * 501, "def f(): return 1"), ("f",))
-    with StudentProxy(program, WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(program, SANDBOX, Limits(**SHORT)) as student:
         assert student.f() == 1
 
 
-def test_hundreds_of_thousands_of_cells_are_refused(hand_in):
+def test_hundreds_of_thousands_of_cells_are_refused(submit):
     cells = ['{"cell_type":"code","source":"x=1"}'] * 700_000
-    verdict = hand_in(
+    verdict = submit(
         text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
         start_seconds=1.0,
         total_seconds=2.0,
@@ -217,12 +217,12 @@ def test_hundreds_of_thousands_of_cells_are_refused(hand_in):
 
 
 @pytest.mark.slow
-def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
+def test_twenty_thousand_cells_that_all_define_the_exercise(submit):
     source = "def filter_ground(cloud): pass"
     cells = [
         json.dumps({"cell_type": "code", "source": source + "#" * (n % 99)}) for n in range(20_000)
     ]
-    verdict = hand_in(
+    verdict = submit(
         text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
         start_seconds=1.0,
         total_seconds=2.0,
@@ -230,11 +230,11 @@ def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
     assert verdict.score == 0 and verdict.seconds < 300
 
 
-def test_deeply_nested_metadata_gets_a_verdict(hand_in, filtering):
+def test_deeply_nested_metadata_gets_a_verdict(submit, filter_lesson):
     """Metadata nested 620 deep may cost the points, but not the verdict."""
-    notebook = json.loads(fill_in(filtering, {}))
+    notebook = json.loads(fill_in(filter_lesson, {}))
     text = json.dumps({**notebook, "metadata": "HERE"})
-    verdict = hand_in(text=text.replace('"HERE"', '{"a":' * 620 + "1" + "}" * 620))
+    verdict = submit(text=text.replace('"HERE"', '{"a":' * 620 + "1" + "}" * 620))
     assert verdict.status == "judged" and verdict.score == 0
 
 
@@ -264,11 +264,11 @@ def test_a_submitted_module_is_found_unless_its_name_is_forbidden():
         modules={"scipy.cluster": "x = 5"},
         forbidden=("scipy.cluster",),
     )
-    with StudentProxy(program, WALLS, Limits(**SHORT)) as student, pytest.raises(StudentError):
+    with StudentProxy(program, SANDBOX, Limits(**SHORT)) as student, pytest.raises(StudentError):
         student.f()
 
 
-@tried(
+@with_attacks(
     "make",
     {
         "a link to the solutions": lambda path, other: path.symlink_to(other),
@@ -304,20 +304,20 @@ def test_number_of_submitted_modules_is_limited(tmp_path):
 
 
 @pytest.fixture
-def course(tmp_path, filtering):
+def course(tmp_path, filter_lesson):
     """Return a course with one student, whose submission is right."""
     course = Course(tmp_path)
-    stage = course.submitted / "good" / filtering.stage
+    stage = course.submitted / "good" / filter_lesson.stage
     stage.mkdir(parents=True)
     right = {
         exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
         for exercise in ("filter_ground", "voxel_grid")
     }
-    (stage / f"{filtering.name}.ipynb").write_text(fill_in(filtering, right))
+    (stage / f"{filter_lesson.name}.ipynb").write_text(fill_in(filter_lesson, right))
     return course
 
 
-@tried(
+@with_attacks(
     "link",
     {
         "links its notebook": lambda mine, good, stage, name: (
@@ -331,24 +331,24 @@ def course(tmp_path, filtering):
         "links its own folder": lambda mine, good, stage, name: mine.symlink_to(good),
     },
 )
-def test_a_link_to_another_submission_earns_no_points(link, course, filtering):
+def test_a_link_to_another_submission_earns_no_points(link, course, filter_lesson):
     good, mine = course.submitted / "good", course.submitted / "mallory"
-    link(mine, good, filtering.stage, f"{filtering.name}.ipynb")
+    link(mine, good, filter_lesson.stage, f"{filter_lesson.name}.ipynb")
     by_student = {submission.student: submission for submission in find_submissions(course)}
     assert "good" in by_student
     if "mallory" in by_student:  # the search may also skip a folder that is a link
         submitted = by_student["mallory"].read(course)
         assert submitted.data == b"" and "link" in submitted.complaint
-        verdict = judge_and_store(course, by_student["mallory"], SEED, WALLS)
+        verdict = judge_and_store(course, by_student["mallory"], SEED, SANDBOX)
         assert verdict.score == 0 and "link" in verdict.problems[0]
 
 
-def test_swapping_the_file_while_it_is_judged_gains_nothing(course, filtering):
+def test_swapping_the_file_while_it_is_judged_gains_nothing(course, filter_lesson):
     """The bytes are read only once, so the verdict's key belongs to the bytes that were judged."""
     submission = find_submissions(course)[0]
     submitted = submission.read(course)
     submission.path.write_text(json.dumps(notebook_of("x = 1")))
-    verdict = judge_files(submitted, SEED, WALLS, filtering, "good")
+    verdict = judge_files(submitted, SEED, SANDBOX, filter_lesson, "good")
     assert verdict.score == verdict.max_score
     from grader.judging.verdict import write_verdict
 
@@ -373,18 +373,18 @@ NAMES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
-def test_calls_itself_something_strange(name, course, filtering, capsys):
+def test_calls_itself_something_strange(name, course, filter_lesson, capsys):
     from grader.console import print_class
     from grader.lms.report import write_report
 
     student = os.fsdecode(name)
-    folder = course.submitted / student / filtering.stage
+    folder = course.submitted / student / filter_lesson.stage
     folder.mkdir(parents=True)
-    (folder / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
+    (folder / f"{filter_lesson.name}.ipynb").write_bytes(filter_lesson.released.read_bytes())
     found = {submission.student: submission for submission in find_submissions(course)}
     assert set(found) == {"good", student}
     judged = [
-        (submission, judge_and_store(course, submission, SEED, WALLS, is_alone=True))
+        (submission, judge_and_store(course, submission, SEED, SANDBOX, is_alone=True))
         for submission in found.values()
     ]
     by_student = {submission.student: verdict for submission, verdict in judged}
@@ -393,22 +393,24 @@ def test_calls_itself_something_strange(name, course, filtering, capsys):
     assert stored_verdict(course, found[student], SEED) == by_student[student]
     print_class(judged)
     page = write_report(course, judged).read_text("utf-8")
-    assert "\x1b[2J" not in capsys.readouterr().out and "<script>" + filtering.stage not in page
+    assert "\x1b[2J" not in capsys.readouterr().out and "<script>" + filter_lesson.stage not in page
 
 
-def test_a_path_as_a_student_name_is_refused(course, filtering):
+def test_a_path_as_a_student_name_is_refused(course, filter_lesson):
     """Submissions outside `submitted` are not found, and reading one by its path is refused."""
-    outside = course.root / "x" / filtering.stage
+    outside = course.root / "x" / filter_lesson.stage
     outside.mkdir(parents=True)
-    (outside / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
+    (outside / f"{filter_lesson.name}.ipynb").write_bytes(filter_lesson.released.read_bytes())
     assert [submission.student for submission in find_submissions(course)] == ["good"]
-    submitted = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
+    submitted = Submission("../x", filter_lesson, outside / f"{filter_lesson.name}.ipynb").read(
+        course
+    )
     assert not submitted.data and "another folder" in submitted.complaint
 
 
-def test_pipes_next_to_the_notebook_are_ignored(course, filtering):
-    folder = course.submitted / "good" / filtering.stage
+def test_pipes_next_to_the_notebook_are_ignored(course, filter_lesson):
+    folder = course.submitted / "good" / filter_lesson.stage
     os.mkfifo(folder / "notes.txt")
     os.mkfifo(folder / "helper.py")
-    verdict = judge_and_store(course, find_submissions(course)[0], SEED, WALLS, is_alone=True)
+    verdict = judge_and_store(course, find_submissions(course)[0], SEED, SANDBOX, is_alone=True)
     assert verdict.score == verdict.max_score

@@ -4,7 +4,7 @@ import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
 from grader.sandbox.program import PACKAGES
-from tests.attacks.attack import attack, function, tried
+from tests.attacks.attack import attack, function, with_attacks
 
 FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
 # These libraries import modules that some lessons forbid.
@@ -29,7 +29,7 @@ def attack_on(lesson, source):
 
 
 @pytest.mark.slow
-@tried("forbidding", FORBIDDING)
+@with_attacks("forbidding", FORBIDDING)
 def test_nothing_of_it_is_in_memory_after_libraries_have_imported_it(forbidding):
     """No compiled code, class or function of them is in memory, only stand-ins."""
     source = (

@@ -16,7 +16,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, fork_client, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.usage import tree
-from tests.attacks.attack import WALLS, attack, function, outcome_of
+from tests.attacks.attack import SANDBOX, attack, function, outcome_of
 from tests.prerequisites import PATIENCE, not_here
 
 LOOK = """
@@ -281,7 +281,7 @@ def test_python_starts_in_the_sandbox_if_entering_namespaces_is_refused(monkeypa
     monkeypatch.setattr(fork_client.ForkClient, "fork", refused)
     bubblewrap._can_join_namespaces.cache_clear()
     try:
-        worker = WALLS.start(Limits())
+        worker = SANDBOX.start(Limits())
         assert worker.forked is None
         assert worker.stop() == -9
     finally:

@@ -10,7 +10,7 @@ from grader.course.lessons import all_lessons
 from grader.lms.formula_sanitizer import COMMANDS, ZERO_WIDTH_SPACE, sanitize_formulas
 from grader.lms.sanitizer import sanitize_markdown
 from tests import browser
-from tests.attacks.attack import tried
+from tests.attacks.attack import with_attacks
 from tests.prerequisites import MATHJAX
 
 # The host that each command would make a page load from or link to.
@@ -63,7 +63,7 @@ FINE = {
 }
 
 
-@tried("text", ORDERS)
+@with_attacks("text", ORDERS)
 def test_unsafe_commands_are_removed(text):
     shown = sanitize_markdown(text)
     known = {*COMMANDS, "begin", "end", "color", "hspace"}
@@ -72,7 +72,7 @@ def test_unsafe_commands_are_removed(text):
     assert sanitize_markdown(shown) == shown
 
 
-@tried("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
+@with_attacks("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
 def test_the_text_of_a_command_is_kept(text):
     shown = sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "")
     assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
@@ -85,7 +85,7 @@ def test_unsafe_formulas_are_shown_as_code():
         assert "`" in sanitize_markdown(ORDERS[name]), name
 
 
-@tried("text", FINE)
+@with_attacks("text", FINE)
 def test_an_honest_formula_is_unchanged(text):
     assert sanitize_formulas(text) == text
 

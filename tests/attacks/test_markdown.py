@@ -16,7 +16,7 @@ from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.lms.autograded import build_copy
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
-from tests.attacks.attack import tried
+from tests.attacks.attack import with_attacks
 
 # Tags that Markdown produces from plain text.
 FINE = {
@@ -111,7 +111,7 @@ SCRIPTS = {
 }
 
 
-@tried("text", SCRIPTS)
+@with_attacks("text", SCRIPTS)
 def test_scripts_in_an_answer_are_disarmed(text):
     assert obeyed(markdown2html(sanitize_markdown(text))) == []
     assert obeyed(MarkdownIt("commonmark", {"html": True}).render(sanitize_markdown(text))) == []
@@ -128,7 +128,7 @@ def test_most_scripts_would_run_unsanitized():
     assert len(idle) < len(SCRIPTS) / 2
 
 
-@tried(
+@with_attacks(
     "text",
     {
         "a link in a formula": r"$\href{javascript:alert(1)}{x}$",
@@ -143,7 +143,7 @@ def test_commands_to_mathjax_are_removed(text):
     )
 
 
-@tried(
+@with_attacks(
     "text",
     {
         "words": "I widened the *region* to **18.5 m**.",

@@ -17,7 +17,7 @@ from grader.judging.judge import judge
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from grader.sandbox.boundary import SHOWN
-from tests.attacks.attack import SEED, SHORT, WALLS, tried
+from tests.attacks.attack import SANDBOX, SEED, SHORT, with_attacks
 from utils.notebooks import slicing
 
 MOST = 0.1  # fraction of the points that code may earn without working on its task
@@ -34,7 +34,7 @@ def share(verdict, exercise):
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, source",
     {
         "the right tree, from the geometry": (
@@ -120,15 +120,15 @@ def euclidean_clustering(cloud, distance_tolerance=0.5):
         "the cloud, whatever is asked": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
     },
 )
-def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
-    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise))
+def test_takes_the_answer_from_somewhere(exercise, source, submit):
+    verdict = submit({exercise: source}, lesson=lesson_of(exercise))
     assert share(verdict, exercise) <= MOST
 
 
-def test_a_right_answer_submitted_the_same_way_earns_everything(hand_in):
+def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
     """The attacks above do not fail for another reason, such as the way of submitting."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
-    verdict = hand_in({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
+    verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
 
 
@@ -289,10 +289,10 @@ def faults(verdict):
 
 
 @pytest.mark.slow
-def test_spoils_every_argument_of_every_call(lesson, hand_in):
+def test_spoils_every_argument_of_every_call(lesson, submit):
     """The same process judges the next student correctly."""
     names = [exercise.name for exercise in lesson.machine_graded]
-    verdict = hand_in(
+    verdict = submit(
         {name: VANDAL.format(name=name) for name in names},
         lesson=lesson,
         start_seconds=30.0,
@@ -300,13 +300,13 @@ def test_spoils_every_argument_of_every_call(lesson, hand_in):
     )
     assert verdict.status == "judged"
     assert all(share(verdict, name) <= MOST for name in names)
-    after = judge(lesson.solved, SEED, WALLS, lesson)
+    after = judge(lesson.solved, SEED, SANDBOX, lesson)
     assert faults(after) == []
     assert after.score == after.max_score
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, source, most",
     {
         "moves each point out of reach while it is inserted": (
@@ -358,13 +358,13 @@ def get_oriented_boxes(cloud, clusters):
         ),
     },
 )
-def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
-    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
+def test_makes_the_question_fit_its_answer(exercise, source, most, submit):
+    verdict = submit({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
     assert share(verdict, exercise) <= most
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "cell",
     {
         "its own class of the given name": """
@@ -381,7 +381,7 @@ setattr(KdTree, "search", lambda self, target, tolerance: [])
         "a given class that is changed by name": 'globals()["KdTree"] = dict\n',
     },
 )
-def test_changes_what_the_lesson_gives(cell, hand_in):
+def test_changes_what_the_lesson_gives(cell, submit):
     """The judge uses the lesson's own copy, so a change neither helps nor harms."""
     lesson = find_lesson("04_kd_tree")
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
@@ -390,16 +390,16 @@ def test_changes_what_the_lesson_gives(cell, hand_in):
     right = next(variant.source for variant in answers_to("insert") if variant.right)
     notebook["cells"].insert(1, {**extra, "id": "y", "source": cell})
     text = json.dumps(notebook)
-    verdict = hand_in(text=text, lesson=lesson)
+    verdict = submit(text=text, lesson=lesson)
     assert share(verdict, "search") <= MOST
-    verdict = hand_in({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
+    verdict = submit({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
     messages = [
         test.message for exercise in verdict.exercises for test in exercise.tests if test.message
     ]
     assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, messages
 
 
-def test_patching_the_given_tree_earns_no_pruning_check(hand_in):
+def test_patching_the_given_tree_earns_no_pruning_check(submit):
     """`search` replaces the class of its own tree with one that searches everything."""
     source = """
 def search(self, target, tolerance):
@@ -416,7 +416,7 @@ def search(self, target, tolerance):
     type(self).plant = None
     return everything(self, target, tolerance)
 """
-    verdict = hand_in({"search": source}, lesson=find_lesson("04_kd_tree"))
+    verdict = submit({"search": source}, lesson=find_lesson("04_kd_tree"))
     passed = [test.name for exercise in verdict.exercises for test in exercise.tests if test.passed]
     assert "test_search_prunes" not in passed and "leaves_regions_out" not in passed
 
@@ -424,8 +424,8 @@ def search(self, target, tolerance):
 # ---- Forged grades ----------------------------------------------------------------------------
 
 
-def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
-    honest = json.loads(fill_in(filtering, {}))
+def test_forged_metadata_outputs_and_keys_earn_nothing(submit, filter_lesson):
+    honest = json.loads(fill_in(filter_lesson, {}))
     for cell in honest["cells"]:
         grading = cell["metadata"].setdefault("nbgrader", {"grade_id": "test_filter_ground"})
         grading.update(points=10**6, grade=True, solution=False, locked=False, max_score=1e9)
@@ -440,12 +440,12 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
             ]
             cell["source"] += "\ncheck = print = lambda *a: 10**6"
     honest["metadata"]["verdict_key"] = "forged"
-    verdict = hand_in(text=json.dumps(honest))
+    verdict = submit(text=json.dumps(honest))
     assert verdict.score == 0 and verdict.max_score == 30
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "source",
     {
         "looks for the tests": "import solutions",
@@ -461,14 +461,14 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
         "guesses by the length": "return a[0][: len(a[0]) // 2]",
     },
 )
-def test_reaches_for_the_judge(source, hand_in):
+def test_reaches_for_the_judge(source, submit):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
     # Returning the cloud itself is right only if nothing has to be removed.
-    assert hand_in({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
+    assert submit({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "claim",
     {
         "eight million rows": "np.ones((2**23, cloud.shape[1]), bool)",
@@ -491,19 +491,19 @@ def test_reaches_for_the_judge(source, hand_in):
         "numbers that are nearly none": "np.full(cloud.shape, 5e-324)",
     },
 )
-def test_claims_something_huge_or_strange(claim, hand_in):
+def test_claims_something_huge_or_strange(claim, submit):
     """The verdict is ready in time and awards hardly any points."""
     answers = {
         name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
         for name in EXERCISES
     }
-    verdict = hand_in(answers, total_seconds=60.0, call_seconds=5.0)
+    verdict = submit(answers, total_seconds=60.0, call_seconds=5.0)
     assert verdict.status == "judged"
     assert verdict.score < 10 and verdict.seconds < 60
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, claim",
     {
         "three thousand boxes": (
@@ -518,10 +518,10 @@ def test_claims_something_huge_or_strange(claim, hand_in):
         "every point a million times": ("search", "[0] * 10**6"),
     },
 )
-def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
+def test_claims_more_than_any_answer_has(exercise, claim, submit):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
-    verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
+    verdict = submit({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
     assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 300
 
 

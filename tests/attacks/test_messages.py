@@ -19,7 +19,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
 from grader.sandbox.quotation import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.student import MOST_FAILED_CELLS
-from tests.attacks.attack import attack, function, tried
+from tests.attacks.attack import attack, function, with_attacks
 from tests.test_messages import FAILURES
 from utils.checks import checks_of, tips
 from utils.checks.diagnosis import known_mistakes
@@ -67,7 +67,7 @@ def shown(tmp_path, capsys):
     return shown
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "in the words of an exception": "raise ValueError(word)",
@@ -111,10 +111,10 @@ def shown(tmp_path, capsys):
         "in a place of the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
+def test_tells_a_hidden_question(body, submit, filter_lesson, shown, tmp_path):
     """One function of the lesson tries to publish a hidden question in words of its own."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
-    verdict = hand_in({"filter_ground": source})
+    verdict = submit({"filter_ground": source})
     assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
@@ -134,7 +134,7 @@ f = tell()
 """
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "in the words of an exception": "raise ValueError(word)",
@@ -170,7 +170,7 @@ def test_number_of_reported_failing_cells_is_limited():
     assert len(reported) == MOST_FAILED_CELLS and last == "More cells failed after that."
 
 
-@tried(
+@with_attacks(
     "name, body",
     {
         "in values": ("filter_ground", "return cloud + 6763.6763"),
@@ -182,19 +182,19 @@ def test_number_of_reported_failing_cells_is_limited():
         "in a type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
     },
 )
-def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
+def test_tells_a_neighbours_secret_by_an_answer(name, body, submit):
     """The author can see the answer at home, where no other student's data is in reach."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
-    verdict = hand_in({name: source})
+    verdict = submit({name: source})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
     assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
 
 
-def test_exit_codes_are_not_shown(hand_in):
+def test_exit_codes_are_not_shown(submit):
     """A shown exit code could carry 256 values for each test."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
-    verdict = hand_in({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
+    verdict = submit({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = {words for words in messages if "ended" in words}
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
@@ -203,7 +203,7 @@ def test_exit_codes_are_not_shown(hand_in):
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
-def test_tells_in_other_lessons(name, hand_in):
+def test_tells_in_other_lessons(name, submit):
     """Every function of a lesson tries the type it returns, then the type it raises."""
     lesson = find_lesson(name)
     for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):
@@ -213,22 +213,22 @@ def test_tells_in_other_lessons(name, hand_in):
             )
             for exercise in lesson.machine_graded
         }
-        verdict = hand_in(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
+        verdict = submit(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
         assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
 
 
-def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
+def test_no_number_of_a_hidden_question_is_in_a_message(submit):
     """Nearly right answers lead to messages about rows and values."""
     answers = {
         "filter_ground": "def filter_ground(cloud, level=-1.2): return cloud[cloud[:, 2] > 0.5]\n",
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
     }
-    verdict = hand_in(answers)
+    verdict = submit(answers)
     said = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
     assert said.strip() and not re.search(r"\d", said)
 
 
-@tried(
+@with_attacks(
     "kind, place",
     {
         "a built-in type": ("ValueError", "code cell 1, line 2"),
@@ -257,7 +257,7 @@ exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
     assert error.value.calling == "code cell 1, line 4"
 
 
-@tried(
+@with_attacks(
     "name",
     {
         "a line beyond the end of its cell": "code cell 1",
@@ -282,38 +282,38 @@ def {name}(cloud, *arguments, **keywords):
 """
 
 
-@tried(
+@with_attacks(
     "where",
     {
         "a cell of blank lines": "next(f'code cell {n}' for n in range(1, 90) if n != here())",
         "the exercise's own cell": "f'code cell {here()}'",
     },
 )
-def test_only_lines_of_the_function_are_shown(where, hand_in):
+def test_only_lines_of_the_function_are_shown(where, submit):
     """A cell may have thousands of lines, so a message names a line of the function or none."""
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
-    verdict = hand_in({"filter_ground": source})
+    verdict = submit({"filter_ground": source})
     said = [words for words in hidden_words(verdict) if words]
     lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
     assert len(said) > 15 and all(line < 100 for line in lines)
 
 
-def test_no_line_of_a_very_long_notebook_is_shown(hand_in):
+def test_no_line_of_a_very_long_notebook_is_shown(submit):
     source = LEAKING_LINE.format(name="filter_ground", where="__file__") + "\n" * 5000
-    verdict = hand_in({"filter_ground": source.replace("__file__", "'code cell 9'")})
+    verdict = submit({"filter_ground": source.replace("__file__", "'code cell 9'")})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     assert any("ZeroDivisionError" in words for words in said)
     assert not any(re.search(r"line \d", words) for words in said)
 
 
-def test_no_line_of_a_very_long_function_is_shown(hand_in):
+def test_no_line_of_a_very_long_function_is_shown(submit):
     """A line number of a long function would carry too much information."""
     body = "    if row == {0}: return 1 / 0\n"
     head = "def filter_ground(cloud, *a, **k):\n    row = int(abs(cloud[0][0]) * 1000) % {0}\n"
     for count, is_shown in ((40, True), (400, False)):
         source = head.format(count) + "".join(body.format(n) for n in range(count))
-        verdict = hand_in({"filter_ground": source})
+        verdict = submit({"filter_ground": source})
         said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
         assert said and any("line" in words for words in said) == is_shown
 
@@ -408,8 +408,8 @@ INJECTION = (
 )
 
 
-def test_markup_and_commands_in_messages_are_disarmed(hand_in, tmp_path, verdict_text):
-    verdict = hand_in(
+def test_markup_and_commands_in_messages_are_disarmed(submit, tmp_path, verdict_text):
+    verdict = submit(
         {"filter_ground": f"def filter_ground(*a, **k):\n    raise Exception('{INJECTION}')\n"}
     )
     text = verdict_text(verdict)
@@ -422,8 +422,8 @@ def test_markup_and_commands_in_messages_are_disarmed(hand_in, tmp_path, verdict
         assert "<script>" not in score_output(exercise)["data"]["text/html"]
 
 
-def test_markup_and_commands_in_names_of_types_are_disarmed(hand_in, shown):
+def test_markup_and_commands_in_names_of_types_are_disarmed(submit, shown):
     body = "return type('\\x1b]0;owned\\x07<script>[red]\\u202e\\n', (), {})()"
-    verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
+    verdict = submit({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
     for text in shown(verdict):
         assert not re.search("[\x1b\u202e\x07]|<script>.red|owned", text)

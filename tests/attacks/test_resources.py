@@ -18,10 +18,10 @@ from tests.attacks.attack import (
     SHORT,
     attack,
     function,
-    in_namespaces,
+    needs_namespaces,
     outcome_of,
     stopped_by,
-    tried,
+    with_attacks,
 )
 from tests.prerequisites import PATIENCE, not_here
 
@@ -60,8 +60,8 @@ def f(paths):
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
 
 
-@in_namespaces
-@tried(
+@needs_namespaces
+@with_attacks(
     "folder, body",
     {
         "fills /tmp with large files": ("/tmp", "size += file.write(bytes(2**20)); file.flush()"),
@@ -104,9 +104,9 @@ def f(folder, hide):
 """
 
 
-@in_namespaces
+@needs_namespaces
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "folder, hide",
     {
         "300,000 empty files in /tmp": ("/tmp", False),
@@ -148,7 +148,7 @@ def children(number, megabytes, then=lambda block: time.sleep(60)):
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "body",
     {
         "in twelve processes": "children(12, 256)",
@@ -225,7 +225,7 @@ except OSError:
 # ---- Processes ----------------------------------------------------------------------------
 
 
-def test_number_of_processes_is_limited():
+def test_the_number_of_processes_is_limited():
     source = """
 import os, time
 def f():
@@ -294,7 +294,7 @@ def f(names):
     assert outcome_of(source, names) == []
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "becomes root": "os.setuid(0)",
@@ -316,7 +316,7 @@ def test_privileges_cannot_be_gained(body):
         student.f()
 
 
-@in_namespaces
+@needs_namespaces
 def test_no_privilege_is_left():
     source = """
 import os, subprocess
@@ -402,7 +402,7 @@ def f(calls):
     return results
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "asks for a real-time priority": "os.sched_setscheduler(0, 1, os.sched_param(1))",

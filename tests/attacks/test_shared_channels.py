@@ -9,7 +9,7 @@ import secrets
 
 import pytest
 
-from tests.attacks.attack import attack, outcome_of, tried
+from tests.attacks.attack import attack, outcome_of, with_attacks
 
 BITS = [0, 1, 1, 0, 1, 0, 0, 1]
 # Code shared by both sides. Each channel defines `tell(number)`, called for each bit that is 1, and
@@ -175,7 +175,7 @@ def hear(number):
 
 
 @pytest.mark.parametrize("at_once", [True, False], ids=["at once", "one after the other"])
-@tried("way", WAYS)
+@with_attacks("way", WAYS)
 def test_tells_another_notebook(way, at_once):
     source = f"AT_ONCE = {at_once}\n{COMMON}\n{way}\n"
     first = f"{source}\ndef f(*arguments): return told(*arguments)\n"

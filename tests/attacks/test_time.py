@@ -13,7 +13,7 @@ from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
-from tests.attacks.attack import WALLS, attack, function, outcome_of, tried
+from tests.attacks.attack import SANDBOX, attack, function, outcome_of, with_attacks
 from tests.attacks.test_resources import HOLD
 from tests.prerequisites import PATIENCE
 
@@ -35,7 +35,7 @@ while True:
 PREPARED = "import contextlib, os, signal, threading, time\n" + HOLD
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "never ends": SPIN,
@@ -139,7 +139,7 @@ for _ in range(50):
 
 
 @pytest.mark.slow
-@tried("unnoticed", UNNOTICED)
+@with_attacks("unnoticed", UNNOTICED)
 def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
     """The sandbox reaps them, so the kernel counts their processor time even on a busy machine."""
     body = unnoticed + CHILDREN
@@ -213,7 +213,7 @@ def test_endless_cells_cost_one_time_limit():
     assert time.monotonic() - begin < 600
 
 
-@tried(
+@with_attacks(
     "begins",
     {
         "a cell that never ends": "while True: pass",
@@ -221,17 +221,17 @@ def test_endless_cells_cost_one_time_limit():
     },
 )
 @pytest.mark.slow
-def test_a_notebook_that_never_starts_is_not_searched_for_edits(begins, hand_in, monkeypatch):
+def test_a_notebook_that_never_starts_is_not_searched_for_edits(begins, submit, monkeypatch):
     """Each further start would cost the class the whole start limit again."""
-    starts, start = [], type(WALLS).start
+    starts, start = [], type(SANDBOX).start
 
     def counted(*arguments):
         starts.append(arguments)
         return start(*arguments)
 
-    monkeypatch.setattr(type(WALLS), "start", counted)
+    monkeypatch.setattr(type(SANDBOX), "start", counted)
     answer = function(begins, "g", "") + "x = g()\ndef line_through(p, q): return x"
-    assert hand_in({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
+    assert submit({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
     assert len(starts) == 1
 
 
@@ -262,7 +262,7 @@ SLEEPY = {
 
 
 @pytest.mark.slow
-def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
+def test_a_notebook_that_sleeps_everywhere_has_one_budget(submit, monkeypatch):
     """The notebook is also judged twice, because its last exercise calls the others."""
     budgets = []
 
@@ -273,7 +273,7 @@ def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
 
     for module in (judge, repair, students):
         monkeypatch.setattr(module, "Budget", Noted)
-    verdict = hand_in(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
+    verdict = submit(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
     assert verdict.score == 0 and not verdict.starved
     for exercise in verdict.exercises:
         messages = [test.message for test in exercise.tests]

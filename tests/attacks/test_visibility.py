@@ -17,7 +17,14 @@ from grader.sandbox.boundary import SHOWN
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import PACKAGES
 from grader.sandbox.usage import tree
-from tests.attacks.attack import WALLS, attack, function, in_namespaces, outcome_of, tried
+from tests.attacks.attack import (
+    SANDBOX,
+    attack,
+    function,
+    needs_namespaces,
+    outcome_of,
+    with_attacks,
+)
 
 SPY = """
 import os
@@ -55,7 +62,7 @@ def test_walking_the_project_and_every_home_finds_no_secret():
     assert [path for path in others if not str(path).startswith(system)] == []
 
 
-@tried(
+@with_attacks(
     "path",
     {
         "reads the hidden tests": "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
@@ -210,7 +217,7 @@ def f():
         assert any("is not allowed" in problem for problem in student.problems)
 
 
-@in_namespaces
+@needs_namespaces
 def test_processes_descriptors_and_variables_of_the_grader_are_hidden(monkeypatch):
     monkeypatch.setenv("SECRET_TOKEN", "xyzzy")
     source = """
@@ -322,7 +329,7 @@ def f(name, processes):
 """
 
 
-@in_namespaces
+@needs_namespaces
 def test_two_sandboxes_of_one_user_are_separate():
     """Files, abstract sockets, ports, process IDs and signals do not connect them."""
     name = secrets.token_hex(4)
@@ -335,7 +342,7 @@ def test_two_sandboxes_of_one_user_are_separate():
             first.f(name)  # still running and still bound to its port
 
 
-@in_namespaces
+@needs_namespaces
 def test_a_submission_leaves_nothing_for_the_next():
     """Files, modules, variables and processes are gone when the same judge process goes on."""
     leave = """
@@ -412,7 +419,7 @@ def elsewhere(tmp_path, monkeypatch):
     return put
 
 
-@tried(
+@with_attacks(
     "project, prefix, base, system",
     {
         "an environment made in the project's own folder": ("course", "course", "python", ()),
@@ -464,5 +471,5 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
 
 def test_a_worker_starts_in_this_sandbox():
     """If nothing ran at all, the tests above would pass for the wrong reason."""
-    worker = WALLS.start(Limits())
+    worker = SANDBOX.start(Limits())
     assert worker.stop() in (-9, 137)
