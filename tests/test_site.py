@@ -338,7 +338,7 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
     }
     (tmp_path / f"file{suffix}").write_text(text[suffix], "utf-8")
     (fault,) = site_checks.faults(tmp_path)
-    assert "gives away" in fault and LESSON.name in fault
+    assert "reveals a line" in fault and LESSON.name in fault
 
 
 @pytest.mark.parametrize(
