@@ -1,4 +1,4 @@
-"""Fixtures and hooks that the project's tests share."""
+"""Fixtures and hooks that all tests of the project share."""
 
 import gc
 import os
@@ -15,17 +15,19 @@ import pytest
 from grader.course.lessons import Lesson, every_lesson
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.course_lessons import COURSE
-from tests.prerequisites import RECORDINGS, demand_walls
+from tests.prerequisites import RECORDINGS, require_sandbox
 
 MEMORY = Path("/dev/shm")
 ENOUGH = 2**31  # bytes
 
 
 def pytest_configure(config):
-    """Put temporary files into memory, as gradebooks wait for the disk, and enable Ctrl-C.
+    """Configure the run before the tests are collected.
 
-    Some tests press Ctrl-C, which a process ignores if a script started it in the background.
-    Hypothesis must not fail a test because the machine is busy.
+    - Temporary files are in memory, because gradebooks would wait for the disk.
+    - Ctrl-C is enabled, which some tests use. A process ignores it if a script started the process
+      in the background.
+    - Hypothesis must not fail a test because the machine is busy.
     """
     hypothesis.settings.register_profile(
         "any speed", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
@@ -38,55 +40,55 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish(session):
-    """Exclude the collected tests from garbage collection, which took a tenth of the run."""
+    """Exclude the collected tests from garbage collection, which took a tenth of the time."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000)
 
 
 @pytest.fixture(autouse=True, scope="session")
-def one_cache_of_statements():
-    """Share the SQL statements that SQLAlchemy has compiled among all gradebooks of a process.
+def shared_statement_cache():
+    """Share SQLAlchemy's compiled SQL statements among all gradebooks of a process.
 
-    SQLAlchemy caches them per engine, and each gradebook has an engine of its own.
+    SQLAlchemy has one cache for each engine, and each gradebook has its own engine.
     """
     create_engine, engines = nbgrader.api.create_engine, {}
 
-    def create_engine_that_shares(*arguments, **options):
+    def create_sharing_engine(*arguments, **options):
         engine = create_engine(*arguments, **options)
         first = engines.setdefault(engine.dialect.name, engine)
         engine.dialect = engine.pool._dialect = first.dialect
         engine._compiled_cache = first._compiled_cache
         return engine
 
-    nbgrader.api.create_engine = create_engine_that_shares
+    nbgrader.api.create_engine = create_sharing_engine
     yield
     nbgrader.api.create_engine = create_engine
 
 
 def pytest_unconfigure(config):
-    """List the reasons of skipped tests below the summary."""
+    """List the reasons for skipped tests below the summary."""
     reporter = config.pluginmanager.getplugin("terminalreporter")
     if reporter is None:  # a worker of pytest-xdist
         return
     reasons = Counter(report.longrepr[2] for report in reporter.stats.get("skipped", ()))
     if reasons:
-        reporter.write_line("Skipped, each for want of:")
+        reporter.write_line("Skipped, because this is missing:")
     for reason, count in reasons.most_common():
         reporter.write_line(f"{count:6}  {reason.removeprefix('Skipped: ')}")
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """Start one process more than there are processors, as many tests wait for something."""
+    """Start one process more than there are processors, because many tests wait for something."""
     return len(os.sched_getaffinity(0)) + 1
 
 
 @pytest.fixture(scope="session")
 def sandbox():
-    """Sandbox that runs code in tests: bubblewrap, or a plain process if it is not available."""
+    """Return the sandbox for tests: bubblewrap, or a plain process if it is not available."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
-        return demand_walls()
+        return require_sandbox()
     try:
         return choose_sandbox()
     except SandboxUnavailable:
@@ -95,7 +97,7 @@ def sandbox():
 
 @pytest.fixture(scope="session")
 def real_clouds():
-    """Folder of real recordings, from REAL_CLOUDS; without it, tests that need it are skipped."""
+    """Return the folder of real recordings in REAL_CLOUDS, or skip the test without it."""
     folder = os.environ.get("REAL_CLOUDS")
     if not folder:
         pytest.skip(RECORDINGS)
@@ -103,22 +105,22 @@ def real_clouds():
 
 
 @pytest.fixture(autouse=True)
-def no_figures_of_others():
-    """Close the figures of earlier tests, as some tests count open figures."""
+def no_open_figures():
+    """Close the figures of earlier tests, because some tests count open figures."""
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
 
 
 @pytest.fixture(autouse=True)
-def recursion_limit_of_its_own():
-    """Restore the recursion limit, which stored answers run in this process may raise."""
+def unchanged_recursion_limit():
+    """Restore the recursion limit, which running stored answers in this process may raise."""
     before = sys.getrecursionlimit()
     yield
     sys.setrecursionlimit(before)
 
 
-# Tests with many parameters or a long run time. `make test` runs only the cases whose parameters
-# begin with one of these texts; `make proof` runs all. Other tests run in both.
+# Tests with many cases or a long run time. `make test` runs only the cases whose IDs begin with one
+# of these texts, and `make proof` runs all of them. Tests that are not listed always run.
 A_FEW_OF_MANY = {
     "test_solution_earns_everything_on_four_more_seeds": ("01",),
     "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
@@ -130,30 +132,43 @@ A_FEW_OF_MANY = {
     "test_an_endless_loop_costs_no_process_for_each_edit": (),
     "test_a_slip_in_a_helper_of_ones_own_is_a_slip": (),
     "test_a_slip_earns_what_a_teacher_would_give": ("line_through",),
-    "test_keeps_the_class_waiting": ("stops",),
-    "test_a_notebook_that_sleeps_everywhere_has_one_budget": (),
-    "test_tells_another_notebook": ("locks files", "reads pages into memory, and asks for"),
-    "test_a_cell_is_looked_at_once": ("brackets-", "blank lines"),
-    "test_a_file_is_looked_at_once": ("brackets", "blank lines", "quotation"),
-    "test_hands_in_everything_that_is_shown_as_the_answer_to_everything": ("08",),
-    "test_claims_more_than_any_answer_has": ("three thousand",),
-    "test_claims_something_huge_or_strange": ("a dict", "a number of thirty", "infin"),
-    "test_spoils_every_argument_of_every_call": ("08",),
+    "test_code_that_delays_the_class_costs_one_time_limit": ("stops",),
+    "test_a_notebook_of_sleeping_functions_has_one_budget": (),
+    "test_no_bits_reach_another_notebook": (
+        "locks files",
+        "loads pages, which the receiver reads w",
+    ),
+    "test_a_cell_is_read_in_linear_time": ("brackets-", "blank lines"),
+    "test_a_file_is_read_in_linear_time": ("brackets", "blank lines", "quotation"),
+    "test_no_visible_function_answers_an_exercise": ("08",),
+    "test_answers_that_are_far_too_large_earn_almost_nothing": ("three thousand",),
+    "test_huge_or_strange_answers_are_judged_in_time": (
+        "a dict",
+        "an integer with thirty",
+        "infin",
+    ),
+    "test_overwriting_every_argument_earns_almost_nothing": ("08",),
     "test_a_huge_claim_is_refused_at_once": ("a dict", "a la", "boxes", "dig", "dim", "many", "ne"),
     "test_a_function_that_ruins_its_arguments_loses_nothing_but_that": ("01", "08", "09"),
     "test_a_random_answer_earns_no_more_than_its_wrong_half": (),
-    "test_takes_the_answer_from_somewhere": ("the points in a box, from the b", "the reference,"),
-    "test_makes_the_question_fit_its_answer": ("finds nothing", "empties"),
-    "test_changes_what_the_lesson_gives": ("a given class that is changed by name",),
-    "test_reaches_for_the_judge": ("takes", "makes", "equals"),
-    "test_tells_a_neighbours_secret_by_a_cell_that_fails": (
-        "in the words",
+    "test_answers_from_elsewhere_earn_almost_nothing": (
+        "the points in a box, from utils.b",
+        "the reference solution, from",
+    ),
+    "test_changing_arguments_to_fit_an_answer_earns_almost_nothing": (
+        "changes the target",
+        "empties",
+    ),
+    "test_changes_to_given_code_have_no_effect": ("a given class that is replaced by name",),
+    "test_attacks_on_the_judge_earn_almost_nothing": ("replaces", "disables", "returns a list"),
+    "test_a_failing_cell_does_not_reveal_another_notebooks_secret": (
+        "in the message",
         "in a name",
         "in a module that is missing",
         "in a line",
     ),
-    "test_tells_a_neighbours_secret_by_an_answer": ("in values", "in a type"),
-    "test_whoever_answers_otherwise_the_second_time_gains_nothing": (),
+    "test_an_answer_does_not_reveal_another_notebooks_secret": ("in values", "in the type"),
+    "test_a_different_answer_in_the_second_run_gains_nothing": (),
     "test_an_edit_is_looked_for_in_what_calls_a_wrong_function": (),
     "test_a_wrong_loop_stays_wrong_with_right_helpers": (),
     "test_what_shows_students_words_is_asked_before_any_hidden_question": ("02", "08", "12"),
@@ -164,7 +179,7 @@ A_FEW_OF_MANY = {
     "test_a_local_cluster_of_processes": (),
     "test_unfit_workers_are_refused_and_named": (),
     "test_what_calls_a_wrong_helper_keeps_its_points": ("line_through-the",),
-    "test_tells_in_other_lessons": ("08",),
+    "test_types_do_not_reveal_hidden_input": ("08",),
     "test_real_frame_goes_through_the_references": (),
     "test_real_frames_survive_every_encoding": (),
     "test_reports_wait_for_a_person_and_keep_their_marks": (),
@@ -206,33 +221,44 @@ A_FEW_OF_MANY = {
     "test_there_are_at_least_a_hundred_attacks_and_each_says_what_it_tries": (),
     "test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved": (),
     "test_a_search_for_neighbours_earns_everything_in_05": ("scikit-learn's tree]", "SciPy"),
-    "test_a_browser_obeys_none_of_them": (),
-    "test_a_verdict_is_looked_at_once": (
+    "test_a_browser_executes_none_of_the_commands": (),
+    "test_a_verdict_is_shown_in_linear_time": (
         "brackets]",
         "spaces in",
         "environments]",
-        "formulas that",
+        "formulas without",
     ),
-    "test_many_cells_are_looked_at_once": ("kinds1",),
-    "test_markdown_is_looked_at_once": ("brackets]", "colours", "fences", "tags", "quotes"),
-    "test_tells_a_hidden_question": (
+    "test_many_cells_are_prepared_in_linear_time": ("kinds1",),
+    "test_markdown_is_read_in_linear_time": ("brackets]", "colours", "fences", "tags", "quotes"),
+    "test_feedback_does_not_reveal_hidden_input": (
         "in the cause",
         "in the name of an exception]",
-        "with commands",
+        "in terminal commands",
         "in a key",
         "in an assertion",
     ),
     "test_stopped_anywhere_new_work_never_has_the_time_of_old_work": ("us-T",),
-    "test_refuses_without_the_right": ("sys_chroot", "setuid"),
-    "test_has_no_right": ("becomes root]", "looks", "mounts", "makes a socket]", "makes a root"),
+    "test_a_missing_capability_is_reported": ("sys_chroot", "setuid"),
+    "test_privileged_actions_are_refused": (
+        "becomes root]",
+        "lists",
+        "mounts",
+        "opens a socket]",
+        "changes the root",
+    ),
     "test_a_hostile_notebook_affects_only_its_author": ("brackets", "ifs", "long"),
-    "test_nothing_that_crosses_tells_what_another_question_is_drawn_from": ("02", "03", "05", "08"),
-    "test_the_class_goes_on": ("grader.lms",),
-    "test_the_largest_file_is_read_or_refused_in_little_memory": ("<lambda>1",),
-    "test_calls_itself_something_strange": ("not UTF-8", "markup of the web", "a folder", "two"),
-    "test_nothing_of_it_is_in_memory_after_libraries_have_imported_it": ("05",),
-    "test_whole_page_of_a_hostile_notebook_obeys_nothing": ("markdown",),
-    "test_twenty_thousand_cells_that_all_define_the_exercise": (),
+    "test_hidden_input_does_not_reveal_a_seed": ("02", "03", "05", "08"),
+    "test_the_class_is_graded_despite_a_costly_file": ("grader.lms",),
+    "test_the_largest_file_needs_little_memory": ("<lambda>1",),
+    "test_strange_student_names_are_harmless": (
+        "a name that is not UTF-8",
+        "HTML",
+        "a parent folder",
+        "two",
+    ),
+    "test_forbidden_code_is_not_in_memory_after_libraries_import_it": ("05",),
+    "test_the_whole_page_of_a_hostile_notebook_is_harmless": ("markdown",),
+    "test_twenty_thousand_cells_that_define_the_exercise_get_a_verdict": (),
     "test_what_a_library_holds_is_refused_in_05": ("a name in a library]",),
     "test_right_boxes_over_wrong_axes_earn_everything": ("ascending",),
     "test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be": ("some",),
@@ -249,7 +275,7 @@ A_FEW_OF_MANY = {
     "test_a_lesson_is_added_by_its_two_places": (),
     "test_nobody_works": (),
     "test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged": (),
-    "test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone": (),
+    "test_processor_time_of_orphaned_grandchildren_counts": (),
     "test_plain_nbgrader_still_grades_by_the_visible_checks": (),
     "test_a_dead_worker_costs_one_retry_of_one_notebook": ("1",),
     "test_a_test_that_stands_still_is_named": ("2",),
@@ -268,13 +294,34 @@ A_FEW_OF_MANY = {
     ),
     "test_small_figures_open_one_new_figure": ("graph]", "boxes, flat", "kd_tree, large", "comp"),
     "test_what_draws_loads_matplotlib_and_nothing_else_heavy": ("utils.plots", "utils.drive"),
-    "test_a_cell_made_to_break_parsers": ("ninety", "a text", "a hund", "an f", "a power", "a key"),
-    "test_breaks_off_the_conversation": ("sends a", "sends half", "stops", "kills", "becomes"),
-    "test_returns_a_value_that_lies": ("that is", "of a type"),
-    "test_fails_in_a_strange_way": ("a huge", "an exception with", "the end", "endless"),
-    "test_what_is_forbidden_is_not_in_memory_either": ("forbidden0", "forbidden3"),
-    "test_fills_the_kernels_memory_with_empty_files": ("300,000 empty files in /dev",),
-    "test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps": ("by a word", "at an"),
+    "test_a_cell_that_breaks_parsers_does_not_affect_other_cells": (
+        "ninety",
+        "a string without",
+        "a hund",
+        "an f",
+        "an enormous power",
+        "a misplaced keyword",
+    ),
+    "test_an_invalid_reply_stops_the_student": (
+        "sends a",
+        "sends half",
+        "stops",
+        "kills",
+        "replaces",
+    ),
+    "test_deceptive_values_arrive_as_plain_data": (
+        "a list",
+        "an object that claims to be an array",
+    ),
+    "test_strange_failures_get_a_short_message": (
+        "a huge",
+        "an exception with",
+        "SystemExit",
+        "endless",
+    ),
+    "test_forbidden_modules_are_not_in_memory": ("forbidden0", "forbidden3"),
+    "test_the_kernel_memory_of_empty_files_counts": ("300,000 empty files in /dev",),
+    "test_processor_time_of_unreaped_children_counts": ("with signal", "with an"),
     "test_what_costs_no_points_is_a_note": ("labels of another type-05", "nothing-10"),
     "test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing": ("p", "one"),
     "test_a_change_invalidates_only_the_verdicts_that_depend_on_it": ("grader", "solutions/stage1"),
@@ -295,17 +342,17 @@ A_FEW_OF_MANY = {
 }
 
 
-# Modules that run in one process, because each process makes their costly fixtures once. Modules
-# with the same value share a process.
+# Modules whose tests run in the same process, because each process creates their expensive fixtures
+# once. Modules with the same value share a process.
 TOGETHER = {
     **{name: name for name in ("test_build", "test_scenes", "test_hermetic", "test_markdown")},
     "test_chroot": "folders for a root",
     **dict.fromkeys(("test_standalone", "test_site", "test_release"), "standalone notebooks"),
-    "test_requirements": "standalone notebooks",  # like test_release, it searches for all imports
+    "test_requirements": "standalone notebooks",  # searches for all imports, like test_release
 }
 
 
-# Name of a lesson by its own name and by the name of each of its exercises.
+# The name of a lesson, by the lesson's name and by the names of its exercises.
 LESSONS = {
     key: lesson.name
     for lesson in every_lesson()
@@ -315,10 +362,10 @@ LESSONS = {
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item):
-    """Mark the tests that only `make proof` runs and those that share a process.
+    """Mark the tests that only `make proof` runs, and the tests that share a process.
 
-    The hook runs first, so that pytest's selection by markers sees these markers. Each process
-    makes scenes, right answers and notebooks once.
+    The hook runs first, so that these markers exist when pytest selects tests by markers. Each
+    process creates scenes, right answers and notebooks once.
     """
     begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
     if begins is not None and not item.name.partition("[")[2].startswith(begins):
@@ -345,17 +392,17 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node, error):
-    """End the run when a process dies in a test, for example in one that hangs.
+    """End the run when a process dies in a test, for example after a timeout.
 
-    pytest-xdist would give that test to the next process and lose that process as well, or wait
-    forever.
+    Otherwise pytest-xdist would run that test in the next process and lose that process as well, or
+    wait forever.
     """
     if error:
         node.config.pluginmanager.getplugin("dsession").triggershutdown()
 
 
 def _lesson_of(item):
-    """Return the name of the lesson that a test is about, from its folder or its parameters."""
+    """Return the lesson that a test belongs to, according to its folder or its parameters."""
     if item.path.parent.name in LESSONS:
         return item.path.parent.name
     values = getattr(item, "callspec", None) and item.callspec.params.values()
@@ -373,6 +420,6 @@ def _number(item):
 
 
 def pytest_generate_tests(metafunc):
-    """Run a test that takes `lesson` once for each lesson of the course."""
+    """Run a test with the argument `lesson` once for each lesson of the course."""
     if "lesson" in metafunc.fixturenames:
         metafunc.parametrize("lesson", COURSE, ids=lambda lesson: lesson.name)

@@ -1,4 +1,4 @@
-"""nbgrader's settings for this course. nbgrader keeps the course; `grader` does the judging."""
+"""nbgrader's settings for this course. nbgrader manages the course, and `grader` judges."""
 
 import sys
 from pathlib import Path

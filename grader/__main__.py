@@ -1,8 +1,8 @@
-"""``python -m grader``: every command of the course's own tools."""
+"""The command line of the grader: ``python -m grader``."""
 
 import sys
 
 from grader.cli import main
 
-if __name__ == "__main__":  # the judge's processes import this file, too
+if __name__ == "__main__":  # the judge's processes also import this file
     sys.exit(main())

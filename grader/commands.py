@@ -35,11 +35,11 @@ SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
 
 def run_new(options: argparse.Namespace) -> int:
     """Run ``new NN_NAME``."""
-    from grader.authoring.skeleton import NotNew, write_skeleton
+    from grader.authoring.skeleton import UnusableName, write_skeleton
 
     try:
         written = write_skeleton(options.name, options.stage)
-    except NotNew as error:
+    except UnusableName as error:
         print(error, file=sys.stderr)
         return USAGE_ERROR
     for path in written:

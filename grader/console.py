@@ -1,4 +1,4 @@
-"""Output on the terminal: progress, verdicts, the scores of a class."""
+"""Output on the terminal, such as progress, verdicts and the scores of a class."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ LEGEND = {
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     """Show a progress bar on stderr; yield a function (done, total, what).
 
-    While nothing can be counted, `what` is a sentence about the work. The bar appears with the
-    first work, so that an error before it does not look like an interruption.
+    While nothing can be counted, `what` is a sentence about the work. The bar appears only when
+    the work begins, so that an earlier error does not look like an interruption.
     """
     columns = (
         TextColumn("{task.description}", markup=False),  # it may name a folder
@@ -69,17 +69,17 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
 
 
 def plain(text: object) -> str:
-    """Return a text that can be printed, even if a folder has a strange name."""
+    """Return a text with unprintable characters replaced, such as those in a strange file name."""
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
 
 
 def tell(sentence: str) -> None:
-    """Print a sentence, above the progress bar if there is one."""
+    """Print a sentence on stderr, above the progress bar if there is one."""
     print(plain(sentence), file=sys.stderr)
 
 
 def warn_if_unprotected(sandbox: Sandbox) -> None:
-    """Print a warning if the sandbox does not protect."""
+    """Print a warning if the sandbox does not protect this machine."""
     if sandbox.warning:
         Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
 
@@ -111,7 +111,7 @@ def print_verdict(verdict: Verdict) -> None:
 
 
 def _print_with_mark(console: Console, mark: str, text: str, style: str = "") -> None:
-    """Print a text with a mark next to its first line, and all lines indented alike."""
+    """Print a text with a mark next to its first line, and with equal indents."""
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, width=8)
     grid.add_row(Text(f"  {mark}"), Text(plain(text), style))
@@ -129,7 +129,7 @@ def print_finding(finding: Finding) -> None:
 def print_class(
     judged: Sequence[tuple[Submission, Verdict]], results: ClassResults | None = None
 ) -> None:
-    """Print one line per student, with marks from the gradebook or else from the verdicts."""
+    """Print one line per student, with marks from the gradebook, or else from the verdicts."""
     lessons = sorted({verdict.lesson for _, verdict in judged})
     students = {person.id: {} for person in results.people} if results else {}
     entered = set(students)
@@ -160,7 +160,7 @@ def print_class(
             first_fault = _first_fault(verdicts.values())
         else:
             scores = [_score(verdicts.get(lesson)) for lesson in lessons]
-            first_fault = "not on the roster, so not entered" if results else ""
+            first_fault = "not on the roster, so no mark was entered" if results else ""
             first_fault = first_fault or _first_fault(verdicts.values())
         cells += scores
         when = (late.get(student, ""),) if late else ()
@@ -192,19 +192,19 @@ def print_history(changes: Sequence[MarkChange]) -> None:
 
 
 def print_similarity(compared: StageComparison, limit: int = 10) -> None:
-    """Print the similar answers of a stage, the most unusual ones first."""
+    """Print the similar answers in a stage, the most unusual ones first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
         sameness = "the same file" if same.same_bytes else "the same cells"
         console.print(plain(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False)
     pairs = compared.pairs
     if not pairs:
-        console.print("No two answers are alike enough to be named.")
+        console.print("No two answers are similar enough to be listed.")
         return
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("Students")
-    table.add_column("Alike, of what is unusual in the two")
-    table.add_column("With others, at most", justify="right")
+    table.add_column("Similarity of the two, in unusual code")
+    table.add_column("Similarity with others, at most", justify="right")
     for pair in pairs[:limit]:
         table.add_row(
             escape(plain(" and ".join(pair.students))),
@@ -214,7 +214,7 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     console.print(table)
     if len(pairs) > limit:
         console.print(f"and {len(pairs) - limit} more pairs.")
-    console.print("This is what is alike, and not how that came about: ask them.")
+    console.print("The table shows which answers are similar, but not why. Ask the students.")
 
 
 def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> None:
@@ -224,12 +224,12 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
     lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:limit]]
     if len(files) > limit:
-        lines.append(f"  and {len(files) - limit} more; the report lists them all")
+        lines.append(f"  and {len(files) - limit} more; the report lists all of them")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
 def print_notes(sentences: Sequence[str]) -> None:
-    """Print notes that a person should know or decide about."""
+    """Print notes about things that a person should know or decide."""
     for sentence in sentences:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
 
@@ -239,11 +239,11 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
     if backup:
-        lines.append(f"What lay there before is now {plain(backup.name)}.")
+        lines.append(f"The previous file is now {plain(backup.name)}.")
     lines += [plain(note) for note in exported.notes]
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
     if exported.lost:
-        title = f"{len(exported.lost)} could not be placed:"
+        title = f"{len(exported.lost)} marks could not be exported:"
         text = "\n  ".join([title, *map(plain, exported.lost)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
@@ -253,24 +253,25 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
 
 
 def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
-    """Print what an autograder judges, and what to do with it."""
+    """Print which lessons an autograder judges, and what to do with it."""
     exercises = [exercise for lesson in lessons for exercise in lesson.exercises]
     machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
     by_hand = [exercise for exercise in exercises if exercise.by_hand]
     lines = [
         f"{plain(path)}: judges {', '.join(lesson.name for lesson in lessons)}.",
-        f"In Gradescope: a programming assignment, Autograder Points: {machine:g}; then Configure "
-        "Autograder, upload the zip, and Test Autograder with your own solution.",
-        "The course's secret seed and hidden tests are in it: keep it from students.",
+        f"In Gradescope, create a programming assignment with Autograder Points: {machine:g}. "
+        "Upload the zip under Configure Autograder, and then use Test Autograder with your own "
+        "solution.",
+        "The zip contains the course's secret seed and hidden tests. Do not give it to students.",
     ]
     if by_hand:
         names = ", ".join(f"{exercise.name} ({exercise.points:g} points)" for exercise in by_hand)
-        lines.insert(2, f"For a person to grade there: {names}.")
+        lines.insert(2, f"A person has to grade in Gradescope: {names}.")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
 def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
-    """Print which students have feedback, and which have none."""
+    """Print the students who get feedback, and the feedback that was left out."""
     for one in feedback:
         if one.pages:
             count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
@@ -279,7 +280,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for one in feedback for sentence in one.left]
     if left:
-        text = "\n  ".join(["Not handed back so:", *map(plain, left)])
+        text = "\n  ".join(["Feedback that was left out:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )
@@ -320,36 +321,40 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
         ("new", "new"),
         ("newer", "replaced an older one, which is kept in .older/"),
         ("same", "unchanged"),
-        ("kept", "older than the collected one and left out"),
+        ("kept", "left out, older than the collected one"),
     )
     counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
     if report.roster is None:
         yield (
-            "There is no roster.csv, so folders get the names from the archive. With a roster, "
-            "students are found by name or number."
+            "There is no roster.csv, so the folders have the names from the archive. With a "
+            "roster, the grader finds students by name or number."
         )
     else:
         missing = [person.id for person in report.roster.people if person.id not in report.states]
         excused = [student for student in missing if student in report.excused]
         not_excused = [student for student in missing if student not in report.excused]
         if not_excused:
-            yield f"No submission from {len(not_excused)} on the roster: {', '.join(not_excused)}."
+            yield (
+                f"Students on the roster without a submission: {len(not_excused)} "
+                f"({', '.join(not_excused)})."
+            )
         if excused:
-            yield f"Excused, without a submission: {', '.join(excused)}."
+            yield f"Excused students without a submission: {', '.join(excused)}."
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
-        yield f"Not collected, because no lesson needs it: {some}."
+        yield f"Not collected, because no lesson needs these files: {some}."
     if report.undecided:
         yield (
-            f"Late or on time is undecided for: {', '.join(report.undecided)}. Write the time into "
-            "timestamp.txt in the student's folder, such as 2026-11-22 18:30:00 UTC."
+            f"It is not known whether these students were late: {', '.join(report.undecided)}. "
+            "Write the time into timestamp.txt in the student's folder, such as 2026-11-22 "
+            "18:30:00 UTC."
         )
     if report.late:
         yield (
-            f"Marked late, without a time: {', '.join(report.late)}. No penalty is subtracted "
-            "until the time is known. Give times with --timestamps FILE, or write timestamp.txt in "
-            "the student's folder, such as 2026-11-22 18:30:00 UTC."
+            f"Marked late without a time: {', '.join(report.late)}. No penalty is subtracted until "
+            "the time is known. Add times with --timestamps FILE, or write the time into "
+            "timestamp.txt in the student's folder, such as 2026-11-22 18:30:00 UTC."
         )
 
 
@@ -364,9 +369,9 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """Return how late each student was and the penalty, also if the lateness is unknown.
+    """Return how late each student was, with the penalty; "undecided" if that is not known.
 
-    With several stages each one is named: ``stage3 1.4 d -18``.
+    If there are several stages, each one is named: ``stage3 1.4 d -18``.
     """
     late = {}
     for one in results.stages if results else ():

@@ -1,6 +1,6 @@
-"""Generated parts of the documentation: syllabus, steps for students, reference of commands.
+"""Generated parts of the documentation: syllabus, steps for students, and command reference.
 
-On `PAGES_WITH_SECTIONS`, text between ``<!-- name -->`` and ``<!-- end -->`` is generated.
+In `PAGES_WITH_SECTIONS`, text between ``<!-- name -->`` and ``<!-- end -->`` is generated.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _OUTCOMES = re.compile(r"\*\*After this lesson you can\*\*\n((?:- .*\n)+)")
 
 
 def files(parser: argparse.ArgumentParser) -> dict[Path, bytes]:
-    """Return every existing page that is generated, or has generated parts, by its path.
+    """Return the existing pages with generated content, by path.
 
     The numbers come from the built notebooks, and the commands from the parser.
     """
@@ -113,7 +113,7 @@ def _outcomes() -> str:
         for lesson in lessons:
             text = nbformat.read(lesson.released, as_version=4).cells[0].source
             if found := _OUTCOMES.search(text):
-                # A link into the notebook leads nowhere on this page.
+                # Links within the notebook would not work on this page.
                 text = re.sub(r"\[([^]]+)\]\(#[^)]*\)", r"\1", found[1])
                 parts.append(re.sub(r"[,.]$", "", text, flags=re.M))
         parts.append("\n")
@@ -121,7 +121,7 @@ def _outcomes() -> str:
 
 
 def _work() -> str:
-    """Return the steps of a student, from the README of the zips that students get."""
+    """Return the steps for students, from the README in the zips that students get."""
     path = PROJECT / "solutions" / "student_readme.md"
     if not path.is_file():
         return ""

@@ -23,7 +23,7 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.judging.judge import judge
 from grader.lms.autograder.package import build_autograder_zip
 from tests.containers import DOCKER, as_user, deny_what_docker_denies
-from tests.prerequisites import demand_walls
+from tests.prerequisites import require_sandbox
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405
@@ -320,7 +320,7 @@ FAILED = []
 
 
 def main(place):
-    here = demand_walls()
+    here = require_sandbox()
     archive = build_autograder_zip(STAGE, SEED)
     listening = socket.create_server(("127.0.0.1", PORT))
     image = upload(place, archive)

@@ -28,7 +28,7 @@ def not_here(reason: object) -> NoReturn:
     pytest.skip(str(reason))
 
 
-def demand_walls(name: str = "bubblewrap") -> Sandbox:
+def require_sandbox(name: str = "bubblewrap") -> Sandbox:
     """Return the sandbox for untrusted code, or skip the test."""
     try:
         return choose_sandbox(name)

@@ -43,7 +43,7 @@ def test_true_claims_are_not_reported():
     ("answer", "verdict", "says"),
     [
         (RIGHT, verdict_on("keeps"), "It loses keeps."),
-        (WRONG, verdict_on("sorts"), "It loses sorts; its note says sorts, test_a."),
+        (WRONG, verdict_on("sorts"), "It loses sorts, but its note says sorts, test_a."),
         (
             dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
             verdict_on("sorts", "test_a[1]"),
@@ -52,14 +52,14 @@ def test_true_claims_are_not_reported():
         (
             WRONG,
             verdict_on("sorts", "test_a[1]", "keeps"),
-            "It loses sorts, keeps, test_a[1]; its note says sorts, test_a.",
+            "It loses sorts, keeps, test_a[1], but its note says sorts, test_a.",
         ),
         (
             dataclasses.replace(WRONG, loses=("sort", "test_a")),
             verdict_on("sorts", "test_a[1]"),
             "There is no check sort. The checks are:",
         ),
-        (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns everything, although"),
+        (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns all points, although"),
         (
             dataclasses.replace(WRONG, says="Bananas"),
             verdict_on("sorts", "test_a[1]"),
@@ -68,7 +68,7 @@ def test_true_claims_are_not_reported():
         (
             dataclasses.replace(WRONG, told="rounded"),
             verdict_on("sorts", "test_a[1]"),
-            "It should be shown the mistake 'rounded'; it is shown none.",
+            "The student should see the mistake 'rounded', but sees none.",
         ),
         (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
     ],
@@ -84,12 +84,15 @@ def test_a_broken_claim_is_reported_in_a_sentence(answer, verdict, says):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["other"], "'other' is not a lesson's name."),
-        (["14_Free"], "'14_Free' is not a lesson's name."),
-        (["06_other"], "06_filter_ground has the number 06. 14 is free."),
-        (["14_voxel_grid"], "06_filter_ground has an exercise voxel_grid."),
-        (["14_root_of"], "13_compiled_loops has an exercise root_of."),
-        (["14_other", "--stage", "mine"], "A stage begins with the word stage: --stage stage5_own"),
+        (["other"], "'other' is not a valid lesson name."),
+        (["14_Free"], "'14_Free' is not a valid lesson name."),
+        (["06_other"], "06_filter_ground already has the number 06. 14 is free."),
+        (["14_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
+        (["14_root_of"], "13_compiled_loops already has an exercise root_of."),
+        (
+            ["14_other", "--stage", "mine"],
+            "'mine' is not a valid stage name.",
+        ),
     ],
 )
 def test_an_invalid_new_lesson_gets_a_message(arguments, says, capsys):
@@ -101,7 +104,7 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch):
     monkeypatch.setattr(skeleton, "PROJECT", tmp_path)
     assert len(skeleton.write_skeleton("14_mine")) == 4
     shutil.rmtree(tmp_path / "solutions")
-    with pytest.raises(skeleton.NotNew, match="lesson_14.py is there already"):
+    with pytest.raises(skeleton.UnusableName, match="lesson_14.py already exists"):
         skeleton.write_skeleton("14_mine")
     assert not (tmp_path / "solutions").exists()
 
@@ -174,8 +177,11 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     with replaced(checks, "7.505553499465135", "7.6"):
         tried = run(copy, "try", "15", "--sandbox", sandbox.name)
     assert "The solution earns " in tried.stdout and "15_mean_square: 1 to do." in tried.stdout
-    assert "mean_square, “The plain case is right”: The number is wrong." in tried.stdout
-    assert "Hint: Square, mean, square root" in tried.stdout
+    assert (
+        "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
+        in tried.stdout
+    )
+    assert "Hint: Compute the squares, then" in tried.stdout
 
     for old, new, line, reason in (
         ('promise("names")', 'promise("name")', 32, "There is no promise 'name'; choose names,"),
@@ -200,7 +206,7 @@ def test_a_cell_of_the_notebook_that_fails_is_reported(copy, sandbox):
     with replaced(source, "# ## Summary", cell):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
-    assert "were written to utils/lent/lesson_17.json." in tried.stdout
+    assert "were stored in utils/lent/lesson_17.json." in tried.stdout
 
 
 @contextlib.contextmanager

@@ -929,7 +929,10 @@ def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     assert command(path) == 1
     output = capsys.readouterr().out
     assert "an answer is needed" in output and "--who eve=ID" in output
-    assert "No submission from 2 on the roster: bjorn, cy." in output and "xcused" not in output
+    assert (
+        "Students on the roster without a submission: 2 (bjorn, cy)." in output
+        and "xcused" not in output
+    )
     assert command(path, "--who", "eve=cy") == 0
     assert "waiting" not in capsys.readouterr().out
 
@@ -941,8 +944,8 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
     )
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
     output = " ".join(capsys.readouterr().out.split())
-    assert "No submission from 1 on the roster: bjorn." in output
-    assert "Excused, without a submission: cy." in output
+    assert "Students on the roster without a submission: 1 (bjorn)." in output
+    assert "Excused students without a submission: cy." in output
 
 
 @pytest.mark.parametrize(
@@ -970,7 +973,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
     table.write_text("id,Last modified (submission)\nada,-\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     assert command(path, "--timestamps", table) == 0
-    assert "Late or on time is undecided for: ada." in capsys.readouterr().out
+    assert "It is not known whether these students were late: ada." in capsys.readouterr().out
 
 
 def test_an_answer_cannot_lead_to_another_folder(anonymous_course):

@@ -101,7 +101,7 @@ def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, 
         (course.root / "roster.csv").write_text("idd\nx\n")
         assert cli.main(command.split()) == 2
         output = capsys.readouterr()
-        assert "roster.csv: its first line" in output.err and "━" not in output.err
+        assert "roster.csv: the first line" in output.err and "━" not in output.err
 
 
 def test_grade_names_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):

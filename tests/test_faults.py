@@ -656,7 +656,7 @@ def test_a_sleeping_call_is_ended_like_a_busy_one_and_not_starved(sandbox):
 
 @pytest.mark.slow
 def test_without_waiting_times_calls_have_longer_and_are_starved(sandbox, monkeypatch):
-    monkeypatch.setattr(usage, "_tells_delays", lambda: False)
+    monkeypatch.setattr(usage, "_records_delays", lambda: False)
     program = Program((NEEDS,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
         assert student.f(0.1) == 0.1
@@ -698,7 +698,7 @@ def test_a_call_is_charged_for_time_without_waiting(waited, worked, delayed, sec
     meter = time_budget.Meter(worker)
     now[0] += waited
     worker.worked, worker.delayed = worker.worked + worked, delayed
-    meter.look(answered=True)
+    meter.measure(answered=True)
     assert meter.seconds == pytest.approx(seconds)
 
 
@@ -709,7 +709,7 @@ def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
     meter = time_budget.Meter(FakeWorker())
     now[0] += 1.0
     ours[0] += 0.6
-    meter.look(answered=True)
+    meter.measure(answered=True)
     assert meter.seconds == pytest.approx(0.4)
 
 
@@ -728,12 +728,12 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
         worker.ready, worker.worked = ready, worker.worked + worked
         now[0] += passed
         ours[0] += at_work
-        meter.look()
+        meter.measure()
         assert meter.seconds == pytest.approx(taken)
     # After its answer a call looks asleep, so the share of sleep in earlier looks counts instead.
     worker.ready = False
     now[0] += 1.0
-    meter.look(answered=True)
+    meter.measure(answered=True)
     assert meter.seconds == pytest.approx(0.9 + 0.3 / 2.7)
 
 

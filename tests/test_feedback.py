@@ -56,7 +56,7 @@ HOSTILE = (
 )
 MISTAKE = (
     "Points of different clusters have the same label.\n3 rows too many.\nHint: Compare <cells>.\n"
-    "The check in the notebook shows your answer beside the right one."
+    "The check in the notebook shows your answer next to the right one."
 )
 
 

@@ -86,7 +86,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert cells(output.out, "idle")[1:] == ["-", "-"]
     assert cells(output.out, "eve")[1:] == ["ex", "ex"]
     assert cells(output.out, "ghost")[1:3] == ["3", "-"]
-    assert "not on the roster, so not entered" in output.out
+    assert "not on the roster, so no mark was entered" in output.out
     assert "- submitted nothing · ex excused" in output.out and "a person has" not in output.out
     page = (course.report / "index.html").read_text("utf-8")
     people = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1

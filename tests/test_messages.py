@@ -79,8 +79,8 @@ def test_messages_on_shown_checks_have_counts_but_no_answer():
     assert message_lines(SHOWN, CheckFailed("676 of -3 are 1e5"))[0] == "… of … are …"
 
 
-SEE_ANSWER = "The check in the notebook shows your answer beside the right one."
-SEE_PYTHON = "The check in the notebook shows what Python says about it."
+SEE_ANSWER = "The check in the notebook shows your answer next to the right one."
+SEE_PYTHON = "The check in the notebook shows Python's full error message."
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
 
 
 def raised(kind="ValueError", message="a secret 17", **more):
-    fields = {"place": "code cell 3, line 2", "line": "x = y[0]", "is_one_of_few": True} | more
+    fields = {"place": "code cell 3, line 2", "line": "x = y[0]", "in_short_exercise": True} | more
     return StudentError("f", kind, message, **fields)
 
 
@@ -131,7 +131,7 @@ def test_the_message_on_an_exception_quotes_only_the_notebook():
     hidden = shareable_failure(Outcome(HIDDEN, raised()), False)
     assert hidden.message == "f raised ValueError (code cell 3, line 2)."
     assert (hidden.kind, hidden.place) == ("ValueError", "code cell 3, line 2")
-    own = shareable_failure(Outcome(HIDDEN, raised("Secret17", is_one_of_few=False)), False)
+    own = shareable_failure(Outcome(HIDDEN, raised("Secret17", in_short_exercise=False)), False)
     assert own.message == "f raised another exception."
     assert (own.kind, own.place) == ("another exception", None)
 

@@ -214,11 +214,11 @@ EARNS_EVERYTHING = {
         lambda notebook: notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3")),
         "",
     ),
-    "the cell as given out, pasted at the end": (
+    "the released cell pasted at the end": (
         lambda notebook: notebook["cells"].append(
             cell_of(json.loads(LESSON.released.read_text()), "voxel_grid")
         ),
-        "the cell as it was given out",
+        "a copy of the released cell",
     ),
     "every cell twice": (
         lambda notebook: notebook["cells"].extend(copy.deepcopy(notebook["cells"])),
@@ -329,9 +329,9 @@ def test_several_versions_are_reported_only_if_points_are_lost(sandbox):
     submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
     verdict = judge_files(submission, 1, sandbox, LESSON)
     assert verdict.score == 10
-    message = r"voxel_grid is written 3 times, in code cells 1, \d+ and \d+\. The last one counts"
+    message = r"voxel_grid is defined 3 times, in code cells 1, \d+ and \d+\. The last definition"
     assert re.search(message, " ".join(verdict.problems))
-    assert "The last one counts" in " ".join(verdict.problems)
+    assert "The last definition counts" in " ".join(verdict.problems)
 
 
 def test_a_note_names_the_submitted_module_that_was_used():
@@ -339,7 +339,10 @@ def test_a_note_names_the_submitted_module_that_was_used():
     notebook["cells"].insert(0, code("from helpers import mask"))
     modules = {"helpers": "mask = 1", "other": ""}
     submission = SubmittedFiles("x.ipynb", json.dumps(notebook).encode(), modules=modules)
-    assert "helpers.py, submitted with the notebook, was used." in prepare(submission, LESSON).notes
+    assert (
+        "The judge used helpers.py, which you submitted with the notebook."
+        in prepare(submission, LESSON).notes
+    )
 
 
 def test_a_module_that_a_cell_writes_can_be_imported(sandbox):
@@ -437,7 +440,7 @@ def test_which_text_cells_are_treated_as_code(cells, kinds):
     assert [cell.kind for cell in prepared.cells] == kinds
     assert prepared.code == tuple(cell.source for cell in prepared.cells if cell.kind not in TEXT)
     converted = sum(cell["cell_type"] != "code" for cell in cells) - kinds.count("markdown")
-    notes = [note for note in prepared.notes if "stood in a text cell" in note]
+    notes = [note for note in prepared.notes if "in a text cell, which Jupyter" in note]
     assert len(notes) == converted and all(note.split()[0] in EXERCISES for note in notes)
 
 
@@ -478,12 +481,12 @@ def test_a_text_cell_with_a_function_that_another_cell_defines(cells, ground, vo
     # Code that ran in Jupyter keeps its order.
     ran = [cell["source"] for cell in cells if cell["cell_type"] == "code"]
     assert [source for source in made.code if source in ran] == ran
-    notes = [note for note in made.notes if "stood in a text cell" in note]
+    notes = [note for note in made.notes if "in a text cell, which Jupyter" in note]
     judged, other = ("voxel_grid", "filter_ground") if voxels == "2" else EXERCISES
     assert notes[-1] == (
-        f"{judged} stood in a text cell, where Jupyter does not run it. It was judged as code. "
-        f"{other} in that cell was not judged, but the one in another cell. In Jupyter, select the "
-        f"cell and press Y to make it code again, and delete {other} in it."
+        f"{judged} was in a text cell, which Jupyter does not run. The grader judged it as code. "
+        f"For {other}, it judged the code in another cell. In Jupyter, select the cell and press Y "
+        f"to make it a code cell again, and delete {other} from it."
     )
 
 
@@ -517,9 +520,10 @@ def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
     prepared = from_cells(above, cell(2, crop), cell(3, distance, crop, ego), lesson=THREE)
     assert [returned_by(prepared, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
     assert prepared.notes[1] == (
-        f"{ego} stood in a text cell, where Jupyter does not run it. It was judged as code. "
-        f"{distance} and {crop} in that cell were not judged, but others. In Jupyter, select the "
-        f"cell and press Y to make it code again, and delete {distance} and {crop} in it."
+        f"{ego} was in a text cell, which Jupyter does not run. The grader judged it as code. "
+        f"For {distance} and {crop}, it judged the code in another cell. In Jupyter, select the "
+        "cell and press Y to make it a code cell again, and delete "
+        f"{distance} and {crop} from it."
     )
 
 
@@ -527,8 +531,9 @@ def test_a_text_cell_with_all_functions():
     prepared = from_cells(text(TWO))
     assert prepared.code == (TWO,)
     assert prepared.notes == (
-        "filter_ground and voxel_grid stood in a text cell, where Jupyter does not run them. They "
-        "were judged as code. In Jupyter, select the cell and press Y to make it code again.",
+        "filter_ground and voxel_grid were in a text cell, which Jupyter does not run. The grader "
+        "judged them as code. In Jupyter, select the cell and press Y to make it a code cell "
+        "again.",
     )
 
 
@@ -539,7 +544,7 @@ def test_an_answer_in_a_text_cell_counts_more_than_the_stub():
             returned_by(prepared, "filter_ground") == "1"
             and returned_by(prepared, "voxel_grid") == "2"
         )
-        assert "filter_ground and voxel_grid stood in a text cell" in prepared.notes[0]
+        assert "filter_ground and voxel_grid were in a text cell" in prepared.notes[0]
 
 
 def stub_of(name):
@@ -559,7 +564,7 @@ def test_stubs_are_left_out_only_below_an_answer():
     ):
         made = from_cells(*cells)
         assert [cell.source.startswith(left) for cell in made.cells] == expected
-        notes = [note for note in made.notes if note.startswith("Below your filter_ground stands")]
+        notes = [note for note in made.notes if note.startswith("Below your filter_ground there")]
         assert len(notes) == any(expected)
         last = made.cells[made.graded["filter_ground"]].source
         assert not last.startswith(left) and "filter_ground" in last
@@ -600,11 +605,11 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
     other = "07_filter_by_distance"
     submitted = from_cells(code("x = 1"), lesson_name=other, name="06_filter_ground (1).ipynb")
     assert submitted.notes == (
-        f"06_filter_ground (1).ipynb contains the notebook of {other} and nothing of "
+        f"06_filter_ground (1).ipynb contains the notebook of {other} instead of "
         f"{LESSON.name}. Submit {LESSON.name}.ipynb.",
     )
     earlier = from_cells(code("x = 1"), lesson_name="05_euclidean_clustering")
-    assert "contains the notebook of 05_euclidean_clustering and nothing of 06" in earlier.notes[0]
+    assert "contains the notebook of 05_euclidean_clustering instead of 06" in earlier.notes[0]
     assert from_cells(code(GROUND), lesson_name=other).notes == ()
     assert from_cells(code("x = 1"), lesson_name=LESSON.name).notes == ()
     assert from_cells(code("x = 1")).notes == ()
@@ -619,11 +624,11 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
 @pytest.mark.parametrize(
     ("source", "used"),
     [
-        ("import helpers", "helpers.py, submitted with the notebook, was used."),
-        ("x = 1\n    from\thelpers import mask", "helpers.py, submitted with the notebook, was"),
+        ("import helpers", "The judge used helpers.py, which you submitted with the notebook."),
+        ("x = 1\n    from\thelpers import mask", "The judge used helpers.py, which"),
         (
             "import helpers\nimport tools",
-            "helpers.py, tools.py, submitted with the notebook, were",
+            "The judge used helpers.py, tools.py, which",
         ),
         ("import helpers2, tools2", None),
         ("# import helpers", None),
@@ -668,7 +673,7 @@ def test_the_first_four_versions_and_the_last_are_listed():
         return from_cells(*cells).versions.get("filter_ground", "")
 
     assert versions(1) == ""
-    assert versions(2).startswith("filter_ground is written 2 times, in code cells 2 and 3. The")
+    assert versions(2).startswith("filter_ground is defined 2 times, in code cells 2 and 3. The")
     assert "5 times, in code cells 2, 3, 4, 5 and 6. The" in versions(5)
     assert "6 times, in code cells 2, 3, 4, 5, … and 7. The" in versions(6)
     same = from_cells(code(GROUND), stub_of("filter_ground"), code(GROUND), code(VOXELS))
@@ -823,10 +828,10 @@ def test_an_answer_below_its_cell_ends_at_the_next_cell_of_the_course():
     assert kept == [
         *(prompt()["source"], "YOUR ANSWER HERE", " ", "x = 1", footer["source"], "Third.")
     ]
-    assert len(notes) == 1 and "but in 2 cells of its own below" in notes[0]
+    assert len(notes) == 1 and "but in 2 new cells below it" in notes[0]
     assert write_up(OWN, text("First."), OWN)[0] == "First."
     stopped = write_up(OWN, text("First."), tagged(text("Other."), "test_x"), text("Second."))
-    assert stopped[0] == "First." and "in one of its own below" in stopped[4][0]
+    assert stopped[0] == "First." and "in a new cell below it" in stopped[4][0]
     assert write_up(OWN, code("x = 1"), text(" "))[:3] == (
         "",
         True,

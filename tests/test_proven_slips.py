@@ -171,7 +171,7 @@ class Edited:
     def __init__(self, fails, seconds=0.0, stops=False, slept=0.0):
         self.fails, self.seconds, self.stops = fails, seconds, stops
         self.now, self.tried, self.hidden_made = fails[0], 0, 0
-        self.lost, self.slept, self.given = [], slept, []
+        self.failed_seconds, self.slept, self.given = [], slept, []
         self.edits = [(1, number, number, f"edit {number}") for number in range(len(fails) - 1)]
 
     def __call__(self, program, sandbox, limits, budget, counted_as):
@@ -208,7 +208,7 @@ class Edited:
         if letter.upper() in self.now:
             raise HANGS
         if letter in self.now:
-            self.budget.note_lost(self.exercise, 0.3)
+            self.budget.add_failed_seconds(self.exercise, 0.3)
             raise FAIL
 
     def questions(self, letters):
@@ -216,7 +216,7 @@ class Edited:
 
     def hidden(self, lesson, student, seed, failed):
         assert (lesson, student, seed) == (LINE, self, 1)
-        self.lost.append(self.budget.lost.get(self.exercise, 0.0))
+        self.failed_seconds.append(self.budget.failed_seconds.get(self.exercise, 0.0))
         self.hidden_made += 1
         return self.questions("xy")
 
@@ -313,9 +313,10 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
 
 def test_interrupted_calls_hang_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
-    assert repair._hangs(StudentError("f", name)) and repair._hangs(StudentStopped("It is gone."))
+    assert repair._was_stopped(StudentError("f", name))
+    assert repair._was_stopped(StudentStopped("It is gone."))
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
-    assert not any(map(repair._hangs, others))
+    assert not any(map(repair._was_stopped, others))
 
 
 def test_a_hang_is_recognised_inside_a_checks_own_failure():
@@ -328,7 +329,7 @@ def test_a_hang_is_recognised_inside_a_checks_own_failure():
                 raise CheckFailed(f"60,000 points. {original}") from None
         except CheckFailed as failure:
             failures.append(failure)
-    assert list(map(repair._hangs, failures)) == [True, False]
+    assert list(map(repair._was_stopped, failures)) == [True, False]
 
 
 def test_only_three_passing_edits_are_judged(passing):
@@ -425,7 +426,7 @@ def test_wall_clock_time_ends_the_search_in_any_case(passing):
 
 def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):
     student = Edited(["abxy", "x", "e", "x", "a", ""])
-    assert passing(student) == [4] and student.lost == [0.0]
+    assert passing(student) == [4] and student.failed_seconds == [0.0]
 
 
 def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
@@ -434,7 +435,7 @@ def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
     setting = Setting(LINE, 1, None, None, budget)
     repair.find_slips(setting, HANDED_IN, run, {})
     assert len(tried) == 1
-    budget.begins = False
+    budget.cells_finish = False
     assert repair.find_slips(setting, HANDED_IN, run, {}) == {} and len(tried) == 1
 
 

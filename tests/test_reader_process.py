@@ -83,7 +83,7 @@ def test_too_costly_files_get_a_message_with_the_limit(work, says, short_limits)
 @pytest.mark.parametrize("work", [stop_own_process, end_own_process, sleep_long])
 def test_a_child_without_an_answer_is_given_up_after_a_while(work, short_limits):
     short_limits()
-    with pytest.raises(reader_process.ReadingFailed, match="no answer within 0.5 seconds"):
+    with pytest.raises(reader_process.ReadingFailed, match="did not reply within 0.5 seconds"):
         reader_process.run_in_child("file.ipynb", work)
 
 
@@ -262,5 +262,5 @@ def test_the_deadline_follows_from_the_patience(monkeypatch):
 @pytest.mark.parametrize("reply", [b"", b"[", b"7", b"[" * 10**5])
 def test_an_invalid_reply_counts_as_no_answer(reply, monkeypatch):
     monkeypatch.setattr(reader_process, "_read", lambda pipe, until: reply)
-    with pytest.raises(reader_process.ReadingFailed, match="gave no answer"):
+    with pytest.raises(reader_process.ReadingFailed, match="did not reply"):
         reader_process.run_in_child("file.ipynb", sleep_long)

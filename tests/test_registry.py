@@ -286,7 +286,7 @@ def test_a_valid_course_has_no_faults(registry):
         ),
         (
             {"stage1_a/01_one/lesson.py": GRADED, "stage1_a/02_two/lesson.py": GRADED},
-            "01_one and 02_two both have an exercise highest. Give one of the two another name.",
+            "01_one and 02_two both have an exercise highest. Rename one of the two.",
         ),
     ],
 )
@@ -384,7 +384,7 @@ def test_jupyterlab_keeps_the_header(tmp_path):
 def test_a_typo_in_the_header_is_reported(tmp_path, settings):
     path = tmp_path / "14_slip.py"
     path.write_text(HEAD.format(settings=settings), "utf-8")
-    with pytest.raises(ValueError, match="14_slip.py: the header says `forb"):
+    with pytest.raises(ValueError, match="14_slip.py: the header contains `forb"):
         read_header(path)
 
 

@@ -68,15 +68,15 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people)
 @pytest.mark.parametrize(
     ("written", "says"),
     [
-        ("", "its first line should name the columns, each once, such as id,first_name,"),
-        ("name,email\nb,c\n", "Only id has to be there."),
+        ("", "the first line must name the columns, each once, such as id,first_name,"),
+        ("name,email\nb,c\n", "Only id is required."),
         ("id,lms_id,lms_user_id\n", "each once"),
         (
             "id,last_name\nb,O'Neil, Jr\n",
-            "line 2: 3 values for 2 columns. Put a value that contains",
+            "line 2: there are 3 values for 2 columns. If a value contains",
         ),
-        ("id,email\nb,c\n,d\n", "line 3: it has no id."),
-        ("id\nb\nc\nb\n", "line 4: line 2 has the same id, b. Marks could reach the wrong one"),
+        ("id,email\nb,c\n,d\n", "line 3: the id is missing."),
+        ("id\nb\nc\nb\n", "line 4: line 2 has the same id, b. Correct or remove one"),
         ("id,email\nb,q@x\nc,Q@X\n", "line 3: line 2 has the same email, Q@X."),
         ("id,lms_id\nb,7\nc,\nd,7\n", "line 4: line 2 has the same lms_id, 7."),
         ("id\n../b\n", "line 2: '../b' cannot be the name of a folder."),
@@ -84,7 +84,10 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people)
         ("id\na\0b\n", "line 2"),
         ("id,first_name\nb," + "x" * 129 + "\n", "first_name is longer than 128 characters"),
         ('id,first_name\nb,"Yan\nc,C\n', "Is a quotation mark missing?"),
-        ("id,last_name\nb,Müller\n".encode("cp1252"), "is not in UTF-8. Save it again as CSV"),
+        (
+            "id,last_name\nb,Müller\n".encode("cp1252"),
+            "is not in UTF-8. In the spreadsheet, save it again",
+        ),
         ("id,last_name\nb,Müller\n".encode("utf-16"), "is not in UTF-8"),
     ],
 )

@@ -175,7 +175,7 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
         Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
     )
     assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
-    assert "Does it answer by chance?" in better["ransac_line"].sentence
+    assert "use random numbers?" in better["ransac_line"].sentence
 
 
 @pytest.mark.parametrize("fault", ["", "pytest ran 3 of 9 tests"])
@@ -229,12 +229,12 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
         for name in names:
             assert (f"def {name}(" in program.given.source) == (name in names[:number])
     assert better[names[1]].sentence == (
-        "plane_through, which point_plane_distance calls, is wrong. Judged with a right one "
+        "plane_through, which point_plane_distance calls, is wrong. With a correct one "
         "instead, point_plane_distance earns 10 of 10 points, not 0."
     )
     assert better[names[3]].sentence == (
         "plane_through and point_plane_distance and ransac_plane, which fit_plane calls, are "
-        "wrong. Judged with right ones instead, fit_plane earns 5 of 5 points, not 2.5."
+        "wrong. With correct ones instead, fit_plane earns 5 of 5 points, not 2.5."
     )
 
 

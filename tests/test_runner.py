@@ -190,7 +190,7 @@ def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, says):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
         run_checks(made(hidden), Nobody(), SEED)
-    assert says in str(fault.value) and "Run it by hand" in str(fault.value)
+    assert says in str(fault.value) and "Run pytest on this file" in str(fault.value)
     assert dict(os.environ) == before
 
 

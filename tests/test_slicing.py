@@ -23,7 +23,7 @@ def sliced(text, *names):
     return namespace, source, problems
 
 
-class Agreeable:
+class StandIn:
     """An IPython stand-in that does nothing, like the one in the sandbox."""
 
     def __getattr__(self, name):
@@ -108,7 +108,7 @@ class Agreeable:
     ],
 )
 def test_keeps_what_the_function_needs(text, monkeypatch):
-    monkeypatch.setattr(builtins, "get_ipython", Agreeable, raising=False)
+    monkeypatch.setattr(builtins, "get_ipython", StandIn, raising=False)
     namespace, _, _ = sliced(text)
     assert namespace["f"]() == 42
 

@@ -237,7 +237,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             "code cell 1, line 3: `a, b = line`)."
         )
         # A hidden test shows only the place of the call, without any code.
-        assert error.without_words == "answer raised TypeError (code cell 2, line 3)."
+        assert error.safe_sentence == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:
             student.finished(7)

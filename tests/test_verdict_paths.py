@@ -196,7 +196,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
     verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
     *problems, last = verdict.problems
     assert problems == ["A cell.", "A helper is wrong."]
-    assert last.startswith("filter_ground is written 3 times")
+    assert last.startswith("filter_ground is defined 3 times")
 
 
 @pytest.fixture
@@ -266,7 +266,7 @@ def test_a_verdict_has_the_outcome_of_each_check():
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, asked, None)
     half, said = exercise.points / 2, "It is upside down.\nno"
-    more = f"{said}\nThe check in the notebook shows your answer beside the right one."
+    more = f"{said}\nThe check in the notebook shows your answer next to the right one."
     assert result.tests == (
         CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
         CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),

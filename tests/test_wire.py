@@ -138,8 +138,8 @@ def test_a_list_of_many_rows_is_quick():
         (2**63, "64 bits"),
         (1j, "complex"),
         (np.zeros(2, complex), "complex"),
-        ({(1, 2): 3}, "a dict of more"),
-        ({(1, 2)}, "a set of more"),
+        ({(1, 2): 3}, "a dict with a key"),
+        ({(1, 2)}, "a set with an element"),
         (np.zeros((1,) * 20), "an array of float64"),
         (np.zeros(2, "V4"), "an array of void"),
         (np.datetime64("2020"), "datetime64"),
@@ -357,7 +357,7 @@ def test_lone_surrogates_are_replaced():
 def test_the_name_of_a_students_class_does_not_cross(value):
     """The name could contain the question of a hidden test."""
     assert there_and_back([value])[0].type_name in (
-        "an object of a class of its own",
+        "an object of a custom class",
         "an array of void",
     )
 

@@ -1,1 +1,1 @@
-"""Help for authors: the skeleton of a new lesson, and a trial of a lesson that is being written."""
+"""Help for authors: write the skeleton of a new lesson, and try a lesson while writing it."""

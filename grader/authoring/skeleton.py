@@ -12,8 +12,8 @@ TEMPLATES = Path(__file__).with_name("templates")
 OWN_STAGE = "stage5_own"
 
 
-class NotNew(ValueError):
-    """No lesson can be written under this name; `str()` says why, and what to do."""
+class UnusableName(ValueError):
+    """A new lesson cannot have this name; `str()` says why, and what to do."""
 
 
 def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
@@ -22,7 +22,7 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
     Parameters
     ----------
     name : str
-        Number and name, such as "14_free_distance"; the exercise gets the name.
+        Number and name, such as "14_free_distance". The exercise also gets this name.
     stage : str
         Folder of the lesson in solutions/.
 
@@ -33,19 +33,22 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
 
     Raises
     ------
-    NotNew
-        If the name is not a lesson's, or the number, the exercise or a file is already taken.
+    UnusableName
+        If the name is not valid, or if the number, the exercise or a file already exists.
     """
     found = re.fullmatch(r"(\d\d)_([a-z]\w*)", name)
     if not found:
-        raise NotNew(
-            f"{name!r} is not a lesson's name. Write two digits, _ and the name of the function: "
-            "14_free_distance."
+        raise UnusableName(
+            f"{name!r} is not a valid lesson name. Write two digits, _ and the name of the "
+            "function, such as 14_free_distance."
         )
     if not re.fullmatch(rf"stage\w+|{OPTIONAL}", stage):
-        raise NotNew(f"A stage begins with the word stage: --stage {OWN_STAGE}, not {stage!r}.")
+        raise UnusableName(
+            f"{stage!r} is not a valid stage name. It must begin with stage, such as "
+            f"--stage {OWN_STAGE}."
+        )
     number, exercise = found.groups()
-    _refuse_what_is_taken(number, exercise)
+    _check_not_taken(number, exercise)
     folder = PROJECT / "solutions" / stage / name
     files = {
         folder / "lesson.py": "lesson.py.txt",
@@ -55,7 +58,9 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
     }
     for path in files:
         if path.exists():
-            raise NotNew(f"{path.relative_to(PROJECT)} is there already. Choose another number.")
+            raise UnusableName(
+                f"{path.relative_to(PROJECT)} already exists. Choose another number."
+            )
     words = {"NUMBER": number, "NAME": exercise, "TITLE": exercise.replace("_", " ").capitalize()}
     for path, template in files.items():
         text = (TEMPLATES / template).read_text("utf-8")
@@ -64,10 +69,12 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
     return list(files)
 
 
-def _refuse_what_is_taken(number: str, exercise: str) -> None:
+def _check_not_taken(number: str, exercise: str) -> None:
     for lesson in every_lesson():
         if lesson.number == number:
             free = 1 + max(int(other.number) for other in every_lesson())
-            raise NotNew(f"{lesson.name} has the number {number}. {free} is free.")
+            raise UnusableName(f"{lesson.name} already has the number {number}. {free} is free.")
         if f'"grade_id": "{exercise}"' in lesson.source.read_text("utf-8"):
-            raise NotNew(f"{lesson.name} has an exercise {exercise}. Choose another name.")
+            raise UnusableName(
+                f"{lesson.name} already has an exercise {exercise}. Choose another name."
+            )

@@ -1,4 +1,4 @@
-"""Try a lesson as its author: ``python -m grader try 14`` judges all that is kept with it."""
+"""Try a lesson as its author: ``python -m grader try 14`` judges its solution and kept answers."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ FEWEST_CHECKS = 3
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that was tried, or looked for.
+    """The result of one trial.
 
     Attributes
     ----------
     good : bool
     sentence : str
-        What was found, and what to do if it is not good. Lines after the first quote messages.
+        What was found and, if it is not good, what to do. Lines after the first quote messages.
     """
 
     good: bool
@@ -42,15 +42,14 @@ class Finding:
 
 
 def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    """Yield what is right, wrong or missing in a lesson that has been built.
+    """Yield findings on what is right, wrong or missing in a lesson that has been built.
 
-    The trial stops after a finding that would cause most of the others.
+    The trial stops after a finding that would cause most others.
 
     Parameters
     ----------
     lesson : grader.course.lessons.Lesson
     sandbox : grader.sandbox.Sandbox
-        What runs the answers.
     """
     try:
         yield from _missing_parts(lesson)
@@ -60,12 +59,12 @@ def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
         if lesson.machine_graded:
             yield from _judged_answers(lesson, sandbox)
         else:
-            yield Finding(True, "It has no exercise with points: there is nothing to judge.")
-    except (_Unusable, MalformedAnswers) as error:
+            yield Finding(True, "The lesson has no points, so there is nothing to judge.")
+    except (_LessonUnusable, MalformedAnswers) as error:
         yield Finding(False, str(error))
 
 
-class _Unusable(Exception):
+class _LessonUnusable(Exception):
     """A file of the lesson cannot be used; `str()` is the sentence to show."""
 
 
@@ -73,16 +72,18 @@ def _missing_parts(lesson: Lesson) -> Iterator[Finding]:
     for exercise in lesson.machine_graded:
         yield from _missing_from_exercise(exercise, lesson)
     if lesson.machine_graded and not lesson.tests.is_file():
-        raise _Unusable(f"There is no file {lesson.tests.relative_to(PROJECT)}. Write it.")
+        raise _LessonUnusable(f"There is no file {lesson.tests.relative_to(PROJECT)}. Write it.")
 
 
 def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
     for seed in SEEDS:
         verdict = judge(lesson.solved, seed, sandbox)
         if verdict.status == FAILED:
-            raise _Unusable(f"The lesson cannot be judged: {_place_and_reason(verdict, lesson)}")
+            raise _LessonUnusable(
+                f"The lesson cannot be judged: {_place_and_reason(verdict, lesson)}"
+            )
         if verdict.score < verdict.max_score:
-            raise _Unusable(
+            raise _LessonUnusable(
                 f"The solution earns {verdict.score:g} of {verdict.max_score:g} points with seed "
                 f"{seed}.{_failures(verdict)}"
             )
@@ -91,25 +92,27 @@ def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
 
 
 def _notebooks(lesson: Lesson) -> Iterator[Finding]:
-    """Run the solved and the untouched notebook, and bring the stored answers up to date."""
+    """Run the solved and the untouched notebook, and update the stored answers."""
     try:
         recorded = recorded_answers.record(lesson)
     except recorded_answers.UnstorableAnswers as reason:
-        raise _Unusable(str(reason)) from None
-    yield Finding(True, "The solved notebook runs to its end.")
+        raise _LessonUnusable(str(reason)) from None
+    yield Finding(True, "The solved notebook runs to the end.")
     path = recorded_answers.answers_path(lesson)
     stored = path.read_bytes() if path.is_file() else b"{}"
     if lesson.machine_graded and recorded_answers.changed_answers(stored, recorded):
         path.write_bytes(recorded)
         yield Finding(
-            True, f"Its answers, which stubs lend, were written to {path.relative_to(PROJECT)}."
+            True,
+            "Its answers, which students without an answer can use, were stored in "
+            f"{path.relative_to(PROJECT)}.",
         )
     try:
         notebook = nbformat.read(lesson.released, as_version=4)
         run_notebook(notebook, lesson.released.parent, checks_may_fail=True)
-        yield Finding(True, "The untouched notebook runs to its end.")
+        yield Finding(True, "The untouched notebook runs to the end.")
     except NotebookStopped as reason:
-        yield Finding(False, f"The untouched notebook does not run to its end: {reason}")
+        yield Finding(False, f"The untouched notebook does not run to the end: {reason}")
 
 
 def _judged_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
@@ -125,8 +128,9 @@ def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Findi
     if count < FEWEST_CHECKS:
         yield Finding(
             False,
-            f"{name} has {count} visible checks. Add an example for each property to "
-            f"utils/checks/lesson_{lesson.number}.py, until there are {FEWEST_CHECKS}.",
+            f"The number of visible checks for {name} is {count}. In "
+            f"utils/checks/lesson_{lesson.number}.py, add one for each property, until there are "
+            f"at least {FEWEST_CHECKS}.",
         )
     if lesson.tests.is_file() and f'"{name}"' not in lesson.tests.read_text("utf-8"):
         yield Finding(
@@ -143,7 +147,7 @@ def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Findi
 
 
 def _count_checks(exercise: str) -> int:
-    """Return the number of visible checks; raise `_Unusable` if their file cannot be imported."""
+    """Return the number of visible checks; raise an error if their file cannot be imported."""
     try:
         return len(checks_of(exercise))
     except LookupError:
@@ -154,7 +158,7 @@ def _count_checks(exercise: str) -> int:
         if isinstance(error, SyntaxError):
             places.append((error.filename, error.lineno))
         where = "".join(f"{_short(path)}, line {line}: " for path, line in places[-1:])
-        raise _Unusable(f"{where}{type(error).__name__}: {error}") from None
+        raise _LessonUnusable(f"{where}{type(error).__name__}: {error}") from None
 
 
 def _is_of_a_lesson(frame: traceback.FrameSummary) -> bool:
@@ -192,18 +196,18 @@ def _kept(exercise: str, lesson: Lesson) -> tuple[KeptAnswer, ...]:
 
 
 def broken_claims(answer: KeptAnswer, verdict: Verdict) -> list[str]:
-    """Compare what a kept answer says about itself with a verdict on it.
+    """Compare the notes of a kept answer with a verdict on it.
 
     Parameters
     ----------
     answer : grader.course.kept_answers.KeptAnswer
     verdict : grader.judging.verdict.Verdict
-        On a notebook with this answer to its exercise.
+        The verdict on a notebook with this answer.
 
     Returns
     -------
     list of str
-        A sentence for each claim that does not hold.
+        A sentence for each note that is not true.
     """
     (result,) = (exercise for exercise in verdict.exercises if exercise.name == answer.exercise)
     failed = {test.name: test.message for test in result.tests if not test.passed}
@@ -223,9 +227,9 @@ def _broken_losses(
     if unknown := claimed - _with_short_names(names):
         yield f"There is no check {_names(sorted(unknown))}. The checks are: {_names(names)}."
     elif passed or (answer.loses_only and others):
-        yield f"It loses {_names(failed)}; its note says {_names(answer.loses)}."
+        yield f"It loses {_names(failed)}, but its note says {_names(answer.loses)}."
     if result.score == result.max_score:
-        yield "It earns everything, although it is wrong."
+        yield "It earns all points, although it is wrong."
 
 
 def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
@@ -237,11 +241,11 @@ def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
     ]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
-        yield f"It should be shown {wanted}; it is shown {shown or 'none'}."
+        yield f"The student should see {wanted}, but sees {shown or 'none'}."
 
 
 def _with_short_names(tests: Iterable[str]) -> set[str]:
-    """Return the names of tests, and those of parametrized tests without the id as well."""
+    """Return the names of tests, and for parametrized tests also the name without the ID."""
     return {form for name in tests for form in (name, name.partition("[")[0])}
 
 
@@ -255,14 +259,14 @@ def _quoted(result: ExerciseResult) -> str:
 
 
 def _failures(verdict: Verdict) -> str:
-    """Return, in lines of their own, the problems of a verdict, or the first failures.
+    """Return the problems in a verdict, or the first failure of each exercise, on separate lines.
 
-    The first failed check of an exercise comes with its message; the others often follow from it.
+    Only the first failed check of an exercise is quoted, because it often causes the others.
     """
     lines = [*verdict.problems]
     for exercise in verdict.exercises:
         failed = [test for test in exercise.tests if not test.passed]
         if failed and not verdict.problems:
             lines.append(f"{exercise.name}, “{failed[0].title}”: {failed[0].message}")
-            lines += [f"It fails {len(failed) - 1} more checks."] * (len(failed) > 1)
+            lines += [f"More failed checks: {len(failed) - 1}."] * (len(failed) > 1)
     return "".join(f"\n{line}" for line in lines)

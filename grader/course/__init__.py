@@ -1,1 +1,1 @@
-"""What the course consists of, and how its notebooks are built."""
+"""The parts of the course, and the build of its notebooks."""

@@ -1,15 +1,15 @@
-"""Zip files with the same bytes for the same content, so that two of them can be compared."""
+"""Reproducible zip files: the same content always gives the same bytes."""
 
 import io
 import stat
 import zipfile
 from collections.abc import Collection, Mapping
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time in a zip
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time that a zip can store
 
 
 def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
-    """Return the bytes of a zip with these files.
+    """Return the bytes of a zip file.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> byte
     Returns
     -------
     bytes
-        The same on every machine: sorted names, one time for all files, and fixed modes.
+        The same bytes on every machine. Names are sorted, and times and modes are fixed.
     """
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:

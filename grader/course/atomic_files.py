@@ -1,4 +1,4 @@
-"""Write files atomically: a reader, or a power cut, finds a complete file or none."""
+"""Write files atomically: readers find a complete file or none, even after a power cut."""
 
 import os
 import tempfile
@@ -10,9 +10,9 @@ os.umask(_UMASK)
 
 
 def write_atomically(content: str | bytes, path: Path) -> None:
-    """Write a file and its folders so that a reader finds a complete file or none.
+    """Write a file atomically, and create its folder if necessary.
 
-    Other graders may read the file.
+    The file's mode follows the umask, so that other graders may read the file.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, draft = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")

@@ -1,8 +1,8 @@
 """Build the two notebooks of a lesson from its source.
 
 jupytext turns ``solutions/<stage>/<NN_name>/lesson.py`` into the instructor's notebook, next to
-that folder. nbgrader's own GenerateAssignment turns this into the student's notebook in
-``notebooks/``. The same source gives the same bytes each time.
+that folder. nbgrader's GenerateAssignment turns this into the student's notebook in ``notebooks/``.
+The same source always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -26,17 +26,18 @@ from grader.course.settings import course_settings
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-# Cells that are the same in every lesson; a lesson marks their place with a tag. Some files have
-# two versions with a line `---` between them: the first is for a course with a public address.
+# Cells that are the same in every lesson. A tag marks their place. Some files have two versions,
+# separated by a line `---`: the first version is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
 CELL_KEYS = PROJECT / "utils" / "lent" / "cells.json"
-# A stripped line this short, or of this kind, does not reveal a solution.
+# Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS`.
 LEAK_LENGTH = 12
-# Metadata that folds code in JupyterLab, as a form in Colab, and in Kaggle.
+# Metadata that fold code in JupyterLab, Colab and Kaggle.
 HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
-# Address and revision become part of links and of a command, so unusual characters are refused.
+# The address and the revision become part of links and of a command, so unusual characters are
+# refused.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
 # An exercise whose points a lesson mentions, such as `` `insert` (points)``.
@@ -46,7 +47,7 @@ HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b
 
 
 class RegistryFault(Exception):
-    """A lesson is ignored, or two collide; the message has a sentence for each."""
+    """A lesson is ignored, or two lessons collide. The message has a sentence for each fault."""
 
 
 def build() -> list[tuple[str, Path]]:
@@ -55,12 +56,12 @@ def build() -> list[tuple[str, Path]]:
     Returns
     -------
     list of (str, pathlib.Path)
-        Each change: "wrote" or "removed", and the file.
+        The changes: "wrote" or "removed", and the file.
 
     Raises
     ------
     RegistryFault
-        If a lesson is in a folder that is ignored, or two lessons share a number or an exercise.
+        If the folder of a lesson is ignored, or if two lessons share a number or an exercise.
     """
     if faults := registry_faults():
         raise RegistryFault("\n".join(faults))
@@ -82,7 +83,7 @@ def check() -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each fault; empty if there is none.
+        A sentence for each fault; empty if there are none.
     """
     if faults := registry_faults():
         return faults
@@ -110,7 +111,7 @@ def check() -> list[str]:
 
 
 def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
-    """Return the bytes of every generated file by path; `origin` defaults to pyproject.toml's."""
+    """Return the bytes of every generated file by path. `origin` defaults to `read_origin()`."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released_notebooks(solved)
@@ -118,7 +119,7 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
 
 
 def _forbidden_modules() -> bytes:
-    """Return what the header of each graded lesson forbids, because `check` cannot read headers."""
+    """Return the forbidden modules of each graded lesson, because `check` cannot read headers."""
     rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (json.dumps(rules, indent=1) + "\n").encode()
 
@@ -193,7 +194,7 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
 
 
 def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
-    """Return the lines of a solution that would reveal it; the parameters are those of `leaks`."""
+    """Return the lines of a solution that would reveal it; see `leaks` for the parameters."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
@@ -216,19 +217,19 @@ def lines_of(notebook: bytes) -> set[str]:
 
 @dataclass(frozen=True)
 class Origin:
-    """The public address of the course, and the version that the notebooks belong to.
+    """The public address of the course, and the revision that the notebooks belong to.
 
     Attributes
     ----------
     repository : str
-        Address such as ``https://github.com/OWNER/NAME``; empty while there is none.
+        Address such as ``https://github.com/OWNER/NAME``; empty if there is none.
     revision : str
         Branch, tag or commit.
 
     Raises
     ------
     ValueError
-        If one of them has another form.
+        If one of them has an invalid form.
     """
 
     repository: str
@@ -262,7 +263,7 @@ def read_origin() -> Origin:
 
 
 def _released_notebooks(solved: dict[Path, bytes]) -> dict[Path, bytes]:
-    """Return the student notebooks, which nbgrader makes in a temporary folder."""
+    """Return the student notebooks, which nbgrader generates in a temporary folder."""
     from nbgrader.converters import GenerateAssignment
 
     from grader.course.nbgrader_settings import make_converter
@@ -296,7 +297,7 @@ def _stray_notebooks() -> list[Path]:
 
 
 def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
-    """Return the text of a cell that every lesson has.
+    """Return the text of a cell that every lesson contains.
 
     Parameters
     ----------
@@ -332,7 +333,7 @@ def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
 
 
 def _insert_points(notebook: NotebookNode) -> None:
-    """Replace each mark by the points of its exercise, which nbgrader's metadata contain."""
+    """Replace each mark by the points of its exercise, which are in nbgrader's metadata."""
     grading = [cell.metadata.get("nbgrader", {}) for cell in notebook.cells]
     points = {
         cell["grade_id"].removeprefix("test_"): f"{cell['points']:g}"
@@ -357,8 +358,8 @@ def _fold_tagged_cell(cell: NotebookNode) -> None:
 
 
 def _allow_errors_after_answers(notebook: NotebookNode) -> None:
-    """Let Run All go on after an answer that raises, so that the check can explain it."""
-    cells_since_answer = None  # the cells since the last answer
+    """Let Run All continue after an answer that raises, so that the check can explain the error."""
+    cells_since_answer = None
     for cell in notebook.cells:
         if cell.cell_type != "code":
             continue
@@ -374,17 +375,17 @@ def _allow_errors_after_answers(notebook: NotebookNode) -> None:
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
-    """Embed pictures in the notebook, so that it needs no other file."""
+    """Embed pictures in the notebook, so that it does not need any other file."""
     for name in dict.fromkeys(re.findall(r"\]\(([\w.-]+\.png)\)", cell.source)):
         if not (folder / name).exists():
-            continue  # a new lesson, whose picture can only be drawn after it is built
+            continue  # the picture of a new lesson can be drawn only after the first build
         data = base64.b64encode((folder / name).read_bytes()).decode()
         cell.setdefault("attachments", {})[name] = {"image/png": data}
         cell.source = cell.source.replace(f"({name})", f"(attachment:{name})")
 
 
 def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
-    """Return an id that depends only on the cell: its nbgrader id, or a digest of its text."""
+    """Return an ID that depends only on the cell: its nbgrader ID, or a digest of its text."""
     grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
     name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
     seen[name] = seen.get(name, 0) + 1

@@ -2,7 +2,7 @@
 
 ::
 
-    timezone = "Europe/Berlin"              # default: this machine's
+    timezone = "Europe/Berlin"              # default: the time zone of this machine
     [stage1_ransac]
     due = 2026-10-12T23:59:00
     [stage1_ransac.sections]                # as the roster names them
@@ -30,22 +30,24 @@ EXCUSED = "excused"
 
 
 class DeadlinesError(Exception):
-    """The dates cannot be read; `str()` is the sentence to show, with file, place and remedy."""
+    """The dates cannot be read; `str()` says where the error is and how to fix it."""
 
 
 @dataclass(frozen=True)
 class StageDates:
-    """When one stage is due.
+    """The due dates of one stage.
+
+    All dates are in UTC, because Python ignores clock changes when it subtracts two times in the
+    same zone.
 
     Attributes
     ----------
     due : datetime or None
-        Due date of everyone who is not named below. All dates are in UTC, because Python ignores
-        clock changes when it subtracts two times of one zone.
+        Due date of students who are not in `sections` or `students`.
     sections : dict of str to datetime
     students : dict of str to datetime
     excused : frozenset of str
-        Students who need not submit.
+        Students who do not have to submit.
     """
 
     due: datetime | None = None
@@ -62,9 +64,9 @@ class Deadlines:
     ----------
     stages : dict of str to StageDates
     roster : grader.course.roster.Roster or None
-        Gives the section of each student.
+        The roster, which contains the section of each student.
     zone : tzinfo or None
-        Zone of times that do not state one; None for this machine's.
+        Zone of times that do not state one; None for the zone of this machine.
     """
 
     stages: dict[str, StageDates]
@@ -72,13 +74,13 @@ class Deadlines:
     zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
-        """Return when a stage is due for a student, in UTC, or None without a date."""
+        """Return when a stage is due for a student, in UTC, or None if there is no date."""
         dates = self.stages.get(stage, StageDates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
 
     def to_local_time(self, time: datetime) -> datetime:
-        """Return a time in the zone of the course."""
+        """Convert a time to the time zone of the course."""
         return time.astimezone(self.zone)
 
     def is_excused(self, id: str, stage: str) -> bool:
@@ -86,7 +88,7 @@ class Deadlines:
         return id in self.stages.get(stage, StageDates()).excused
 
     def extensions(self, stage: str) -> dict[str, datetime]:
-        """Return the students with a later date than their section or the stage, with the date."""
+        """Return the later due dates of students with an extension, by student."""
         dates = self.stages.get(stage, StageDates())
         return {
             id: due
@@ -100,7 +102,7 @@ class Deadlines:
 
 
 def deadlines_path(course: Course) -> Path:
-    """Return the path of the file of dates, which may not exist."""
+    """Return the path of ``deadlines.toml``, which may not exist."""
     return course.root / "deadlines.toml"
 
 
@@ -116,20 +118,20 @@ def read_deadlines(course: Course) -> Deadlines | None:
     ------
     DeadlinesError
     grader.course.roster.RosterError
-        If the roster, which gives the sections, cannot be read.
+        If the roster cannot be read.
     """
     path = deadlines_path(course)
     if not path.is_file():
         return None
     try:
-        # Normalized like the names of the roster: an ö has two forms in Unicode.
+        # Normalized like the names on the roster, because Unicode has two forms of letters like ö.
         table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
         raise DeadlinesError(f"{path.name} is not in UTF-8. Save it as UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise DeadlinesError(
-            f"{path.name}: {error}. A name with other than plain letters, digits, - and _ stands "
-            f'between quotation marks, such as "mary jane"; dates stand without.'
+            f"{path.name}: {error}. Put names that contain anything except plain letters, digits, "
+            f'- and _ in quotation marks, such as "mary jane". Write dates without quotation marks.'
         ) from error
     zone = _zone(path.name, table.pop("timezone", None))
     _check_keys(path.name, table, lessons.stages(), "stage")
@@ -149,22 +151,24 @@ def _zone(file: str, name: object) -> tzinfo | None:
         return zoneinfo.ZoneInfo(name)
     except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
         raise DeadlinesError(
-            f'{file}: this machine knows no timezone {name!r}. Write one such as "Europe/Berlin", '
-            f'or "UTC"; without the line it is this machine\'s.'
+            f"{file}: this machine does not know the timezone {name!r}. Write one such as "
+            f'"Europe/Berlin" or "UTC". Without this line, the timezone of this machine is used.'
         ) from error
 
 
 def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
-    """Return the dates of a stage; `location` is the beginning of its heading."""
+    """Return the dates of a stage. `location` is the beginning of its heading."""
     if not isinstance(table, dict):
-        raise DeadlinesError(f"{location}]: write this heading, and below it due = {_EXAMPLE}.")
+        raise DeadlinesError(
+            f"{location}]: make this a heading, and write due = {_EXAMPLE} below it."
+        )
     _check_keys(f"{location}]", table, ("due", "sections", "students"), "entry")
     groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
     for kind, group in groups.items():
         if not isinstance(group, dict):
             raise DeadlinesError(
-                f"{location}]: {kind} is a heading of its own, "
-                f"{location.partition(', ')[2]}.{kind}], with a line for each below it."
+                f"{location}]: make {kind} a separate heading, "
+                f"{location.partition(', ')[2]}.{kind}], with one line for each below it."
             )
     excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
     due = table.get("due")
@@ -183,7 +187,7 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
     )
     if read.due is None and (read.sections or read.students):
         raise DeadlinesError(
-            f"{location}]: it has dates for some, and none for the others. Add a line "
+            f"{location}]: some students have a date, but the others have none. Add a line "
             f"due = {_EXAMPLE} below this heading."
         )
     return read
@@ -193,7 +197,7 @@ _EXAMPLE = "2026-10-12T23:59:00"
 
 
 def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
-    """Return a date of the file, in UTC."""
+    """Return a date from the file, in UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesError(
@@ -220,8 +224,8 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
     """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
-            f"{location}.sections]: no roster.csv says who is in which section. Write one, with "
-            f"the columns id and section, or give dates to students."
+            f"{location}.sections]: the sections are not known, because there is no roster.csv. "
+            f"Write one with the columns id and section, or set dates for single students."
         )
     if roster is None:
         return
@@ -229,8 +233,8 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
     for name in dates.sections:
         if name not in sections:
             raise DeadlinesError(
-                f"{location}.sections], {name}: nobody on the roster is in a section of this name. "
-                f"There is: {', '.join(sorted(sections - {''})) or 'none'}."
+                f"{location}.sections], {name}: no student on the roster is in this section. "
+                f"The sections are: {', '.join(sorted(sections - {''})) or 'none'}."
             )
     for id in (*dates.students, *dates.excused):
         if roster.person(id) is None:

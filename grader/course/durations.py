@@ -1,9 +1,10 @@
 """Estimate how long each section of a lesson takes, from its words, code and exercises.
 
-The rates were fitted to the minutes of readers who wrote every answer of all twelve lessons from
-the stubs: reading slowly, at midnight, with a look at each picture. The mean error is eight
-minutes per lesson. Lesson 07, which needs little thought, is estimated 15 minutes too long, and
-lesson 10, which needs much, 26 minutes too short. Optional sections are not counted.
+The rates were fitted to the times of readers who worked through all twelve lessons: they read
+slowly, late at night, looked at each picture and wrote every answer. The mean error is eight
+minutes per lesson. For lesson 07, which needs little thought, the estimate is 15 minutes too long.
+For lesson 10, which needs a lot of thought, it is 26 minutes too short. Optional sections are not
+counted.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 TIME_MARK = "(time)"
 WORDS_A_MINUTE = 100
 LINES_A_MINUTE = 8  # of code that students read
-MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that students write
+MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # for code that students write
 MINUTES_A_NOTEBOOK = 0.5  # to find the functions of an earlier notebook and paste them
 MINUTES_A_REPORT = 15  # to write an answer that a person grades
-MOST_MINUTES_WITHOUT_STOP = 90  # minutes
-# Folded hints, descriptions of pictures and addresses of links are not read.
+MOST_MINUTES_WITHOUT_STOP = 90
+# Text that is not counted: folded hints, descriptions of pictures, and addresses of links.
 UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP_MARK = "**A good place to stop.**"
 OPTIONAL = "If you want more"
@@ -37,7 +38,7 @@ def section_minutes(notebook: NotebookNode) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        Text before the first heading belongs to "Before you start".
+        Text before the first heading counts as "Before you start".
     """
     minutes, title = {}, "Before you start"
     for cell in notebook.cells:
@@ -68,7 +69,7 @@ def _minutes_of_code(cell: NotebookNode) -> float:
 
 
 def insert_durations(notebook: NotebookNode) -> None:
-    """Insert the minutes of a lesson at their mark, with a list of its sections to unfold.
+    """Insert the minutes of a lesson at their mark, with a folded table of its sections.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def insert_durations(notebook: NotebookNode) -> None:
 
 
 def stated_minutes(notebook: NotebookNode) -> int:
-    """Return the minutes that a built notebook states at its mark."""
+    """Return the minutes that a built notebook states."""
     text = "".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     return int(_STATED.search(text)[1])
 
@@ -98,7 +99,7 @@ def _table(notebook: NotebookNode) -> str:
 
 
 def total_minutes(notebook: NotebookNode) -> int:
-    """Return the minutes of a lesson without optional sections, to five minutes."""
+    """Return the minutes of a lesson without optional sections, rounded to five minutes."""
     return 5 * round(_required_minutes(section_minutes(notebook)) / 5)
 
 
@@ -107,7 +108,7 @@ def _required_minutes(minutes: dict[str, float]) -> float:
 
 
 def sitting_minutes(notebook: NotebookNode) -> list[float]:
-    """Return the minutes between the marked places to stop of a solved notebook."""
+    """Return the minutes between the places in a solved notebook that are good to stop at."""
     from nbformat.v4 import new_notebook
 
     parts: list[list] = [[]]

@@ -1,4 +1,4 @@
-"""Functions that a lesson uses from earlier ones, copied from their sources at build.
+"""Functions that a lesson uses from earlier lessons, copied from their sources during the build.
 
 Students paste functions that they wrote before into a cell tagged `earlier`. In the source of the
 lesson, the cell names these functions between the marks of a solution:
@@ -7,8 +7,9 @@ lesson, the cell names these functions between the marks of a solution:
     # from 06_filter_ground: filter_ground, voxel_grid
     ### END SOLUTION
 
-The instructor's notebook contains the functions instead, with everything that they use of their
-own notebook; the student's notebook contains neither. Each algorithm is thus written only once.
+In the instructor's notebook, the functions replace these references, together with the code that
+they need from their lesson. The student's notebook contains neither. In this way, each algorithm
+is written only once.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def with_functions(text: str) -> str:
     Raises
     ------
     ValueError
-        If there is no such lesson, or the lesson does not define such a function.
+        If the lesson does not exist or does not define the function.
     """
     parts: dict[str, list[str]] = {
         found[0]: statements_of(found[1], found[2].split(", "))
@@ -67,13 +68,13 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     Parameters
     ----------
     lesson : str
-        Such as ``06_filter_ground``.
+        Name of a lesson, such as ``06_filter_ground``.
     names : list of str
 
     Returns
     -------
     list of str
-        One for each statement, in the order of the lesson.
+        One text for each statement, in the order of the lesson.
     """
     path = next((PROJECT / "solutions").glob(f"*/{lesson}/lesson.py"), None)
     if path is None:
@@ -86,7 +87,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 
 @functools.lru_cache(maxsize=256)
 def _texts_of(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
-    """Return the texts of `statements_of`; cached, as several lessons need the same functions."""
+    """Do the cached part of `statements_of`, because several lessons need the same functions."""
     return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
 
 

@@ -1,4 +1,4 @@
-"""What a course adds to the grader in ``extension/registry.py``, if it has that file."""
+"""Additions of a course to the grader, from the optional file ``extension/registry.py``."""
 
 import importlib
 from collections.abc import Collection
@@ -13,9 +13,9 @@ def course_constant(name: str) -> Collection:
     ----------
     name : str
         ``COMMANDS``: functions that add a command to ``python -m grader``. ``REPORT_LINKS``:
-        functions that return (address, link text) of pages for the report on a `Course`.
-        ``OPTIONAL_PACKAGES``: (folder, text) of each package that a standalone notebook has only
-        if its code contains the text.
+        functions that return pairs (address, link text) of pages for the report on a `Course`.
+        ``OPTIONAL_PACKAGES``: pairs (folder, text). A standalone notebook contains the package in
+        the folder only if its code contains the text.
     """
     if not (PROJECT / "extension" / "registry.py").exists():
         return ()

@@ -1,6 +1,6 @@
 """The header of a lesson's source, which contains the settings of the lesson.
 
-It is YAML in comments, where jupytext keeps the metadata of a notebook:
+It is YAML in comments, in which jupytext stores the metadata of a notebook:
 
     # ---
     # jupyter:
@@ -26,13 +26,13 @@ class LessonHeader:
     Attributes
     ----------
     forbidden : tuple of str
-        Modules that students may not use, because they do the exercise.
+        Modules that students may not use, because they would solve the exercise.
     given : tuple of str
         Functions and classes that the lesson defines and that answers rely on. The judge takes
         them from the lesson, even if a notebook changes them.
     lent : tuple of str
-        Functions of the lesson that call an exercise so often that their result is stored instead
-        of each answer; see `utils.lent`.
+        Functions of the lesson that call an exercise very often. Their results are stored instead
+        of the exercise's answers; see `utils.lent`.
     """
 
     forbidden: tuple[str, ...] = ()
@@ -51,13 +51,13 @@ def read_header(source: Path) -> LessonHeader:
     Raises
     ------
     ValueError
-        If there is no header, or it contains an unknown setting or one that is not a list.
+        If there is no header, or if it contains an unknown setting or one that is not a list.
     """
     found = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
     if not found:
         raise ValueError(
-            f"{source.parent.name}/{source.name} has no header: it begins with a line `# ---`; see "
-            "docs/authors.md."
+            f"{source.parent.name}/{source.name} has no header. A header begins with a line "
+            "`# ---`; see docs/authors.md."
         )
     content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
     settings = content["jupyter"].get("lidar_obstacle_lab", {})
@@ -65,7 +65,7 @@ def read_header(source: Path) -> LessonHeader:
     for name, value in settings.items():
         if name not in known or not isinstance(value, list):
             raise ValueError(
-                f"{source.parent.name}/{source.name}: the header says `{name}: {value}`. Below "
-                f"lidar_obstacle_lab there are lists of names: {' and '.join(known)}."
+                f"{source.parent.name}/{source.name}: the header contains `{name}: {value}`. The "
+                f"settings below lidar_obstacle_lab are lists of names: {', '.join(known)}."
             )
     return LessonHeader(**{name: tuple(value) for name, value in settings.items()})

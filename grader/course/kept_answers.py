@@ -1,15 +1,19 @@
-"""Kept answers: right ones in many styles, wrong ones from real mistakes.
+"""Kept answers: right answers in many styles, and wrong answers with real mistakes.
 
-They are in ``answers/<exercise>.txt`` of their lesson, one after another, each under a line such as
-``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer that does
-what the lesson's hints say is called so: ``the hints followed to the letter``. Notes follow a
-wrong answer's title: ``# loses:`` names the checks that it fails, among others (``# loses only:``
-these and no others), ``# says:`` words of the message of one of them, and ``# told:`` words of the
-mistake that the student is shown; without that line no mistake may be shown.
+They are in ``answers/<exercise>.txt`` in the folder of their lesson. Each begins with a line such
+as ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer that
+does exactly what the lesson's hints say is called ``the hints followed to the letter``.
 
-A long answer may be an edit of another one of its file: ``# like:`` and the other's title, then
-what changes. Lines that begin with ``-`` are replaced by the lines with ``+`` below them. Lines
-with ``=`` stay, and say where the others are. The other answer holds such lines once.
+Notes follow the title of a wrong answer:
+
+- ``# loses:`` names checks that it fails. With ``# loses only:`` it fails no others.
+- ``# says:`` quotes the message of one of these checks.
+- ``# told:`` quotes the mistake that the student sees. Without this note, no mistake may be shown.
+
+A long answer may be an edit of another answer in the same file. The note ``# like:`` gives the
+title of that answer, and the changes follow. Lines that begin with ``-`` are replaced by the lines
+with ``+`` below them. Lines with ``=`` stay unchanged, and mark the place of the edit. The other
+answer must contain these lines exactly once.
 
 The tests grade all kept answers, and the sample class of the demo submits them.
 """
@@ -47,12 +51,12 @@ class KeptAnswer:
 
     @property
     def follows_hints(self) -> bool:
-        """Whether it is what the lesson's own hints lead to."""
+        """Whether the answer does exactly what the lesson's hints say."""
         return self.right and "the hints" in self.name
 
 
 def answers_to(exercise: str) -> tuple[KeptAnswer, ...]:
-    """The answers to an exercise, or to a step that nothing grades, in the order of their file."""
+    """Return the answers to an exercise or to an ungraded step, in the order of their file."""
     (path,) = (PROJECT / "solutions").glob(f"*/*/answers/{exercise}.txt")
     text = path.read_text("utf-8")
     for number, line in enumerate(text.splitlines(keepends=True), start=1):
@@ -76,7 +80,7 @@ def _kept_answer(
     if unknown := notes.keys() - {*NOTES}:
         raise MalformedAnswers(
             f"{exercise}, {name}: there is no note {', '.join(unknown)}. The notes are: "
-            f"{', '.join(NOTES)}. If it is a comment of the student, leave a line free above it."
+            f"{', '.join(NOTES)}. If it is a comment of the student, leave an empty line above it."
         )
     if like := notes.get("like"):
         if like not in bodies:
@@ -104,7 +108,7 @@ def _notes_and_source(body: str) -> tuple[dict[str, str], str]:
 
 
 def edited(source: str, edits: str, name: str) -> str:
-    """Apply the edits of a kept answer to the source of another.
+    """Apply the edits of a kept answer to the source of another answer.
 
     Parameters
     ----------
@@ -112,7 +116,7 @@ def edited(source: str, edits: str, name: str) -> str:
     edits : str
         Lines that begin with ``=``, ``-`` or ``+``; see above.
     name : str
-        What a sentence calls the answer.
+        Name of the edited answer in error messages.
 
     Raises
     ------
@@ -124,8 +128,9 @@ def edited(source: str, edits: str, name: str) -> str:
         places = [at for at in range(len(lines)) if lines[at : at + len(before)] == before]
         if len(places) != 1:
             raise MalformedAnswers(
-                f"{name}: the answer that it is like has {before[0]!r} and the lines below "
-                f"{len(places)} times. Add the line above, with = before it, so that it is once."
+                f"{name}: the answer to edit contains {before[0]!r} with the lines below it "
+                f"{len(places)} times. To identify one place, add the line above it, with = before "
+                "it."
             )
         changes.append((places[0], len(before), after))
     for at, count, after in reversed(changes):
@@ -134,7 +139,7 @@ def edited(source: str, edits: str, name: str) -> str:
 
 
 def _hunks(edits: str) -> Iterator[tuple[list[str], list[str]]]:
-    """Yield the lines that each edit finds, and those that it leaves there."""
+    """Yield the lines that each edit replaces, and the new lines."""
     before, after, is_complete = [], [], False
     for line in [*edits.split("\n"), ""]:
         mark, text = line[:1], line[2:]
@@ -147,13 +152,13 @@ def _hunks(edits: str) -> Iterator[tuple[list[str], list[str]]]:
 
 
 def fill_in(lesson: Lesson, answers: dict[str, str]) -> str:
-    """The student's notebook with answers typed in.
+    """Return the student's notebook with the given answers in it.
 
     Parameters
     ----------
     lesson : grader.course.lessons.Lesson
     answers : dict of str to str
-        Source by exercise; `ANOTHER_CELL` parts it into cells.
+        Source by exercise. `ANOTHER_CELL` separates cells.
 
     Returns
     -------

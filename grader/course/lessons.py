@@ -1,7 +1,7 @@
 """The registry of stages, lessons, exercises and points, read from the lessons themselves.
 
-A lesson registers itself by the name of its folder, by the header of its source, and by the
-nbgrader metadata of its cells. Nothing about a lesson is written down twice.
+A lesson registers itself by the name of its folder, the header of its source, and the nbgrader
+metadata of its cells. There is no other list of lessons.
 """
 
 import ast
@@ -33,7 +33,7 @@ class Exercise:
     cell : str
         nbgrader's ``grade_id`` of the cell with the points.
     by_hand : bool
-        True if a person grades it.
+        Whether a person grades it.
     """
 
     name: str
@@ -56,12 +56,12 @@ class Lesson:
 
     @property
     def folder(self) -> Path:
-        """The folder of everything that students must not see, except the solved notebook."""
+        """The lesson's folder in ``solutions/``, which students must not see."""
         return PROJECT / "solutions" / self.stage / self.name
 
     @property
     def source(self) -> Path:
-        """The file in which the lesson is written."""
+        """The source of the lesson."""
         return self.folder / "lesson.py"
 
     @property
@@ -99,25 +99,25 @@ class Lesson:
 
         Exercises are left out, because their code is the student's.
         """
-        mine = {exercise.name for exercise in self.machine_graded}
+        own = {exercise.name for exercise in self.machine_graded}
         cells = json.loads(self.released.read_text("utf-8"))["cells"]
         code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         statements, _ = slicing.parse_notebook(code)
         needed = [
             statement
             for statement in slicing.slice_for(names, statements)
-            if not statement.binds & mine
+            if not statement.binds & own
         ]
         return "\n".join(ast.unparse(statement.node) for statement in needed)
 
     @property
     def machine_graded(self) -> tuple[Exercise, ...]:
-        """The exercises that tests grade; a person grades the others."""
+        """The exercises that the judge grades. A person grades the others."""
         return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
 
     @functools.cached_property
     def steps(self) -> tuple[str, ...]:
-        """Functions that a student writes on the way to an exercise, without points."""
+        """Functions without points that a student writes in preparation for an exercise."""
         graded = {exercise.name for exercise in self.exercises}
         found = []
         for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
@@ -141,7 +141,7 @@ class Lesson:
 
 @functools.cache
 def all_lessons() -> tuple[Lesson, ...]:
-    """Return every lesson of the stages, in the order of the course."""
+    """Return all lessons in the stages, in the order of the course."""
     return _lessons_in("stage*")
 
 
@@ -157,7 +157,7 @@ def _lessons_in(stage: str) -> tuple[Lesson, ...]:
 
 
 def every_lesson() -> tuple[Lesson, ...]:
-    """Return the lessons of the course, followed by the optional ones."""
+    """Return all lessons of the course, followed by the optional lessons."""
     return all_lessons() + optional_lessons()
 
 
@@ -167,7 +167,7 @@ def registry_faults() -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each, with what to do.
+        A sentence about each fault, and how to fix it.
     """
     lessons, faults = every_lesson(), []
     known = {lesson.source for lesson in lessons}
@@ -175,7 +175,8 @@ def registry_faults() -> list[str]:
         if source.name == "lesson.py" and source not in known:
             faults.append(
                 f"{source.relative_to(PROJECT)} is ignored. Move it to "
-                f"solutions/STAGE/NN_NAME/lesson.py; STAGE begins with stage, or is {OPTIONAL}."
+                "solutions/STAGE/NN_NAME/lesson.py. STAGE must begin with stage, or be "
+                f"{OPTIONAL}."
             )
         elif re.fullmatch(r"\d\d_\w+", source.stem) and source.parent != PROJECT / "solutions":
             faults.append(
@@ -187,14 +188,14 @@ def registry_faults() -> list[str]:
     for lesson in lessons:
         if (other := by_number.setdefault(lesson.number, lesson)) != lesson:
             faults.append(
-                f"{other.name} and {lesson.name} have the same number. Renumber one of them: its "
-                f"checks are in utils/checks/lesson_{lesson.number}."
+                f"{other.name} and {lesson.name} have the same number. Renumber one of them and "
+                f"its checks in utils/checks/lesson_{lesson.number}."
             )
         for exercise in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
             if (other := by_exercise.setdefault(exercise, lesson)) != lesson:
                 faults.append(
-                    f"{other.name} and {lesson.name} both have an exercise {exercise}. Give one "
-                    "of the two another name."
+                    f"{other.name} and {lesson.name} both have an exercise {exercise}. Rename one "
+                    "of the two."
                 )
     return faults
 
@@ -205,9 +206,10 @@ def stages() -> tuple[str, ...]:
 
 
 def find_lesson(text: str) -> Lesson | None:
-    """Return the lesson whose name occurs in a text, such as a file name, or None.
+    """Return the lesson whose name is part of a text, or None.
 
-    Browsers and editors rename files ("Copy of 06_filter_ground (1).ipynb").
+    The text may be a file name that a browser or editor has changed, such as "Copy of
+    06_filter_ground (1).ipynb".
     """
     for lesson in all_lessons():
         if re.search(rf"(?<![0-9]){re.escape(lesson.name)}(?![a-z_])", text):
@@ -221,7 +223,7 @@ def lesson_of(exercise: str) -> Lesson:
     Raises
     ------
     LookupError
-        If no lesson contains it.
+        If no lesson contains the exercise.
     """
     for lesson in all_lessons():
         if exercise in (one.name for one in lesson.exercises):
@@ -237,7 +239,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     ----------
     lesson_name : str
     *others : str
-        Further functions of the lesson, without points.
+        Further functions of the lesson that are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])

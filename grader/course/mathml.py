@@ -1,7 +1,7 @@
-"""Turn Markdown into HTML with formulas as MathML, which browsers show without a network.
+"""Convert Markdown to HTML with formulas as MathML, which browsers show without a network.
 
-nbconvert leaves formulas to MathJax, which a page would have to fetch. Here latex2mathml converts
-them.
+By default, nbconvert relies on MathJax, which a page would have to fetch. This module uses
+latex2mathml instead.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-LONGEST_FORMULA = 2_000  # characters; a longer text is not converted
+LONGEST_FORMULA = 2_000  # characters; longer formulas are not converted
 _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
 """
-# None of these can contain an address, a style or a script.
+# The value of such an attribute cannot be an address, a style or a script.
 _ATTRIBUTES = """
 display accent align columnalign columnlines rowlines columnspacing rowspacing depth displaystyle
 fence form frame height largeop linethickness lspace mathvariant maxsize minsize movablelimits
@@ -29,11 +29,11 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 """
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
-# Commands that latex2mathml does not know under the names of MathJax and the lessons.
+# Environments that latex2mathml knows only under another name than MathJax.
 ENVIRONMENT_ALIASES = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""
-"""For a page with formulas: what the standard leaves to style sheets."""
+"""Style sheet for a page with formulas."""
 
 
 def markdown_page(markdown: str, attachments: dict | None = None) -> str:
@@ -42,9 +42,10 @@ def markdown_page(markdown: str, attachments: dict | None = None) -> str:
     Parameters
     ----------
     markdown : str
-        May contain HTML, which is kept. Untrusted text must pass `grader.lms.sanitizer` first.
+        May contain HTML, which is kept. Untrusted text must first be cleaned by
+        `grader.lms.sanitizer`.
     attachments : dict, optional
-        Pictures of the cell, in nbformat's form.
+        Pictures in the cell, in the format of nbformat.
     """
     renderer = Renderer(escape=False, attachments=attachments or {}, exclude_anchor_links=True)
     return MarkdownWithMath(renderer=renderer).render(markdown)
@@ -58,7 +59,7 @@ def formula(latex: str, display: bool) -> str:
     latex : str
         May be untrusted.
     display : bool
-        Whether the formula is on a line of its own.
+        Whether the formula is on a separate line.
     """
     if len(latex) <= LONGEST_FORMULA:
         translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _known_environment, latex)
@@ -66,7 +67,7 @@ def formula(latex: str, display: bool) -> str:
             element = ElementTree.fromstring(
                 convert(translated, display="block" if display else "inline")
             )
-        except Exception:  # latex2mathml raises many kinds, including RecursionError
+        except Exception:  # latex2mathml raises many types, including RecursionError
             element = None
         if element is not None and _is_mathematics(element):
             ElementTree.register_namespace("", NAMESPACE)
@@ -80,7 +81,7 @@ def _known_environment(environment: re.Match) -> str:
 
 
 def _is_mathematics(drawn: ElementTree.Element) -> bool:
-    """Return whether everything is on the lists, because latex2mathml may pass on the rest."""
+    """Return whether all elements and attributes are allowed, as latex2mathml may add others."""
     return all(
         element.tag in ELEMENTS and ATTRIBUTES.issuperset(element.attrib)
         for element in drawn.iter()
@@ -91,7 +92,7 @@ class Renderer(IPythonRenderer):
     """nbconvert's renderer with formulas as MathML."""
 
     def block_math(self, body: str) -> str:
-        """Convert a formula on a line of its own."""
+        """Convert a formula on a separate line."""
         return formula(body, display=True)
 
     def inline_math(self, body: str) -> str:
@@ -104,7 +105,7 @@ class Renderer(IPythonRenderer):
 
 
 class MathPage(HTMLExporter):
-    """nbconvert's pages with formulas that need no script."""
+    """nbconvert's HTML exporter with formulas that do not need a script."""
 
     @jinja2.pass_context
     def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:

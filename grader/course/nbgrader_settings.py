@@ -1,4 +1,4 @@
-"""The settings with which nbgrader works on this course."""
+"""The nbgrader settings of this course."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
-# nbgrader copies every other file next to a notebook into the release.
+# Files next to a notebook that nbgrader must not copy into the release.
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
-# nbgrader's steps from the instructor's to the student's notebook, in its own order.
+# nbgrader's steps from the instructor's notebook to the student's notebook, in its default order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
     "InstantiateTests",
@@ -54,7 +54,7 @@ def configure(c: Config, root: Path) -> Config:
     c.CourseDirectory.course_id = COURSE
     c.CourseDirectory.source_directory = "solutions"
     c.CourseDirectory.release_directory = "notebooks"
-    # Next to each solved notebook is the folder with everything else about its lesson.
+    # The lesson's folder is next to its solved notebook.
     folders = (root / "solutions").glob("*/[0-9][0-9]_*/")
     c.CourseDirectory.ignore = [*IGNORED, *sorted(folder.name for folder in folders)]
     c.ClearSolutions.code_stub = {"python": STUB}
@@ -68,12 +68,12 @@ def configure(c: Config, root: Path) -> Config:
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
     c.ExchangeFactory.collect = "grader.lms.exchange.CollectOrdinaryFiles"
 
-    # With a roster, nbgrader must not enrol a student for each folder name.
+    # If there is a roster, nbgrader must not enrol a student for each folder name.
     c.Autograde.create_student = not (root / "roster.csv").is_file()
     # One damaged file must not spoil the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [
-        "grader.lms.nbgrader_plugin.Judge",  # in place of nbgrader's execution of the notebook
+        "grader.lms.nbgrader_plugin.Judge",  # instead of nbgrader's execution of the notebook
         "nbgrader.preprocessors.LimitOutput",
         "grader.lms.nbgrader_plugin.SaveGrades",
         "nbgrader.preprocessors.AssignLatePenalties",
@@ -81,13 +81,13 @@ def configure(c: Config, root: Path) -> Config:
     ]
     c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
     make_alembic_reachable()
-    # nbgrader adds rows in an order that makes SQLAlchemy warn, and that is harmless.
+    # SQLAlchemy warns about the order in which nbgrader adds rows, which is harmless.
     warnings.filterwarnings("ignore", message="Object of type <Submitted", module="nbgrader")
     return c
 
 
 def make_alembic_reachable() -> None:
-    """Put this Python's programs on the PATH, because nbgrader starts ``alembic`` by name."""
+    """Add this Python's programs to the PATH, because nbgrader starts ``alembic`` by name."""
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
@@ -120,7 +120,7 @@ def make_converter(
     root : pathlib.Path
         The folder of the course.
     stage : str
-        The stage, which is an assignment of nbgrader.
+        The stage, which is an assignment in nbgrader.
     **settings : dict
         Traits to configure, by class name.
     """

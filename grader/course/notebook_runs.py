@@ -1,4 +1,4 @@
-"""Run a notebook of the course from its first cell to its last, in a kernel of its own."""
+"""Run a notebook of the course from the first cell to the last, in a separate kernel."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ LONGEST_CELL = 300  # seconds, on a machine with other work
 
 
 class NotebookStopped(Exception):
-    """A notebook did not run to its end; `str()` is the sentence to show."""
+    """A notebook did not run to the end; `str()` is the sentence to show."""
 
 
 def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool = False) -> None:
-    """Run a notebook as if it were in a folder, and add the outputs to it.
+    """Run a notebook as if it were in a folder, and add its outputs to it.
 
     Parameters
     ----------
@@ -38,22 +38,22 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
         timeout=LONGEST_CELL,
         resources={"metadata": {"path": str(folder)}},
         store_widget_state=False,
-        force_raise_errors=not checks_may_fail,  # although tags let a student's notebook go on
-        extra_arguments=["--log-level=ERROR"],  # messages of kernels would spoil a progress bar
+        force_raise_errors=not checks_may_fail,  # ignore the tags that allow a cell to raise
+        extra_arguments=["--log-level=ERROR"],  # messages of kernels would break a progress bar
     )
     client.comm_open_handlers.clear()  # so that the output of a widget stays in its cell
     try:
         client.execute()
     except nbclient.exceptions.CellExecutionError:
-        pass  # the outputs of its cell say more
+        pass  # the outputs of the cell are more informative
     except nbclient.exceptions.CellTimeoutError:
         raise NotebookStopped(
-            f"a cell took more than {LONGEST_CELL} seconds. Is the machine busy? The same command "
-            "tries again."
+            f"a cell took more than {LONGEST_CELL} seconds. Is the machine busy? Run the same "
+            "command again."
         ) from None
     except nbclient.exceptions.DeadKernelError:
         raise NotebookStopped(
-            "Python ended while it ran. Is there memory left? The same command tries again."
+            "Python ended unexpectedly. Is there enough memory? Run the same command again."
         ) from None
     if error := _first_error(notebook.cells, checks_may_fail):
         raise NotebookStopped(error)

@@ -17,22 +17,22 @@ class Course:
 
     @property
     def submitted(self) -> Path:
-        """Folder of ``<student>/<stage>/<NN_name>.ipynb``, as nbgrader collects them."""
+        """Folder of the submissions, ``<student>/<stage>/<NN_name>.ipynb``."""
         return self.root / _folder(self.root, "submitted")
 
     @property
     def autograded(self) -> Path:
-        """Folder of ``<student>/<stage>/<NN_name>.ipynb``, as nbgrader keeps judged copies."""
+        """Folder of the judged copies, ``<student>/<stage>/<NN_name>.ipynb``."""
         return self.root / _folder(self.root, "autograded")
 
     @property
     def released(self) -> Path:
-        """Folder of ``<stage>/<NN_name>.ipynb``, the notebooks that students got."""
+        """Folder of the released notebooks, ``<stage>/<NN_name>.ipynb``."""
         return self.root / "notebooks"
 
     @property
     def verdicts(self) -> Path:
-        """Folder of ``<student>/<stage>/<NN_name>.json``."""
+        """Folder of the verdicts, ``<student>/<stage>/<NN_name>.json``."""
         return self.root / "verdicts"
 
     @property
@@ -42,7 +42,7 @@ class Course:
 
     @property
     def seed_file(self) -> Path:
-        """File of the secret from which hidden tests draw their input."""
+        """File with the secret from which hidden tests draw their input."""
         return self.root / ".course_seed"
 
 

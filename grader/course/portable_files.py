@@ -1,4 +1,4 @@
-"""The files of this project that judging reads, for machines elsewhere that judge."""
+"""The project files that judging reads, to be copied to other machines that judge."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ LESSON_FILES = ("lesson.py", "hidden_tests.py")
 
 
 def files_for_judging() -> dict[str, bytes]:
-    """Content by name, in order."""
+    """Return the content of these files by name, in order."""
     found = {}
     for folder in FOLDERS:
         for path in sorted((PROJECT / folder).rglob("*")):

@@ -17,8 +17,8 @@ from PIL import Image  # noqa: E402
 from grader.course.lessons import all_lessons  # noqa: E402
 
 DOTS_PER_INCH = 110
-# A preview travels inside its notebook, and with so few colours it looks the same in half as
-# many bytes.
+# A preview is part of its notebook. With this number of colours it looks the same but takes only
+# half as many bytes.
 COLOURS = 128
 
 
@@ -30,7 +30,7 @@ def main(numbers: Sequence[str]) -> None:
         preview = f"solutions.{lesson.stage}.{lesson.name}.preview"
         figure = importlib.import_module(preview).draw()
         path = lesson.folder / f"{lesson.number}_preview.png"
-        # Without the version of matplotlib in it, the same picture is the same file.
+        # The version of matplotlib is left out, so that the same picture gives the same file.
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
         with Image.open(path) as drawn:

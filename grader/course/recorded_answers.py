@@ -1,6 +1,6 @@
 """Record the answers of a solved notebook: ``python -m grader.course.recorded_answers 06``.
 
-Students who have not written a function yet go on with these answers; see `utils.lent`.
+Students who have not written a function yet can continue with these answers; see `utils.lent`.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def record(lesson: Lesson) -> bytes:
             run_notebook(notebook, lesson.released.parent)
         except NotebookStopped as reason:
             raise UnstorableAnswers(
-                f"{lesson.name}: the solved notebook does not run to its end: {reason}"
+                f"{lesson.name}: the solved notebook does not run to the end: {reason}"
             ) from None
         return stored_bytes(lesson, path)
 
@@ -85,13 +85,13 @@ def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
 
 
 def stored_bytes(lesson: Lesson, path: Path) -> bytes:
-    """Return the recorded answers in the form in which they are stored.
+    """Return the recorded answers in the format in which they are stored.
 
     Parameters
     ----------
     lesson : Lesson
     path : pathlib.Path
-        The path that `listen` got.
+        The file that the recorder wrote; see `add_recorder`.
 
     Raises
     ------
@@ -109,8 +109,9 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for name, answers in functions.items()
         }
         raise UnstorableAnswers(
-            f"{lesson.name}: {len(text):,} bytes, and {LARGEST:,} may be stored. Name a function "
-            f"of the notebook that sums them up in the header, `lent: [...]`. Bytes now: {sizes}"
+            f"{lesson.name}: the answers take {len(text):,} bytes, but at most {LARGEST:,} may be "
+            "stored. In the header, name a function of the notebook that summarises them, "
+            f"`lent: [...]`. Bytes of each function now: {sizes}"
         )
     return text.encode()
 
@@ -126,12 +127,12 @@ def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
     Parameters
     ----------
     stored, recorded : bytes
-        What `record` returns, earlier and now.
+        Earlier and new result of `record`.
 
     Returns
     -------
     list of str
-        Names of the functions whose calls or answers differ, other than in the last digits.
+        Names of the functions whose calls or answers differ by more than rounding errors.
     """
     before, now = _by_call(stored), _by_call(recorded)
     different = before.keys() ^ now.keys() | {
@@ -162,14 +163,14 @@ def _nearly_equal(first: object, second: object) -> bool:
     if isinstance(first, list):
         return len(first) == len(second) and all(map(_nearly_equal, first, second))
     if isinstance(first, float):
-        # The order in which NumPy sorts equal values depends on the kind of processor. Trees in
-        # another order are also right, but a search in them visits a few more or fewer nodes.
+        # The order in which NumPy sorts equal values depends on the type of processor. A tree built
+        # in a different order is also right, but a search in it may visit more or fewer nodes.
         return bool(np.isclose(first, second, rtol=0.05, equal_nan=True))
     return first == second
 
 
 def main(numbers: Sequence[str]) -> None:
-    """Record the lessons with these numbers, or all."""
+    """Record the answers of the lessons with these numbers, or of all lessons."""
     for lesson in all_lessons():
         if numbers and lesson.number not in numbers:
             continue

@@ -1,4 +1,4 @@
-"""Write what students get: a zip for each stage, which works in any folder."""
+"""Write the zips that students get, one for each stage, which work in any folder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.course.paths import PROJECT
 from grader.course.standalone import check_no_leaks
 
 TOP_FOLDER = "lidar_obstacle_lab"
-"""In every zip, so that those of several stages become one course."""
+"""Top folder in every zip, so that the zips of several stages can be unpacked into one course."""
 README = PROJECT / "solutions" / "student_readme.md"
 TOOLS = {
     "utils": (".py", ".html", ".json", ".md"),
@@ -23,7 +23,7 @@ PROGRAMS = ("jupyterlab", "ipykernel")  # needed to open a notebook
 
 
 def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
-    """Write a zip for each stage, and yield the path of each one when it is complete.
+    """Write a zip for each stage, and yield its path when it is complete.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
     Raises
     ------
     grader.course.standalone.ReleaseError
-        If a notebook would give a solution away.
+        If a notebook would reveal a solution.
     """
     for stage in wanted or stages():
         path = folder / f"{stage}.zip"
@@ -44,7 +44,7 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
 
 
 def student_files(stage: str) -> dict[str, bytes]:
-    """Return the files that a student needs for a stage, by name, and no others."""
+    """Return the files that a student needs for a stage, by name."""
     found = {
         "README.md": README.read_bytes(),
         "LICENSE": (PROJECT / "LICENSE").read_bytes(),
@@ -61,7 +61,7 @@ def student_files(stage: str) -> dict[str, bytes]:
 
 
 def course_tools() -> dict[str, bytes]:
-    """Return the files of ``utils`` and ``data``, by name."""
+    """Return the files of ``utils`` and ``data`` that students need, by name."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for name, kinds in TOOLS.items()
@@ -71,7 +71,7 @@ def course_tools() -> dict[str, bytes]:
 
 
 def student_requirements() -> str:
-    """Return the part of ``requirements.txt`` that is needed to open and run a notebook."""
+    """Return the part of ``requirements.txt`` that students need to open and run a notebook."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
     return f"-c constraints.txt\n\n{required_for('What a notebook needs')}{''.join(programs)}"

@@ -14,12 +14,12 @@ from pathlib import Path
 from grader.course.paths import Course
 
 MOST_CHARACTERS = 128  # the longest text in nbgrader's gradebook
-COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # what `nbgrader db student import` calls it
+COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name in `nbgrader db student import`
 SEPARATORS = ",;\t"
 
 
 class RosterError(Exception):
-    """The roster cannot be read; `str()` is the sentence to show, with file, line and remedy."""
+    """The roster cannot be read; `str()` says where the error is and how to fix it."""
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Person:
     Attributes
     ----------
     id : str
-        Name of the student's folder in ``submitted/`` and in the gradebook.
+        Name of the student's folder in ``submitted/``, also used in the gradebook.
     first_name, last_name, email, section : str
     lms_id : str
-        Number in the learning platform, needed to export marks.
+        Number in the learning platform, which is needed to export marks.
     github : str
         GitHub login.
     """
@@ -47,17 +47,18 @@ class Person:
 
     @property
     def name(self) -> str:
-        """First and last name, or the id if there is no name."""
+        """First and last name, or the ID if there is no name."""
         return f"{self.first_name} {self.last_name}".strip() or self.id
 
     @property
     def display_name(self) -> str:
-        """The id, and the name if there is one, for use in sentences."""
+        """The ID, followed by the name if there is one, for use in sentences."""
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(Person))
-UNIQUE = ("id", "email", "lms_id", "github")  # shared by two, they would misplace marks
+# If two students shared one of these, marks could go to the wrong student.
+UNIQUE = ("id", "email", "lms_id", "github")
 
 
 @dataclass(frozen=True)
@@ -67,21 +68,20 @@ class Roster:
     people: tuple[Person, ...]
 
     def person(self, id: str) -> Person | None:
-        """Return the student with exactly this id, or None."""
+        """Return the student with exactly this ID, or None."""
         return self._by_id.get(id)
 
     def owner_of(self, folder: str) -> Person | None:
-        """Return the student whose id is the name of a folder.
+        """Return the student whose ID is the name of a folder, or None.
 
-        Case, blanks and the form of Unicode are ignored. Other names and numbers are not
-        considered, because one student's number in the learning platform may be another student's
-        id; see `find_people`.
+        Case, surrounding blanks and Unicode forms are ignored. Only IDs count, because one
+        student's number in the learning platform may be another student's ID; see `find_people`.
         """
         same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
     def find_people(self, text: str) -> tuple[Person, ...]:
-        """Return the students that a folder, login, number, e-mail or name may mean.
+        """Return the students that a folder, login, number, e-mail or name may refer to.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Roster:
         Returns
         -------
         tuple of Person
-            Several if the text is ambiguous; an id takes precedence over everything else.
+            Several if the text is ambiguous. An ID takes precedence over everything else.
         """
         exact = self.person(text)
         if exact:
@@ -138,7 +138,7 @@ def read_roster(course: Course) -> Roster | None:
         text = path.read_text("utf-8-sig")
     except UnicodeDecodeError as error:
         raise RosterError(
-            f"{path.name} is not in UTF-8. Save it again as CSV UTF-8, which spreadsheets offer."
+            f"{path.name} is not in UTF-8. In the spreadsheet, save it again as CSV UTF-8."
         ) from error
     head = text.partition("\n")[0]
     separator = max(SEPARATORS, key=head.count)
@@ -153,12 +153,12 @@ def read_roster(course: Course) -> Roster | None:
 
 
 def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
-    """Return the students of a file; raise `RosterError` for a line that cannot be read."""
+    """Yield the students in a file; raise `RosterError` for a line that cannot be read."""
     columns = [_column(cell) for cell in next(rows, [])]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
         raise RosterError(
-            f"{file}: its first line should name the columns, each once, such as "
-            f"{','.join(COLUMNS)}. Only id has to be there."
+            f"{file}: the first line must name the columns, each once, such as "
+            f"{','.join(COLUMNS)}. Only id is required."
         )
     seen = {}
     for row in rows:
@@ -168,8 +168,8 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
             continue
         if len(cells) > len(columns):
             raise RosterError(
-                f"{file}, line {line}: {len(cells)} values for {len(columns)} columns. Put a "
-                "value that contains a separator between quotation marks."
+                f"{file}, line {line}: there are {len(cells)} values for {len(columns)} columns. "
+                "If a value contains a separator, put it in quotation marks."
             )
         values = dict(zip(columns, cells, strict=False))
         person = Person(**{name: values.get(name, "") for name in COLUMNS})
@@ -179,8 +179,8 @@ def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
             before = seen.setdefault((name, value.casefold() if name != "id" else value), line)
             if value and before != line:
                 raise RosterError(
-                    f"{file}, line {line}: line {before} has the same {name}, {value}. Marks could "
-                    f"reach the wrong one: correct or remove one of the two."
+                    f"{file}, line {line}: line {before} has the same {name}, {value}. Correct or "
+                    f"remove one of the two, because marks could go to the wrong student."
                 )
         yield person
 
@@ -192,17 +192,19 @@ def _column(cell: str) -> str:
 
 def _check(person: Person, location: str) -> None:
     if not person.id:
-        raise RosterError(f"{location}: it has no id. It names the folder in submitted/.")
+        raise RosterError(
+            f"{location}: the id is missing. Add it: it is the name of the folder in submitted/."
+        )
     if person.id.startswith(".") or "/" in person.id or not person.id.isprintable():
         raise RosterError(
-            f"{location}: {person.id!r} cannot be the name of a folder. Give an id without slashes "
-            f"that begins with no dot."
+            f"{location}: {person.id!r} cannot be the name of a folder. Use an id that contains no "
+            f"slash and does not begin with a dot."
         )
     for name in COLUMNS:
         if len(getattr(person, name)) > MOST_CHARACTERS:
             raise RosterError(
-                f"{location}: {name} is longer than {MOST_CHARACTERS} characters, which is all "
-                f"that the gradebook takes."
+                f"{location}: {name} is longer than {MOST_CHARACTERS} characters, the limit of the "
+                f"gradebook. Shorten it."
             )
 
 
@@ -215,15 +217,15 @@ def _is_name_of(text: str, person: Person) -> bool:
 
 
 def has_other_lms_id(person: Person, lms_id: str) -> bool:
-    """Return whether a learning platform's number certainly belongs to another person.
+    """Return whether a number from a learning platform certainly belongs to another person.
 
-    The roster may contain another kind of number; those of platforms have only digits.
+    The roster may contain another kind of ID. Numbers from platforms consist only of digits.
     """
     return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
 
 
 def folded(text: str) -> str:
-    """Return a text without differences of case, surrounding blanks and forms of Unicode."""
+    """Normalize a text: ignore case, surrounding blanks and Unicode forms."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 

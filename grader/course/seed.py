@@ -7,11 +7,11 @@ import tempfile
 
 from grader.course.paths import Course
 
-SHORTEST = 2**64  # a smaller seed can be found by trying, from the input of one hidden test
+SHORTEST = 2**64  # student code could find a smaller seed by trying, from one hidden test's input
 
 
 class ShortSeed(Exception):
-    """A seed that can be found by trying; `str()` is the sentence to show."""
+    """The seed can be found by trying; `str()` is the sentence to show."""
 
 
 def course_seed(course: Course, given: int | None = None) -> int:
@@ -26,7 +26,7 @@ def course_seed(course: Course, given: int | None = None) -> int:
     Returns
     -------
     int
-        Always the same for one course: drawn once and stored in ``.course_seed``.
+        The seed, which is drawn once for a course and stored in ``.course_seed``.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def course_seed(course: Course, given: int | None = None) -> int:
     if given is not None:
         return _long_enough(given, "Leave --seed out")
     if not course.seed_file.exists():
-        # Written completely before it gets its name: two graders may start at the same time.
+        # Two graders may start at the same time, so the file gets its name when it is complete.
         descriptor, draft = tempfile.mkstemp(dir=course.root)
         with open(descriptor, "w", encoding="utf-8") as file:
             file.write(f"{secrets.randbits(128)}\n")
@@ -50,7 +50,7 @@ def _long_enough(seed: int, remedy: str) -> int:
     if seed < SHORTEST:
         better = secrets.randbits(127) | SHORTEST
         raise ShortSeed(
-            f"A seed like {seed} can be found by trying, and with it every hidden question. "
-            f"{remedy}, and one is drawn; or take this one: {better}"
+            f"The seed {seed} is so small that students could find it by trying, and then predict "
+            f"every hidden test. {remedy} to let the grader draw one, or use this one: {better}"
         )
     return seed

@@ -24,6 +24,6 @@ def version() -> str:
 
 
 def stage_title(stage: str) -> str:
-    """Return the title of a stage; without an entry, its name without the number."""
+    """Return the title of a stage, by default its name without the number."""
     name = stage.removeprefix("stage").lstrip("0123456789").strip("_").replace("_", " ")
     return course_settings().get("stages", {}).get(stage, name)

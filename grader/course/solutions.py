@@ -1,4 +1,4 @@
-"""Solutions to release after the due date: executed notebooks, and the same as pages."""
+"""Solutions to release after the due date, as executed notebooks and as pages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 def reason_still_open(
     deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
-    """Return a sentence on why a stage may still be submitted; empty if it may not.
+    """Return a sentence on why students may still submit a stage; empty if they may not.
 
     Parameters
     ----------
@@ -46,13 +46,16 @@ def reason_still_open(
     whole_class = {"": dates.due} if dates.due else {}
     names = {**extensions, **whole_class, **groups, **dates.students}
     if "" not in names:
-        return f"{stage} may be open, because no due date is known. Write it into deadlines.toml."
+        return (
+            f"{stage} may still be open, because its due date is not known. Add the date to "
+            "deadlines.toml."
+        )
     open_groups = [
-        f"{name or 'everybody'} until {deadlines.to_local_time(due):%d %B %Y, %H:%M %Z}"
+        f"{name or 'everyone'} until {deadlines.to_local_time(due):%d %B %Y, %H:%M %Z}"
         for name, due in names.items()
         if due > now
     ]
-    return f"{stage} is open: for {', '.join(open_groups)}." if open_groups else ""
+    return f"{stage} is still open for {', '.join(open_groups)}." if open_groups else ""
 
 
 def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator[Path]:
@@ -68,7 +71,7 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
     Yields
     ------
     pathlib.Path
-        Path of each zip, when it is complete.
+        The path of each zip, when it is complete.
     """
     for stage in dict.fromkeys(lesson.stage for lesson in solutions):
         files = {}
@@ -88,13 +91,13 @@ def run_all(
     progress: Callable[[int, int, object], None],
     run: Callable[[Lesson], bytes],
 ) -> dict[Lesson, bytes]:
-    """Return several executed notebooks.
+    """Run several notebooks and return the executed ones.
 
     Parameters
     ----------
     lessons : iterable of Lesson
     workers : int
-        Number of notebooks that run at a time.
+        Number of notebooks that run at the same time.
     progress : callable
         Called with (done, total, lesson) after each notebook.
     run : callable
@@ -114,7 +117,7 @@ def run_all(
 
 
 def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> bytes:
-    """Return the executed solved notebook of a lesson; run it only if something has changed.
+    """Return a lesson's solved notebook with outputs. Run it only if something has changed.
 
     Parameters
     ----------
@@ -139,7 +142,7 @@ def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> by
 
 
 def as_page(notebook: bytes, lesson: Lesson) -> bytes:
-    """Return an executed notebook as a page that needs no other file and no network."""
+    """Return an executed notebook as a page that does not need other files or a network."""
     content = nbformat.reads(notebook.decode(), as_version=4)
     exporter = MathPage(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
     resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
@@ -169,7 +172,7 @@ def _run(lesson: Lesson, extra_code: str) -> bytes:
         run_notebook(notebook, lesson.released.parent)
     except NotebookStopped as reason:
         raise ReleaseError(
-            f"{lesson.name}: its solution does not run to its end, so nothing was written: {reason}"
+            f"{lesson.name}: the solution does not run to the end, so nothing was written: {reason}"
         ) from None
     notebook.cells.remove(extra)
     _remove_volatile_data(notebook)
@@ -177,7 +180,7 @@ def _run(lesson: Lesson, extra_code: str) -> bytes:
 
 
 def _remove_volatile_data(notebook: NotebookNode) -> None:
-    """Remove data that differ from run to run and carry no information."""
+    """Remove data that differ from run to run and are not informative."""
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)  # contains times of day
         if cell.cell_type == "code":

@@ -1,4 +1,4 @@
-"""Standalone notebooks, which need no other file: for mail, USB sticks, Colab and Kaggle."""
+"""Standalone notebooks, which do not need other files: for mail, USB sticks, Colab and Kaggle."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
 # The first line of the setup cell, which identifies the cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 BADGE_TEXT = (
-    "*This notebook needs no other file. Upload it to Colab or Kaggle, or open it in VS Code or "
-    "JupyterLab, wherever NumPy, SciPy and matplotlib are.*"
+    "*This notebook does not need any other file. Upload it to Colab or Kaggle, or open it in VS "
+    "Code or JupyterLab with NumPy, SciPy and matplotlib installed.*"
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 450_000  # bytes
@@ -47,7 +47,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
     Raises
     ------
     ReleaseError
-        If a notebook would be too large, or would give a solution away.
+        If a notebook would be too large, or would reveal a solution.
     """
     written = []
     for lesson in all_lessons():
@@ -56,7 +56,10 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         text = make_standalone(lesson.released.read_bytes())
         check_no_leaks(lesson, text)
         if len(text) > LARGEST:
-            raise ReleaseError(f"{lesson.name} has {len(text)} bytes. Nothing was written for it.")
+            raise ReleaseError(
+                f"{lesson.name} would have {len(text)} bytes, more than the limit of {LARGEST}. It "
+                "was not written."
+            )
         path = folder / f"{lesson.name}.ipynb"
         write_atomically(text, path)
         written.append(path)
@@ -69,7 +72,8 @@ def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
     leaked_lines = leaks(lesson.solved.read_bytes(), notebook, others)
     if leaked_lines:
         raise ReleaseError(
-            f"{lesson.name} gives away {leaked_lines[0]!r}. Nothing was written for it."
+            f"{lesson.name} reveals a line of the solution, {leaked_lines[0]!r}. It was not "
+            "written."
         )
 
 
@@ -84,7 +88,7 @@ def make_standalone(notebook: bytes) -> bytes:
     Returns
     -------
     bytes
-        Always the same bytes for the same course.
+        The same course always gives the same bytes.
     """
     content = json.loads(notebook)
     course_metadata = content["metadata"]["lidar_obstacle_lab"]
@@ -116,11 +120,11 @@ def setup_cell(lesson: str) -> str:
 
 
 def packed_tools(lesson: str) -> bytes:
-    """Return ``utils`` for one lesson, compressed; the same bytes for the same files."""
+    """Return ``utils`` for one lesson, compressed. The same files always give the same bytes."""
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     own_lesson = next(one for one in every_lesson() if one.name == lesson)
     text = own_lesson.released.read_text("utf-8")
-    left_out = [folder for folder, sign in course_constant("OPTIONAL_PACKAGES") if sign not in text]
+    left_out = [folder for folder, name in course_constant("OPTIONAL_PACKAGES") if name not in text]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):

@@ -1,4 +1,4 @@
-"""Read tables with any common separator, and write cells that spreadsheets do not execute."""
+"""Read tables with any common separator, and escape cells that spreadsheets would execute."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import io
 SEPARATORS = ",;\t"
 # A spreadsheet treats a cell that begins with one of these as a formula, and may execute it.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-csv.field_size_limit(2**24)  # per process; platforms export long texts
+csv.field_size_limit(2**24)  # for this process, because platforms export long texts
 
 
 def harmless_cell(text: str) -> str:
-    """Return a text in a form that a spreadsheet treats as text."""
+    """Escape a text, so that a spreadsheet does not treat it as a formula."""
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def read_table(text: str) -> tuple[str, list[list[str]]]:
-    """Return the separator that fits a table best, and the rows that are not empty.
+    """Return the separator that fits a table best, and the non-empty rows.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def _rows(text: str, separator: str) -> list[list[str]]:
 
 
 def _separator_fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
-    """Rate a separator: the rows with as many cells as the head, and the number of cells."""
+    """Rate a separator by the share of rows as wide as the header, and by the number of columns."""
     rows = found[1]
     width = len(rows[0]) if rows else 0
     if width < 2:

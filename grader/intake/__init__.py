@@ -1,1 +1,1 @@
-"""Open and prepare submitted files, which cannot be trusted."""
+"""Open and prepare submitted files, which must not be trusted."""

@@ -1,4 +1,4 @@
-"""Open submitted files, which cannot be trusted."""
+"""Open submitted files, which must not be trusted."""
 
 import errno
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 LARGEST_FILE = 64 * 2**20
-# O_NONBLOCK: opening a pipe must not wait for a writer. Windows has neither flag.
+# With O_NONBLOCK, opening a pipe does not wait for a writer. Windows does not have these flags.
 _OPEN_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
@@ -32,8 +32,8 @@ def read_file(path: Path) -> bytes:
     Raises
     ------
     UnreadableNotebook
-        If it is too large or not an ordinary file: a link could lead to another student's work,
-        and a pipe or a device never ends.
+        If the file is too large, or if it is not an ordinary file: a link could lead to another
+        student's work, and a pipe or a device could be endless.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | _OPEN_FLAGS)

@@ -1,11 +1,10 @@
 """Turn a submission into the notebook that is judged and shown, and report every repair.
 
-Each step below looks for one way in which a notebook can come back damaged. The step returns a
-sentence for each thing that it changed or noticed: what happened, what was done, and what the
-student can do. Judge and gradebook use the same result, so the code that is shown is the code
-that was judged.
+Each step below looks for one kind of damage. It returns a sentence for each thing that it changed
+or noticed: what happened, what was done about it, and what the student can do. The judge and the
+gradebook use the same result, so a grader sees exactly the code that was judged.
 
-No code is parsed here: it is untrusted, and is parsed in the sandbox.
+Code is untrusted, so it is parsed only in the sandbox and not here.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ class WrittenAnswer:
     Attributes
     ----------
     text : str
-        Empty if nothing was written.
+        The answer; empty if nothing was written.
     certain : bool
-        False if text elsewhere may belong to the answer, so that a person has to look.
+        False if other text in the notebook may belong to the answer, so that a person has to look.
     attachments : dict
-        Pictures in the answer, in the form that the file has them.
+        Pictures in the answer, in the format of the notebook file.
     """
 
     text: str
@@ -60,13 +59,14 @@ class PreparedNotebook:
         All cells except those that became part of a written answer.
     graded : dict of str to int
         Index in `cells` of each graded cell that students may edit, by its ``grade_id``. Cells
-        that were not found are missing.
+        that were not found are left out.
     answers : dict of str to WrittenAnswer
         Written answers by ``grade_id``.
     notes : tuple of str
         One sentence for each thing that was repaired or noticed.
     versions : dict of str to str
-        A sentence on each exercise that is written more than once, shown if it loses points.
+        A sentence about each exercise that the notebook defines more than once. The sentence is
+        shown if the exercise loses points.
     modules : dict of str to str
         Source of each module that a cell writes with ``%%writefile``, by the name of the module.
     """
@@ -87,14 +87,14 @@ class PreparedNotebook:
 
 @dataclass(frozen=True)
 class JudgeInput:
-    """The part of a `PreparedNotebook` that the judge needs: plain data from another process.
+    """The part of a `PreparedNotebook` that the judge needs.
 
     Attributes
     ----------
     code, notes : tuple of str
     versions : dict of str to str
     is_as_released : bool
-        Whether all code except the first cell is unchanged, so that judging can be skipped.
+        Whether all code after the first cell is unchanged, so that judging can be skipped.
     modules : dict of str to str
         The submitted modules, and those that the notebook writes.
     """
@@ -141,7 +141,7 @@ def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook
 
 
 def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeInput:
-    """Prepare a notebook for the judge, in a process of its own; see `prepare`.
+    """Prepare a notebook for the judge, in a separate process; see `prepare`.
 
     Raises
     ------
@@ -168,22 +168,22 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
 
 
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
-    """Return whether all code cells after the first are those of the release.
+    """Return whether all code cells after the first are as released.
 
-    The first cell loads the tools, and differs in the standalone form. Anything else that it
-    defines is overwritten by the stubs below it.
+    The first cell loads the tools, and is different in standalone notebooks. If it also defines an
+    exercise, the stub below it overwrites that definition.
     """
     given = [cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"]
     return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
 def lesson_name_in(submitted_files: SubmittedFiles) -> str:
-    """Return the lesson that a notebook states, read in a process of its own."""
+    """Return the lesson name in a notebook's metadata, read in a separate process."""
     return run_in_child(submitted_files.name, lambda: submitted_files.notebook().lesson_name)
 
 
 def prepare_to_show(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook:
-    """Prepare a notebook for display; an unreadable file becomes a notebook without answers."""
+    """Prepare a notebook for display. An unreadable file becomes a notebook without answers."""
     try:
         return prepare(submitted_files, lesson)
     except UnreadableNotebook as error:
@@ -193,12 +193,13 @@ def prepare_to_show(submitted_files: SubmittedFiles, lesson: Lesson) -> Prepared
 def prepare_too_costly(
     submitted_files: SubmittedFiles, lesson: Lesson, error: TooCostly
 ) -> PreparedNotebook:
-    """Return a notebook without answers, for one that took too much time or memory.
+    """Return a substitute for a notebook that takes too much time or memory to read.
 
     A person has to look for the written answers in the file.
     """
-    file = hashlib.sha256(submitted_files.data).hexdigest()[:12]  # a mark belongs to this content
-    text = f"*This notebook is too much to show. Look for the answer in the file itself ({file}).*"
+    # The text contains a digest, so that it changes when a student submits another file.
+    digest = hashlib.sha256(submitted_files.data).hexdigest()[:12]
+    text = f"*This notebook is too large to show. Look for the answer in the file ({digest}).*"
     return _notebook_with_answers(lesson, WrittenAnswer(text), error)
 
 
@@ -211,23 +212,21 @@ def _notebook_with_answers(
 
 
 def _report_file_problems(draft: _Draft) -> Iterator[str]:
-    """Report problems of the file: its name, its encoding, text after its end, a missing end."""
+    """Report problems of the file, such as its name, its encoding or a missing end."""
     yield from draft.submitted_files.notes
     yield from draft.notebook.repairs
 
 
 def _restore_code_cells(draft: _Draft) -> Iterator[str]:
-    """Turn solutions back into code that became Markdown or raw cells by accident.
+    """Restore code cells that became Markdown or raw cells by accident.
 
-    Code cells ran in the student's notebook, so they take precedence. A text cell that also
-    contains some of their functions, next to functions that are nowhere else, is moved before
-    them.
+    Code cells ran in the student's notebook, so their functions take precedence. A text cell may
+    contain some of these functions as well as functions that no other cell defines. Such a cell is
+    moved above the code cells.
     """
     names, hand_graded = _exercise_names(draft.lesson), _hand_graded_cells(draft.lesson)
-    sort_keys: list[float] = list(
-        range(len(draft.cells))
-    )  # sort keys for the final order of the cells
-    # The last cell that defines each function, in the order of the functions.
+    sort_keys: list[float] = list(range(len(draft.cells)))  # for the final order of the cells
+    # Index of the last cell that defines each function.
     last = {name: found_cells[-1] for name in names if (found_cells := _answer_cells(draft, name))}
     restored = []
     for index, cell in enumerate(draft.cells):
@@ -259,29 +258,29 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
 
 
 def _restored_sentence(kind: str, judged: list[str], others: list[str]) -> str:
-    """Return the sentence on a text cell of whose functions only some were judged."""
+    """Return the sentence about a restored cell, in which other functions may not be judged."""
     cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
-    it, was = ("it", "It was") if len(judged) == 1 else ("them", "They were")
-    are, those = ("was", "the one in another cell") if len(others) == 1 else ("were", "others")
+    was, it = ("was", "it") if len(judged) == 1 else ("were", "them")
     names, more = " and ".join(judged), " and ".join(others)
     return (
-        f"{names} stood in {cell}, where Jupyter does not run {it}. {was} judged as code. "
-        + (f"{more} in that cell {are} not judged, but {those}. " if others else "")
-        + "In Jupyter, select the cell and press Y to make it code again"
-        + (f", and delete {more} in it." if others else ".")
+        f"{names} {was} in {cell}, which Jupyter does not run. The grader judged {it} as code. "
+        + (f"For {more}, it judged the code in another cell. " if others else "")
+        + "In Jupyter, select the cell and press Y to make it a code cell again"
+        + (f", and delete {more} from it." if others else ".")
     )
 
 
 def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
-    """Remove a released cell that was pasted again after the answer, which it would overwrite."""
+    """Remove released cells that were pasted below the answer, which they would overwrite."""
     for name in _exercise_names(draft.lesson):
         indices, answers = _cells_that_define(draft, name), _answer_cells(draft, name)
         if answers and indices[-1] > answers[-1]:
             for index in (index for index in indices if index > answers[-1]):
-                draft.cells[index] = Cell("code", "# Left out: the cell as it was given out.")
+                draft.cells[index] = Cell("code", "# Left out: the cell as it was released.")
             yield (
-                f"Below your {name} stands the cell as it was given out, which undoes it when the "
-                f"notebook runs. Your {name} was judged, and that cell left out. Delete it."
+                f"Below your {name} there is a copy of the released cell, which overwrites your "
+                "answer when the notebook runs. The grader judged your answer and ignored that "
+                "copy. Delete it."
             )
 
 
@@ -302,20 +301,20 @@ def _find_graded_cells(draft: _Draft) -> Iterator[str]:
 
 
 def _report_other_lesson(draft: _Draft) -> Iterator[str]:
-    """Report a notebook of another lesson under this lesson's name, or one without any code."""
+    """Report a notebook of another lesson, or a notebook without code."""
     lesson = draft.lesson
     if any(_cells_that_define(draft, name) for name in _exercise_names(lesson)):
         return
     claimed = draft.notebook.lesson_name
     if claimed and claimed != lesson.name:
         yield (
-            f"{draft.submitted_files.name} contains the notebook of {claimed[:60]} and "
-            f"nothing of {lesson.name}. Submit {lesson.name}.ipynb."
+            f"{draft.submitted_files.name} contains the notebook of {claimed[:60]} instead of "
+            f"{lesson.name}. Submit {lesson.name}.ipynb."
         )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
-            f"There is no code in {draft.submitted_files.name}. Open the notebook in which "
-            "you worked, save it, and submit that file."
+            f"There is no code in {draft.submitted_files.name}. Open the notebook that you "
+            "worked in, save it, and submit that file."
         )
 
 
@@ -346,11 +345,11 @@ def _report_modules(draft: _Draft) -> Iterator[str]:
     ]
     if used:
         files = ", ".join(f"{name}.py" for name in used)
-        yield f"{files}, submitted with the notebook, {'was' if len(used) == 1 else 'were'} used."
+        yield f"The judge used {files}, which you submitted with the notebook."
 
 
 def _collect_written_answers(draft: _Draft) -> Iterator[str]:
-    """Collect the written answers, from their cells or from new cells below these."""
+    """Collect the written answers, from their own cells or from new cells below them."""
     released = [cell.source.split() for cell in cells_as_released(draft.lesson)]
     moved = set()
     for name in _hand_graded_cells(draft.lesson):
@@ -358,7 +357,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         own = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
         before = _index_before(draft, name)
         if not own and before is not None and _has_same_source(draft, before + 1, stub):
-            own = [before + 1]  # unchanged apart from its metadata
+            own = [before + 1]  # only the metadata of this cell have changed
         filled = [
             index
             for index in own
@@ -370,8 +369,8 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
             moved.update(filled[1:])
             if any(draft.cells[index].kind == "code" for index in filled):
                 yield (
-                    f"The answer for {name} was in a code cell. It was treated as text. In "
-                    "Jupyter, select the cell and press M to make it text again."
+                    f"The answer for {name} was in a code cell. The grader treats it as text. In "
+                    "Jupyter, select the cell and press M to make it a text cell again."
                 )
         else:
             begin = own[0] if own else before
@@ -386,15 +385,15 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
             if texts:
                 yield (
                     f"The answer for {name} was not in its own cell but in "
-                    f"{'one' if len(texts) == 1 else f'{len(texts)} cells'} of its own below. It "
-                    "was carried over."
+                    f"{'a new cell' if len(texts) == 1 else f'{len(texts)} new cells'} below it. "
+                    "The grader moved it there."
                 )
         text = "\n\n".join(cell.source for cell in texts)
         pictures = {key: value for cell in texts for key, value in cell.attachments.items()}
         certain = bool(text) or bool(own) or not _has_stray_text(draft, released)
         if not certain:
             yield (
-                f"The cell for {name} is missing, and there is text elsewhere that may be the "
+                f"The cell for {name} is missing, and other text in the notebook may be the "
                 "answer. A grader will look for it."
             )
         draft.answers[name] = WrittenAnswer(text, certain, pictures)
@@ -402,7 +401,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
 
 
 def _as_text(cell: Cell) -> Cell:
-    """Return the text of a cell; comments in code would become headings."""
+    """Return a cell as text, without the comment marks that would become headings."""
     lines = [line for line in cell.source.splitlines() if line.strip()]
     if cell.kind != "code" or not all(line.startswith("#") for line in lines):
         return cell
@@ -410,7 +409,7 @@ def _as_text(cell: Cell) -> Cell:
     return dataclasses.replace(cell, source=text)
 
 
-# The steps, in order: code cells must be known before written answers are collected.
+# Code cells must be restored before written answers are collected.
 STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _report_file_problems,
     _restore_code_cells,
@@ -424,7 +423,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
 
 
 def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
-    """Return a sentence on each exercise that is written more than once."""
+    """Return a sentence about each exercise that the notebook defines more than once."""
     found = {}
     numbers = list(itertools.accumulate(int(cell.kind == "code") for cell in draft.cells))
     for name in _exercise_names(draft.lesson):
@@ -437,14 +436,15 @@ def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
             *some, last = (numbers[index] for index in indices)
             listed = ", ".join(map(str, some[:4])) + (", …" if len(some) > 4 else "")
             found[name] = (
-                f"{name} is written {len(indices)} times, in code cells {listed} and {last}. The "
-                "last one counts, as it does when the notebook runs from top to bottom. Keep one."
+                f"{name} is defined {len(indices)} times, in code cells {listed} and {last}. The "
+                "last definition counts, as when the notebook runs from top to bottom. Keep only "
+                "one."
             )
     return found
 
 
 def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
-    """Return the indices of the student's own text cells up to the next released cell."""
+    """Yield the indices of the student's own text cells up to the next released cell."""
     for index in range(begin + 1, len(draft.cells)):
         cell = draft.cells[index]
         if cell.grade_id or (cell.source.split() in released and cell.source.strip()):
@@ -454,7 +454,7 @@ def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[
 
 
 def _index_before(draft: _Draft, name: str) -> int | None:
-    """Return the index, in the student's notebook, of the released cell before a graded one."""
+    """Return the index of the cell that precedes a graded cell in the released notebook."""
     given = cells_as_released(draft.lesson)
     position = next(index for index, cell in enumerate(given) if cell.grade_id == name)
     prompt = given[position - 1].source.split() if position else None
@@ -481,7 +481,7 @@ def _remove_cells(draft: _Draft, indices: set[int]) -> None:
 
 
 def _defines(cell: Cell, name: str) -> bool:
-    """Return whether a cell binds a name at its left margin."""
+    """Return whether a cell defines a name at its left margin."""
     if name not in cell.source:
         return False
     pattern = rf"^(?:def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"

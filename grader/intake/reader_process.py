@@ -1,7 +1,6 @@
-"""Read a submission in a process of its own, with limits on time and memory.
+"""Read a submission in a separate process, with limits on time and memory.
 
-Reading takes a time that grows with the length of the text. If some text breaks this rule, only
-its own author loses by it.
+If a file takes too long to read, only its author is affected.
 
 Student code does not run in that process, but it might exploit a bug in a parser, so the reply is
 JSON. The process is forked, so that nothing has to be imported or read again.
@@ -23,21 +22,21 @@ from typing import NoReturn
 
 from utils.notebooks.reading import UnreadableNotebook
 
-with contextlib.suppress(ImportError):  # Windows has none
+with contextlib.suppress(ImportError):  # Windows does not have this module
     import resource
 
-# Processor seconds: five times what the largest honest file takes, full of numbers or pictures.
+# Processor seconds: five times as long as the largest honest file takes.
 CPU_SECONDS = 10
 MEGABYTES = 768
-# Seconds of wall-clock time, for a busy machine: a process that reaches it got less than a
-# sixtieth of a processor. In practice it ends only a process that waits.
+# Seconds of wall-clock time. Even on a busy machine, a process reaches this limit only if it waits
+# for something, or if it gets less than a sixtieth of a processor.
 LONGEST_WAIT = 600
 LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 
 
 class TooCostly(UnreadableNotebook):
-    """Reading took more time or memory than any notebook needs; `str()` is the sentence to show."""
+    """Reading takes more time or memory than any notebook needs; `str()` is the message."""
 
 
 class ReadingFailed(Exception):
@@ -52,8 +51,8 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     name : str
         Name of the file, for messages.
     work : callable
-        Takes nothing and returns a value that JSON can represent. Its side effects stay in the
-        other process.
+        A function without arguments that returns a value that JSON can represent. Its side effects
+        stay in the other process.
 
     Returns
     -------
@@ -91,8 +90,8 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
-            f"The process that read {name} gave no answer within {LONGEST_WAIT} seconds, or was "
-            "ended from outside. Is this machine very busy, or short of memory?"
+            f"The process that read {name} did not reply within {LONGEST_WAIT} seconds, or another "
+            "program ended it. Is this machine very busy, or short of memory?"
         ) from None
     if kind == "unreadable":
         raise UnreadableNotebook(content)
@@ -102,7 +101,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
 
 
 def _excess(code: int, reply: bytes) -> str:
-    """Return which limit was exceeded, in words; empty if none was."""
+    """Return a description of the limit that was exceeded; empty if none was."""
     if code == -signal.SIGXCPU:
         return f"more than {CPU_SECONDS} seconds"
     if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
@@ -111,7 +110,7 @@ def _excess(code: int, reply: bytes) -> str:
 
 
 def _read(pipe: int, deadline: float) -> bytes:
-    """Read a pipe until it closes, the reply is too large, or the time is over."""
+    """Read from a pipe until it closes, the reply is too large, or the time is up."""
     parts, size = [], 0
     ready = select.poll()
     ready.register(pipe, select.POLLIN)
@@ -125,10 +124,10 @@ def _read(pipe: int, deadline: float) -> bytes:
 
 
 def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
-    """Do the work in the child; end it without clean-up, as it shares files and locks."""
+    """Do the work in the child; end without clean-up, because files and locks are shared."""
     code = 1
     try:
-        gc.disable()  # a collection would touch, and so copy, all memory pages
+        gc.disable()  # a collection would write to all memory pages, and so copy them
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)
@@ -140,7 +139,7 @@ def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
     except MemoryError:
         code = _OUT_OF_MEMORY
     finally:
-        os._exit(code)  # closes the pipe, so that the exit code is there when the reply ends
+        os._exit(code)  # also closes the pipe, so the exit code is known when the reply ends
 
 
 def _reply(work: Callable[[], object]) -> bytes:
@@ -156,11 +155,11 @@ def _reply(work: Callable[[], object]) -> bytes:
 
 
 def _close_all_but(pipe: int) -> None:
-    """Close inherited files, so that a process that waits for the parent's end can go on."""
-    with contextlib.suppress(OSError):  # not every system has such a folder
+    """Close inherited files, so that no other process has to wait until this one closes them."""
+    with contextlib.suppress(OSError):  # some systems do not have this folder
         for number in map(int, os.listdir("/dev/fd")):
             if number > 2 and number != pipe:
-                with contextlib.suppress(OSError):  # the listing's own
+                with contextlib.suppress(OSError):  # `listdir` has already closed its own file
                     os.close(number)
 
 

@@ -1,4 +1,7 @@
-"""A submission for one lesson, read once, so that the judged bytes are the fingerprinted ones."""
+"""A submission for one lesson.
+
+It is read only once, so that the fingerprint belongs to the bytes that were judged.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,11 @@ class SubmittedFiles:
     data : bytes
         Content of the file; empty if it could not be read.
     complaint : str
-        Why the file could not be read; empty if it was read.
+        Why the file could not be read; empty if there was no problem.
     modules : dict of str to str
         Source of each ``.py`` file next to the notebook, by the name of the module.
     notes : tuple of str
-        One sentence for each problem of the file itself.
+        One sentence for each problem with the file itself.
     """
 
     name: str
@@ -51,7 +54,8 @@ class SubmittedFiles:
     def fingerprint(self) -> str:
         """Return a digest of the whole submission.
 
-        The length of each part precedes it, so that different parts cannot give the same bytes.
+        The length of each part precedes it, so that different parts cannot result in the same
+        bytes.
         """
         modules = [text for module in sorted(self.modules.items()) for text in module]
         texts = (self.name, self.complaint, *self.notes, *modules)
@@ -65,7 +69,7 @@ class SubmittedFiles:
 
 
 def read_submitted_files(path: Path) -> SubmittedFiles:
-    """Read a notebook and the modules in its folder; problems become part of the result."""
+    """Read a notebook and the modules in its folder. Problems become part of the result."""
     try:
         data, complaint = read_file(path), ""
     except UnreadableNotebook as error:

@@ -1,1 +1,1 @@
-"""Where a point is decided: outside the process of the student."""
+"""Judging: decides every point, outside the process that runs the student's code."""

@@ -1,14 +1,13 @@
-"""Judge an exercise that calls a wrong helper again, with the lesson's right helper in its place.
+"""Judge an exercise that calls a wrong helper a second time, with correct helpers.
 
-The exercise's own work then still earns points. The second run has a process of its own in which
-no other exercise runs, so the right helper does not answer another question. Messages of that
-run are not shown, so that the feedback does not reveal the right helper.
+The student can then still earn points for the exercise itself. The second run has a separate
+process, in which no other exercise runs. The correct helper therefore cannot give away the answer
+to another exercise. Messages of that run are not shown, because they could reveal the helper.
 
-Two tries must not be better than one. The exercise is therefore also run once more with its own
-helpers. A check that fails both times fails because of the helpers, and the run with right
-helpers decides. A check that passes has to pass again. A deterministic answer loses nothing by
-this, and a coin that shows heads with probability p earns p² + (1 - p)² p, which is never more
-than p.
+Two tries must not be better than one. The exercise therefore also runs once more with the
+student's own helpers. If a check fails both times, the run with correct helpers decides. If a
+check passed, it has to pass again. A deterministic answer loses nothing by this. An answer that
+passes by chance with probability p earns p² + (1 - p)² p, which is never more than p.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
 _INCONSISTENT = (
-    "{name} was asked once more, as it calls a function that is wrong: what held the first time "
-    "and not the second does not count. Does it answer by chance?"
+    "{name} was run a second time because it calls a function that is wrong. A check that passed "
+    "the first time but failed the second time does not count. Does {name} use random numbers?"
 )
 
 
 @dataclass(frozen=True)
 class CarriedForward:
-    """The result of an exercise with right helpers.
+    """The result of an exercise with correct helpers.
 
     Attributes
     ----------
@@ -42,7 +41,7 @@ class CarriedForward:
     sentence : str
         A sentence that names the function at fault.
     program : grader.sandbox.program.Program
-        The notebook, with right helpers if these improved the result.
+        The notebook, with correct helpers if they improved the result.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -53,7 +52,7 @@ class CarriedForward:
 def carry_forward(
     setting: Setting, program: Program, results: RunResults
 ) -> tuple[dict[str, CarriedForward], bool]:
-    """Judge again the exercises that call a wrong helper.
+    """Judge the exercises that call a wrong helper a second time.
 
     Parameters
     ----------
@@ -61,21 +60,21 @@ def carry_forward(
     program : grader.sandbox.program.Program
         The notebook.
     results : grader.judging.program_run.RunResults
-        The results of the first run. They include which function calls which, read in the
-        sandbox, because untrusted code is not parsed here.
+        The results of the first run. They include which function calls which. The sandbox finds
+        this out, because untrusted code is not parsed here.
 
     Returns
     -------
-    followed : dict of str to CarriedForward
-        By exercise; only those whose result changes.
+    improved : dict of str to CarriedForward
+        The new results by exercise, of those exercises whose result changes.
     starved : bool
-        Whether code reached a time limit because it hardly got a processor.
+        Whether code reached a time limit because it got hardly any processor time.
     """
     exercises = setting.lesson.machine_graded
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     improved, starved = {}, False
     for number, exercise in enumerate(exercises):
-        # Later functions may be derived from this one, so a right one could give them the answer.
+        # Later functions may build on this one, so a correct version could contain its answer.
         earlier = [before.name for before in exercises[:number]]
         called = failing.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
@@ -93,7 +92,7 @@ def carry_forward(
         starved |= any(run.starved for run in runs)
         first = results.outcomes_of(exercise.name)
         by_check = [{outcome.check: outcome for outcome in run.outcomes} for run in runs]
-        # If every check passed, there is nothing to correct: they pass again, or it was luck.
+        # If every check passed, both runs use the student's helpers: the checks have to pass again.
         outcomes = tuple(
             decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
             for outcome in first
@@ -109,10 +108,16 @@ def carry_forward(
 
 
 def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outcome) -> Outcome:
-    """Decide how a check counts that ran twice with the student's helpers and once with right ones.
+    """Return the outcome that counts for a check.
 
-    A process that had to be stopped did not answer. It neither spoils an answer that was right
-    nor confirms one that was wrong.
+    If a process had to be stopped, there was no answer. Such a run does not turn a pass into a
+    failure, and does not count as a second failure of a wrong answer either.
+
+    Parameters
+    ----------
+    first, repeated : Outcome
+        The outcomes of two runs with the student's own helpers.
+    with_right_helpers : Outcome
     """
     if not first.failure:
         wrong = repeated.failure and not _is_stop(repeated)
@@ -128,10 +133,10 @@ def _is_stop(outcome: Outcome) -> bool:
 def _with_right_helpers(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
-    """Return the notebook with the lesson's own helpers in place of the student's.
+    """Return the notebook with the lesson's helpers in place of the student's.
 
-    The helpers come from the built solution, which the rehearsal has judged, and not from a
-    source that an author has changed since.
+    The helpers come from the built solution, which the rehearsal has judged. The source may have
+    changed since then.
     """
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     right = [
@@ -148,8 +153,8 @@ def _with_right_helpers(
 
 
 def _sentence(exercise: Exercise, helpers: tuple[str, ...], before: float, after: float) -> str:
-    wrong, right = ("is", "a right one") if len(helpers) == 1 else ("are", "right ones")
+    verb, correct = ("is", "a correct one") if len(helpers) == 1 else ("are", "correct ones")
     return (
-        f"{' and '.join(helpers)}, which {exercise.name} calls, {wrong} wrong. Judged with {right} "
+        f"{' and '.join(helpers)}, which {exercise.name} calls, {verb} wrong. With {correct} "
         f"instead, {exercise.name} earns {after:g} of {exercise.points:g} points, not {before:g}."
     )

@@ -1,4 +1,4 @@
-"""What hidden tests are made of: their decorator, cached oracles, and random generators."""
+"""Tools for hidden tests: a decorator, cached oracles, and random generators."""
 
 import dataclasses
 import functools
@@ -21,8 +21,8 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
     ----------
     exercise : str
     title, hint : str
-        Shown to students: they may say what is demanded, but not how it is tested. In the title of
-        a parametrized test, ``{}`` is replaced by the id of the parameters.
+        Texts that students see. They may say what the function must do, but not how it is tested.
+        In the title of a parametrized test, ``{}`` is replaced by the ID of the parameters.
     weight : float
         Share of the exercise's points, relative to its other checks.
     """
@@ -30,14 +30,14 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
 
 
 def check_of(item: pytest.Item) -> Check:
-    """Return the check that a test stands for."""
+    """Return the check that a hidden test represents."""
     check = item.get_closest_marker("judged").args[0]
     title = check.title.format(item.callspec.id) if hasattr(item, "callspec") else check.title
     return dataclasses.replace(check, name=item.name, title=title)
 
 
 def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
-    """Decorate a slow oracle, so that it caches its answers by the content of an array.
+    """Make a slow oracle cache its answers by the content of its array.
 
     The answers are read-only. All arguments after the array must be hashable.
     """
@@ -57,17 +57,17 @@ def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.nda
 
 
 def generator_for_students(seed: int, label: str) -> np.random.Generator:
-    """Return a generator that a student's function may receive.
+    """Return a random generator that may be passed to a student's function.
 
-    NumPy's seeding can be reversed: the state of a generator reveals its seed. This generator is
-    seeded with a digest, which does not reveal the secret.
+    NumPy's seeding can be reversed, so the state of a generator reveals its seed. This generator
+    is seeded with a digest of the secret, which does not reveal the secret itself.
 
     Parameters
     ----------
     seed : int
-        A secret.
+        The secret.
     label : str
-        Purpose of the generator, so that each purpose has a digest of its own.
+        Purpose of the generator. Each purpose gets a different digest.
     """
     digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))

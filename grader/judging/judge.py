@@ -1,4 +1,4 @@
-"""Judge one notebook: read it once, call the student's functions, decide in this process."""
+"""Judge one notebook: read it, call the student's functions, and decide in this process."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook
 
 JUDGE_FAILED_NOTE = (
-    "The judge failed on this notebook. This is not the student's fault, and no "
-    "points were given or taken. The verdict's file has the reason for the grader."
+    "The judge failed on this notebook. This is not the student's fault. No points were "
+    "given or taken away. The verdict file says why the judge failed."
 )
 
 
@@ -55,15 +55,15 @@ def judge(
         The course's secret, from which the input of hidden tests is drawn.
     sandbox : grader.sandbox.Sandbox
     lesson : grader.course.lessons.Lesson, optional
-        By default taken from the notebook's name or its metadata.
+        By default, the lesson that the notebook's file name or metadata states.
     student : str, optional
-        Identity that the verdict records.
+        The student's identity, which the verdict records.
     limits : grader.sandbox.Limits, optional
 
     Returns
     -------
     grader.judging.verdict.Verdict
-        Reached in every case, whatever the student's code does.
+        There is always a verdict, whatever the student's code does.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def judge_files(
     student: str = "",
     limits: Limits | None = None,
 ) -> Verdict:
-    """Judge a submission that has been read; see `judge`."""
+    """Judge a submission that has already been read; see `judge`."""
     begin = time.perf_counter()
     lesson = lesson or _lesson_of(submitted_files)
     try:
@@ -110,12 +110,12 @@ def judge_files(
 
 
 def lesson_of_file(path: Path) -> Lesson:
-    """Return the lesson of a notebook, without running any of it.
+    """Return the lesson of a notebook, without running the notebook.
 
     Raises
     ------
     UnknownLesson
-        If the file is not a notebook, or not one of a lesson that gives points.
+        If the file is not a notebook, or if its lesson has no points.
     """
     return _lesson_of(read_submitted_files(path))
 
@@ -146,7 +146,7 @@ def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
 
 @dataclass(frozen=True)
 class _Decision:
-    """The part of a verdict that judging decides."""
+    """The part of a verdict that depends on what the student's code does."""
 
     exercises: tuple[ExerciseResult, ...]
     problems: tuple[str, ...]
@@ -154,15 +154,15 @@ class _Decision:
     starved: bool = False
 
 
-# Results of notebooks with full marks, by everything that such a result depends on.
+# Results of notebooks with full marks. The key contains everything that a result depends on.
 _FULL_MARKS: dict[tuple, _Decision] = {}
 
 
 def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
     """Call `_decide`, or return the cached result of identical code with full marks.
 
-    Only full marks are cached: a failure may be the machine's fault, and must not spread to an
-    identical notebook.
+    Only full marks are cached. A failure may be the machine's fault, and must not be copied to
+    another student's identical notebook.
     """
     parts = [judge_input.code, judge_input.notes, judge_input.modules]
     text = json.dumps(parts, sort_keys=True).encode()
@@ -174,7 +174,7 @@ def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
     if not decision.faults and all(
         exercise.score == exercise.max_score for exercise in decision.exercises
     ):
-        # A class may have ten thousand students, and the results of right notebooks are identical.
+        # The parts are shared to save memory: a class may have ten thousand students.
         _FULL_MARKS[key] = replace(
             decision, exercises=tuple(map(with_shared_parts, decision.exercises))
         )
@@ -204,20 +204,20 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
         *(better.sentence for better in carried.values()),
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
-    # With full marks there is nothing to gain by another try.
+    # A notebook with full marks has nothing to gain from another try.
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
 def _with_retries(setting: Setting, program: Program, results: RunResults) -> RunResults:
-    """Run suspicious checks again and return all outcomes, with the new ones in their place.
+    """Run suspicious checks again, and return all outcomes with the new ones in place of the old.
 
-    A failure that does not recur costs no points.
+    A failure that does not recur does not cost any points.
     """
     suspicious = {outcome.check for outcome in _suspicious(results)}
     if not suspicious:
         return results
     again = run_program(setting, program, suspicious.__contains__)
-    if again.fault:  # then the first try counts
+    if again.fault:  # in this case the first run counts
         return results
     better = {outcome.check: outcome for outcome in again.outcomes}
     outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
@@ -225,7 +225,7 @@ def _with_retries(setting: Setting, program: Program, results: RunResults) -> Ru
 
 
 def _suspicious(results: RunResults) -> list[Outcome]:
-    """Return the outcomes with an exception that a wrong answer does not cause."""
+    """Return the outcomes with an exception that a wrong answer would not cause."""
     return [
         outcome
         for outcome in results.outcomes
@@ -234,7 +234,7 @@ def _suspicious(results: RunResults) -> list[Outcome]:
 
 
 def _faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
-    """Return what went wrong in the judge itself, so that the student cannot be judged."""
+    """Return descriptions of faults in the judge itself, which make a verdict impossible."""
     if results.fault:
         return (results.fault,)
     suspicious = _suspicious(results)
@@ -263,16 +263,16 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
 
 @functools.cache
 def given_code(lesson: Lesson) -> str:
-    """Return the source of the code that a lesson gives, as it was released."""
+    """Return the source of the functions that a lesson gives to students, as released."""
     return lesson.source_of(lesson.header.given)
 
 
 @functools.cache
 def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    """Return what the tests of a lesson find wrong with its own solution: faults of the tests.
+    """Return the complaints of a lesson's tests about its own solution.
 
-    The list is empty if the solution earns everything, as it must before a class is judged. A
-    fault recurs; a failure that a busy machine causes once is not a fault.
+    Such a complaint means that a test is faulty. Before a class is judged, the list must be empty.
+    If there are complaints, the tests run again, because a busy machine may cause a failure once.
     """
     return _complaints(lesson, seed, sandbox) and _complaints(lesson, seed, sandbox)
 

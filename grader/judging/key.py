@@ -1,8 +1,9 @@
-"""The key of a verdict: a fingerprint of everything that it depends on, and of nothing else.
+"""The key of a verdict: a fingerprint of everything that the verdict depends on.
 
-A verdict on disk is valid as long as its key is the same, so a comment in a plotting module does
-not cause a submission to be judged again. The code that decides is not listed by hand: import
-statements are followed from the judge, the sandbox's server, and the lesson's tests and checks.
+A stored verdict is valid as long as its key is the same. A new comment in a plotting module does
+not change the key, so submissions are not judged again. The code that a verdict depends on is not
+listed by hand. It is found by following import statements from the judge, the sandbox's server,
+and the lesson's tests and checks.
 """
 
 from __future__ import annotations
@@ -20,25 +21,25 @@ from grader.course.paths import PROJECT
 from grader.intake.submission import SubmittedFiles
 from grader.sandbox.boundary import SHOWN
 
-# Modules in which judging begins: the judge, and the process that student code is forked from.
+# Modules in which judging begins: the judge, and the server that forks processes for student code.
 ENTRY_MODULES = (
     PROJECT / "grader" / "judging" / "judge.py",
     PROJECT / "grader" / "sandbox" / "fork_server.py",
 )
-# Modules that only display results and are imported on demand; judging never reads them.
+# Modules that only display results. They are imported on demand, and judging never uses them.
 DISPLAY_MODULES = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 # Arrays that checks read.
 ARRAYS = tuple((PROJECT / "data").glob("*.npz"))
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
-# A pattern instead of a syntax tree, which takes ten times as long. An import that it finds in a
-# docstring does no harm.
+# A regular expression, because a syntax tree takes ten times as long. It may also match text in a
+# docstring, which does no harm.
 _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.*)|import (.*))$", re.M)
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of each library that decides, by name."""
-    # A patch release of Python does not change answers.
+    """Return the versions of Python and of each library that verdicts depend on, by name."""
+    # Patch releases are ignored, because they do not change answers.
     python = ".".join(map(str, sys.version_info[:2]))
     return {"Python": python} | {name: metadata.version(name) for name in LIBRARIES}
 
@@ -46,19 +47,19 @@ def versions() -> dict[str, str]:
 def verdict_key(
     submitted_files: SubmittedFiles, lesson: Lesson, seed: int, student: str = ""
 ) -> str:
-    """Return the fingerprint of a submission and of the rules that it is judged by."""
+    """Return the fingerprint of a submission and of everything that is used to judge it."""
     parts = (str(seed), student, rules_key(lesson), submitted_files.fingerprint())
     return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
 def rules_key(lesson: Lesson) -> str:
-    """Return the fingerprint of everything that decides in one lesson."""
+    """Return the fingerprint of everything that verdicts on one lesson depend on."""
     return key_of_files(lesson.name, files_that_decide(lesson))
 
 
 def key_of_files(subject: str, files: Iterable[Path]) -> str:
-    """Return the fingerprint of some files, the libraries, and the name of their subject."""
+    """Return the fingerprint of a subject's name, the library versions, and some files."""
     digest = hashlib.sha256(subject.encode())
     for name, version in versions().items():
         digest.update(f"{name} {version}\0".encode())
@@ -70,13 +71,13 @@ def key_of_files(subject: str, files: Iterable[Path]) -> str:
 def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
     entries = {*ENTRY_MODULES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
-    # The source says what is forbidden; the solution contains the right helpers.
+    # The source lists forbidden modules and functions; the solution contains correct helpers.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return frozenset(with_imports(entries) | notebooks | {*ARRAYS})
 
 
 def with_imports(files: Iterable[Path]) -> set[Path]:
-    """Return some files, all project files that they import, and the files in the sandbox."""
+    """Return the files, all project files that they import, and the files shown in the sandbox."""
     found, waiting = set(), set(files)
     while waiting:
         file = waiting.pop()
@@ -90,7 +91,7 @@ def with_imports(files: Iterable[Path]) -> set[Path]:
 
 @functools.cache
 def _imported_by(file: Path) -> set[Path]:
-    """Return the project files that a file imports, at its head or inside a function."""
+    """Return the project files that a file imports, at its top or inside a function."""
     modules = set()
     for package, names, whole in _IMPORT.findall(file.read_text("utf-8")):
         modules |= {f"{package}.{name}" for name in re.findall(r"\w+", names)}

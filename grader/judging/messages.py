@@ -1,9 +1,9 @@
 """Messages about failed checks and about an exercise as a whole.
 
-Messages never contain test input or text that student code controls. They say what kind of thing
-is wrong and where in the student's own code, and give the lesson's hint. Even for visible checks,
-whose input is in the notebook, the answer is not shown, because it might contain another check's
-input. The student's own `check()` shows everything.
+Messages never contain test input or text that student code controls. They say what kind of mistake
+the student made and on which line, and give the lesson's hint. They never show the student's
+answer, not even for visible checks, because the answer might contain the input of another check.
+In the notebook, `check()` shows everything.
 """
 
 import dataclasses
@@ -31,21 +31,21 @@ from utils.checks.summary import Summary, hint_for
 from utils.checks.tips import tip_for
 from utils.remote_objects import ENDLESS
 
-# Messages on visible checks show small counts, as in "2 of 5 rows": so many, and below a hundred.
+# Messages about visible checks may show a few small counts, as in "2 of 5 rows".
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
 def shareable(outcome: Outcome, open_to_all: bool) -> Outcome:
-    """Return the outcome of a check with a failure whose message may be shown.
+    """Return the outcome of a check, with a failure whose message may be shown to the student.
 
     Parameters
     ----------
     outcome : Outcome
         The original outcome.
     open_to_all : bool
-        False if the student's code ran together with code that messages must not reveal. Visible
-        checks are then treated like hidden ones.
+        False if the student's code ran together with code that messages must not reveal. In this
+        case, visible checks are treated like hidden tests.
     """
     if outcome.failure is None:
         return outcome
@@ -55,7 +55,7 @@ def shareable(outcome: Outcome, open_to_all: bool) -> Outcome:
 
 @dataclass(frozen=True)
 class Message:
-    """The message on a failed check; the attributes are those of `CheckResult`."""
+    """The message about a failed check. `CheckResult` describes the attributes."""
 
     text: str
     kind: MessageKind = MessageKind.OWN
@@ -64,10 +64,10 @@ class Message:
 
 
 def messages_of(story: Summary) -> dict[Outcome, Message]:
-    """Return the message on each failed check; a shared cause is explained once.
+    """Return the message about each failed check. A shared cause is explained only once.
 
-    Only the first failure has a hint, as in `check()`: the others may have a different cause than
-    the one that their own hint is about.
+    Only the message about the first failure has a hint, as in `check()`. The hints of the other
+    checks may not match the cause of their failures.
     """
     if story.first is None:
         return {}
@@ -88,7 +88,7 @@ def messages_of(story: Summary) -> dict[Outcome, Message]:
 
 
 def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:
-    """Return the message on a failure, with one line for each part."""
+    """Return the message about a failure, with one line for each part."""
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
     hint = hint and f"Hint: {hint}"
@@ -117,7 +117,7 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        sentence = sentence_on(error) if visible else error.without_words
+        sentence = sentence_on(error) if visible else error.safe_sentence
         tip = tip_for(error.type_name, error.message, error.line)
         place = error.place if visible else error.shown_place
         return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
@@ -129,20 +129,20 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
         return kind(words(error.marked), hint=error.hint)
     if isinstance(error, JudgeTimeout):
         return WrongForm(
-            "Comparing the answer took longer than any right answer needs: is it much larger "
-            "than what was asked for?"
+            "Comparing the answer took longer than for any right answer. Is the answer much "
+            "larger than it should be?"
         )
     return WrongForm(
         "The answer could not be compared with the right one "
-        f"({type(error).__name__}): is it what the docstring promises?"
+        f"({type(error).__name__}). Is it what the docstring describes?"
     )
 
 
 def without_numbers(message: str, few: int = 0) -> str:
-    """Return a message without numbers and examples, so that only the kind of mistake is left.
+    """Return a message without numbers and examples, which might reveal a secret answer.
 
-    Numbers of the task itself stay (`utils.checks.failures.fixed`). A few small whole numbers may
-    stay as well, because they reveal little of a secret answer.
+    Numbers that belong to the task stay (see `utils.checks.failures.fixed`). The first `few` small
+    whole numbers stay as well, because they reveal little about the answer.
     """
     whole = iter(range(few))
 
@@ -153,7 +153,7 @@ def without_numbers(message: str, few: int = 0) -> str:
 
 
 def common_text(messages: Sequence[str]) -> str:
-    """Return the common text of messages that differ only in numbers; equal numbers stay."""
+    """Return the common text of messages that differ only in numbers. Equal numbers are kept."""
     bare, numbers = zip(*map(_split_numbers, messages), strict=True)
     if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
         return without_numbers(messages[0])
@@ -183,9 +183,9 @@ with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
 
 
 def _notebook_pointer(outcome: Outcome) -> str:
-    """Return a sentence on what the notebook shows in addition; empty if nothing."""
+    """Return a sentence about what the notebook shows in addition, or an empty text."""
     if outcome.check.is_shown and outcome.failure.is_about_an_answer:
-        return "The check in the notebook shows your answer beside the right one."
+        return "The check in the notebook shows your answer next to the right one."
     if outcome.check.is_shown and isinstance(outcome.failure, Raised):
-        return "The check in the notebook shows what Python says about it."
+        return "The check in the notebook shows Python's full error message."
     return ""

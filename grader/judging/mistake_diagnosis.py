@@ -1,9 +1,10 @@
-"""Decide whether a named mistake explains everything that an exercise lost.
+"""Decide whether a named mistake explains all points that an exercise lost.
 
-Two conditions must hold. A function that makes this mistake and no other, built from the lesson's
-own solution, fails exactly the same checks. And the student's function gives the same answers as
-that function in all checks, visible and hidden, on the course's own input and on input drawn from
-its seed.
+To decide this, the lesson's own solution is turned into a function that makes this mistake and no
+other. Two conditions must be met:
+
+- The function fails exactly the checks that the student's function fails.
+- In all checks, visible and hidden, both functions give the same answers.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from utils.notebooks import slicing
 
 @functools.cache
 def _solution(lesson: Lesson, exercise: str) -> Callable:
-    """Return the lesson's own function, as its rehearsal has judged it."""
+    """Return the function from the lesson's built solution, which the rehearsal has judged."""
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for((exercise,), statements):
@@ -32,15 +33,16 @@ def _solution(lesson: Lesson, exercise: str) -> Callable:
     return namespace[exercise]
 
 
-class _ComparingProxy:
-    """A student proxy that compares the answers to one exercise with those of a function.
+class _SubstituteProxy:
+    """A student proxy in which another function takes the place of one exercise.
 
     Parameters
     ----------
     student : object
+        The original proxy.
     exercise : str
     function : callable
-        Called with the same arguments as the student's function.
+        Called instead of the student's function.
     """
 
     def __init__(self, student: object, exercise: str, function: Callable) -> None:
@@ -92,8 +94,8 @@ def explains(
 def _failed_by(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
-    """Return the checks that a function fails in place of the student's."""
-    proxy = _ComparingProxy(student, exercise, function)
+    """Return the checks that fail when a function takes the place of the student's."""
+    proxy = _SubstituteProxy(student, exercise, function)
     outcomes = run_checks(
         setting.lesson, proxy, setting.seed, lambda check: check.exercise == exercise
     )

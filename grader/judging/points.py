@@ -8,22 +8,22 @@ from utils.checks.outcomes import Outcome
 
 
 def shares(points: float, weights: Sequence[float]) -> list[float]:
-    """Divide points by weight, to the cent, so that the parts add up exactly.
+    """Divide points by weight, to the cent, so that the shares add up exactly.
 
-    This is the method of the largest remainder (Hamilton's). Each part is rounded down to a cent,
-    and the cents that are left go to the largest fractions; of equal fractions the first wins.
+    This is the largest remainder method (Hamilton's method). Each share is rounded down to a cent,
+    and the remaining cents go to the largest fractions. If fractions are equal, the first wins.
 
     Parameters
     ----------
     points : float
-        With two decimals at most.
+        With at most two decimals.
     weights : sequence of float
         Positive.
 
     Returns
     -------
     list of float
-        One for each weight; they add up to `points`.
+        One share for each weight.
     """
     cents, whole = round(100 * points), sum(weights)
     exact = [cents * weight / whole for weight in weights]
@@ -45,9 +45,9 @@ def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
     Parameters
     ----------
     points : float
-        Points of the whole exercise.
+        The exercise's maximum.
     outcomes : sequence of Outcome
-        Outcomes of all its checks.
+        The outcomes of all checks of the exercise.
     """
     maxima = shares(points, [outcome.check.weight for outcome in outcomes])
     return total([share for share, one in zip(maxima, outcomes, strict=True) if not one.failure])

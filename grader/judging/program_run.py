@@ -1,4 +1,4 @@
-"""Run the checks on a notebook's program, in a worker process of its own."""
+"""Run the checks on a notebook's program in a separate worker process."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from utils.checks.outcomes import Outcome
 
 @dataclass(frozen=True)
 class Setting:
-    """The rules that a notebook is judged by, and the place where it runs.
+    """The rules for judging a notebook, and the sandbox in which it runs.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Setting:
     sandbox : grader.sandbox.Sandbox
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
-        Time that is left for the notebook over all runs; by default each run has its own.
+        Remaining time of the notebook, shared by all runs. By default, each run has its own.
     """
 
     lesson: Lesson
@@ -51,11 +51,11 @@ class RunResults:
     uses : dict of str to tuple of str
         The functions that each exercise calls.
     starved : bool
-        Whether code reached a time limit because it hardly got a processor.
+        Whether code reached a time limit because it got hardly any processor time.
     mistakes : dict of str to utils.checks.diagnosis.Mistake
         The mistake that explains the answers to an exercise, by the exercise's name.
     fault : str
-        Why some check could not be run, so that the student cannot be judged.
+        Why a check could not be run. If this is not empty, the student cannot be judged.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -88,7 +88,7 @@ def run_program(
     explain : bool
         Whether to look for mistakes that explain wrong answers.
     keep_going : bool
-        Whether to go on after a failure; if not, all later checks fail without being run.
+        Whether to continue after a failure. If not, all later checks fail without being run.
 
     Raises
     ------

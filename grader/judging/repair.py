@@ -1,13 +1,15 @@
 """Look for the one edit that makes a wrong answer right.
 
-Each edit of the student's own functions (`utils.notebooks.edits`) runs the checks that the answer
-failed, all in one process. If an edit passes these, the notebook with the edit is judged like a
-submission, hidden tests included. Only if it then loses nothing is one slip proven. A repair
-therefore earns points for an answer that is nearly right, and an empty answer has nothing to
-repair. An answer that guesses gains nothing: the edit would have to make every guess right.
+The search applies one edit after another to the student's functions (see `utils.notebooks.edits`)
+and repeats the checks that the answer failed, all in one process. If these checks pass, the edited
+notebook is judged like a submission, including hidden tests. If it then earns full marks, the
+answer is proven to have a single slip, and the student keeps part of the points.
 
-Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) repair with the
-answers of other students. Here other answers are not needed, because the checks decide.
+An empty answer gains nothing, because no edit repairs it. An answer that guesses gains nothing
+either, because an edit would have to make every guess right.
+
+Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) use the answers
+of other students for repairs. Here they are not needed, because the checks decide.
 """
 
 from __future__ import annotations
@@ -33,25 +35,27 @@ from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# The likeliest edits all get their turn, so that a mark does not depend on the machine; the others
-# only within the first seconds, and so do all where a mark cannot depend on them. The limit after
-# that is for questions that take very long.
+# If a mark depends on the search, this many edits are always tried, so that the mark does not
+# depend on the speed of the machine. Only the upper time limits can end the search earlier.
 LIKELIEST_EDITS = 320
-# Processor seconds for the edits of one exercise, in the judge and in the sandbox.
+# Processor seconds for the edits of one exercise, in the judge and the sandbox together. The lower
+# limit is for edits beyond the likeliest ones, the upper limit for all.
 LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
 # Seconds of wall-clock time, for code that sleeps a little in each call.
 MOST_SECONDS = 60.0
-# A right answer needs less for the first checks, and an edit may create an endless loop.
+# A limit per call, because an edit may create an endless loop. A right answer needs less time.
 SECONDS_OF_A_CALL = 0.25
-SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # once an edit has hung
-# Processes that may end because of an edit; the time limit usually comes first.
+SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # after the first edit that did not finish
+# How many processes may end because of an edit. The time limit is usually reached first.
 MOST_RESTARTS = 100
-# After so many edits that pass the failed checks but not everything, the search stops.
+# The search stops after this many edits that pass the failed checks.
 MOST_JUDGED = 3
-# A missing module is not among them: a progress bar is one edit away from a right answer.
+# Missing modules are not listed here: deleting a progress bar may make an answer right.
 UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
-EDITS_PER_LOOK = 16  # edits, because reading the processor's clock takes longer than most edits
-SECONDS_BETWEEN_LOOKS = 0.1  # seconds, because one edit that hangs takes as long as many others
+# The time is checked after this many edits, because reading the processor's clock takes longer
+# than most edits, and after this many seconds, because an edit with an endless loop takes long.
+EDITS_PER_LOOK = 16
+SECONDS_BETWEEN_LOOKS = 0.1
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ class Repair:
     line : int
         Number of the first line that changes.
     before, after : str
-        The lines that change, and what they become.
+        The lines that change, and their new text.
     """
 
     cell: int
@@ -80,11 +84,11 @@ def find_slips(
     """Return the proven slip of each exercise that lost points, by the exercise's name.
 
     A slip is the edit that repairs the exercise, or the named mistake that explains all its
-    answers. If the notebook's own cells never end, nothing is tried, because each exercise would
-    wait for them again.
+    answers. If the notebook's own cells do not finish, no edit is tried, because each exercise
+    would have to wait for them again.
     """
     found = {}
-    if setting.budget and not setting.budget.begins:
+    if setting.budget and not setting.budget.cells_finish:
         return found
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = results.mistakes.get(exercise.name)
@@ -94,8 +98,8 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            # Where the checks earn more than a slip keeps, an edit only explains. If the answer
-            # has used up its patience, its edits would take as long.
+            # If the checks already earn more, an edit only explains what is wrong. If the failed
+            # calls have taken as long as one call may, the edits would take as long.
             matters = _share(outcomes) < ONE_SLIP_KEEPS and not _is_out_of_patience(
                 setting, exercise.name
             )
@@ -120,13 +124,13 @@ def _is_out_of_patience(setting: Setting, exercise: str) -> bool:
 
 
 def _share(outcomes: Sequence[Outcome]) -> float:
-    """Return the share of the exercise that its checks earn."""
+    """Return the share of an exercise's points that the passed checks earn."""
     earned = sum(outcome.check.weight for outcome in outcomes if not outcome.failure)
     return earned / sum(outcome.check.weight for outcome in outcomes)
 
 
 def _is_unrepairable(outcome: Outcome) -> bool:
-    """Return whether a check met an unwritten function, or one that the lesson forbids.
+    """Return whether a check failed at an unwritten function or at a forbidden import.
 
     A forbidden import is not a slip: the function would not work without that line.
     """
@@ -135,7 +139,7 @@ def _is_unrepairable(outcome: Outcome) -> bool:
 
 
 def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
-    """Return the cells and lines at which the student's code raised, or called code that did."""
+    """Return the cell and line numbers at which the student's code raised, or called such code."""
     errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
     locations = [
         location for error in errors for location in (error.place, error.calling) if location
@@ -150,7 +154,7 @@ def find_repair(
     failed: tuple[Outcome, ...],
     likeliest: int = LIKELIEST_EDITS,
 ) -> Repair | None:
-    """Return the edit with which an exercise loses nothing, or None if none was found.
+    """Return an edit that gives an exercise full marks, or None if none was found.
 
     Parameters
     ----------
@@ -161,7 +165,7 @@ def find_repair(
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
     likeliest : int
-        Edits to try however long they take, within `MOST_CPU_SECONDS`.
+        Number of edits that are tried even after `LEAST_CPU_SECONDS`.
     """
     for cell, first, last, text in _passing_edits(setting, program, exercise, failed, likeliest):
         program_with_edit = program.edited(cell, first, last, text)
@@ -179,17 +183,17 @@ def _likeliest_first(
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
     """Return numbered edits in the order in which to try them.
 
-    Edits of lines that raised come first, and edits that supply what was missing: an end if the
-    function had to be stopped, a return value if it returned nothing.
+    These edits come first: edits of lines that raised, edits that end a function that had to be
+    stopped, and edits that return a value from a function that returned None.
     """
     raised_at = _raising_lines(failed)
-    hangs = any(_hangs(outcome.failure) for outcome in failed)
+    was_stopped = any(_was_stopped(outcome.failure) for outcome in failed)
     returned_none = any(getattr(outcome.failure, "yours", "") == "None" for outcome in failed)
 
     def is_unlikely(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
         cell, first, last, text = numbered[1]
         words = text.split()
-        ends = hangs and words[-1:] in (["return"], ["break"])
+        ends = was_stopped and words[-1:] in (["return"], ["break"])
         returns = returned_none and words[:1] == ["return"] and len(words) > 1
         return not (ends or returns) and not any(
             cell == raising_cell and first <= line <= last for raising_cell, line in raised_at
@@ -206,14 +210,14 @@ def _unchanged_cells(lesson: Lesson, program: Program) -> frozenset[int]:
 
 
 class _FailedChecks:
-    """The checks that an answer failed: visible ones first, then hidden ones.
+    """The checks that an answer failed: first visible checks, then hidden tests.
 
     Parameters
     ----------
     setting : grader.judging.program_run.Setting
     student : grader.sandbox.student.StudentProxy
     budget : grader.sandbox.time_budget.Budget
-        The student's.
+        The student's remaining time.
     failed : tuple of utils.checks.outcomes.Outcome
     """
 
@@ -235,23 +239,23 @@ class _FailedChecks:
     def first_fails(self) -> bool:
         """Return whether the first check fails.
 
-        Most edits that hang do so here. After the first one that hangs, all others get only a part
-        of the time.
+        Most edits that cause an endless loop do so here. After the first such edit, the others get
+        much less time.
         """
         self._student.interrupts_after = self._first_seconds
         with one_run():
             failure = _failure_of(next(iter(self)))
-        if _hangs(failure):
+        if _was_stopped(failure):
             self._first_seconds = SECONDS_OF_A_FIRST_CALL
         return failure is not None
 
     def pass_with(self, number: int) -> bool:
-        """Return whether an edit passes all checks, within a time of its own.
+        """Return whether an edit passes all checks, within a time limit for each call.
 
-        Hidden tests use large input, on which a right answer may take longer than an edit is
-        allowed. An edit that does not finish there counts as passing, and the judge decides.
+        On the large input of a hidden test, even a right answer may exceed this limit. An edit
+        that does not finish there counts as passing, and the full judgement decides.
         """
-        self._budget.lost.pop(self._student.exercise, None)
+        self._budget.failed_seconds.pop(self._student.exercise, None)
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
@@ -259,7 +263,7 @@ class _FailedChecks:
             for index, call in enumerate(self):
                 failure = _failure_of(call) if index else None
                 if failure is not None:
-                    return index >= len(self._visible) and _hangs(failure)
+                    return index >= len(self._visible) and _was_stopped(failure)
         return True
 
 
@@ -271,10 +275,10 @@ def _failure_of(call: Callable[[], object]) -> Exception | None:
     return None
 
 
-def _hangs(failure: Exception | None) -> bool:
+def _was_stopped(failure: Exception | None) -> bool:
     """Return whether a call did not end and had to be stopped or interrupted.
 
-    A check may wrap the original exception in one of its own.
+    A check may wrap the original exception in another one.
     """
     original = failure and failure.__context__
     return any(
@@ -291,13 +295,13 @@ def _passing_edits(
     failed: tuple[Outcome, ...],
     likeliest: int,
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Yield the first few edits that pass the checks that the answer failed."""
+    """Yield edits that pass the checks that the answer failed, at most `MOST_JUDGED`."""
     limits = setting.limits or Limits()
     seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
     limits = replace(limits, call_seconds=seconds, restarts=MOST_RESTARTS)
     budget = setting.budget or Budget(limits)
     with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
-        # A name of its own, because the student's own answer did not hang.
+        # A separate name, so that a stopped edit is not blamed on the student's own answer.
         student.exercise = f"an edit of {exercise}"
         try:
             student.start()
@@ -306,7 +310,7 @@ def _passing_edits(
         begin, slept, found, next_look = time.process_time() + student.cpu_seconds, 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
         failed_checks = _FailedChecks(setting, student, budget, failed)
-        if not failed_checks.first_fails():  # an answer that guesses must not get another try
+        if not failed_checks.first_fails():  # the answer guesses, and gets only one try
             return
         given = _unchanged_cells(setting.lesson, program)
         edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]

@@ -1,7 +1,7 @@
 """Run the checks of a lesson in this process, which never executes student code.
 
-Visible checks run as in the notebook; hidden tests are tests of pytest. Settings in the
-environment, plugins and ``conftest.py`` files have no influence.
+Visible checks run as in the notebook, and hidden tests run in pytest. Settings in the environment,
+plugins and ``conftest.py`` files have no effect.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ from utils.checks.run_cache import one_run
 # Processor seconds that one test may take in this process, without the student's code. All failed
 # checks of an exercise together may also take so long.
 SECONDS_OF_A_TEST = 15.0
-# An exercise may return this many answers that are far too large: reading each takes seconds.
+# After this many answers that are far too large, an exercise is no longer called: reading each
+# takes seconds.
 MOST_TOO_LARGE = 5
-# Plugins of pytest that hidden tests do not need. Each costs a quarter of a millisecond.
+# Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
     *("legacypath", "logging", "pastebin", "recwarn", "reports", "setuponly", "setupplan"),
@@ -59,11 +60,11 @@ _OPTIONS = (
 
 
 class JudgeTimeout(Exception):
-    """Comparing an answer took longer than any right answer needs."""
+    """Comparing an answer took longer than for any right answer."""
 
 
 class JudgeFault(Exception):
-    """The tests themselves could not be run, which is a fault of the course."""
+    """The tests themselves could not be run. This is a fault of the course, not the student."""
 
 
 # Exceptions that a wrong answer causes in a check. Any other may be a fault of the check.
@@ -71,7 +72,7 @@ EXPECTED_FAILURES = (CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 
 
 class _Runner:
-    """Runs one check after another and records the outcomes; also a pytest plugin."""
+    """Runs one check after another and records the outcomes. It is also a pytest plugin."""
 
     def __init__(
         self,
@@ -101,7 +102,7 @@ class _Runner:
 
     @contextlib.contextmanager
     def under_test(self, check: Check) -> Iterator[None]:
-        """Set the exercise that is under test, and limit the time of the judge's own work."""
+        """Set the exercise under test, and limit the processor time of the judge itself."""
         exercise = check.exercise
         self.proxy.begin_check(exercise)
         if not self.continues:
@@ -132,12 +133,12 @@ class _Runner:
         if isinstance(error, SandboxUnavailable):
             self.sandbox_error = error
         if isinstance(error, JudgeTimeout):
-            self.proxy.close()  # the conversation may have been interrupted half-way
+            self.proxy.close()  # a call may have been interrupted before its reply was read
         _release_answers(error)
         self.outcomes[check] = Outcome(check, error)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Deselect the tests that were not selected; record the others as not run yet."""
+        """Keep the selected tests, and record each as not run yet."""
         self.tests = len(items)
         items[:] = [item for item in items if self.selected(check_of(item))]
         self.outcomes |= {check_of(item): None for item in items}
@@ -172,7 +173,7 @@ class _Runner:
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Record why a file of tests could not be read."""
+        """Record why a test file could not be read."""
         if report.failed:
             self.complaints.append(str(report.longrepr))
 
@@ -203,22 +204,22 @@ def _release_answers(error: Exception | None) -> None:
 
 
 class _UntouchedRunner(_Runner):
-    """Records each check as not started, without calling a function of the student."""
+    """Records each check as not started, without calling the student's functions."""
 
     def under_test(self, check: Check) -> NoReturn:
-        """Raise what an untouched stub raises."""
+        """Raise the error of an untouched stub."""
         raise StudentError(check.exercise, "NotImplementedError")
 
 
 class _Collector(_Runner):
-    """Collects the hidden tests, so that they can be run later and several times."""
+    """Collects the hidden tests, so that they can run later and several times."""
 
     def __init__(self, student: StudentProxy, seed: int, selected: Callable[[Check], bool]) -> None:
         super().__init__(student, seed, selected)
         self.calls: list[Callable[[], object]] = []
 
     def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
-        """Keep a test, and report to pytest that it has run."""
+        """Store a test as a call, and report to pytest that it has run."""
         names = inspect.signature(pyfuncitem.obj).parameters
         arguments = {name: pyfuncitem.funcargs[name] for name in names}
         self.calls.append(functools.partial(pyfuncitem.obj, **arguments))
@@ -228,7 +229,7 @@ class _Collector(_Runner):
 def visible_calls(
     student: StudentProxy, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Return the visible ones of some checks as callables that raise for a wrong answer."""
+    """Return the visible checks as callables, which raise an exception for a wrong answer."""
     return tuple(
         functools.partial(check.run, getattr(student, object_to_diagnose(check.exercise)))
         for check in checks
@@ -239,7 +240,7 @@ def visible_calls(
 def hidden_calls(
     lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Return the hidden ones of some checks as `visible_calls` does; see `run_checks`."""
+    """Return the hidden tests as callables, which raise an exception for a wrong answer."""
     names = {check.name for check in checks if not check.is_shown}
     if not names:
         return ()
@@ -262,8 +263,8 @@ def run_checks(
 ) -> list[Outcome]:
     """Run the checks of a lesson.
 
-    Visible checks come first, because students read more about them. Until they have run, the
-    student's code has not received any hidden input.
+    Visible checks come first, because their messages show students more. At that point, the
+    student's code has not yet received any hidden input.
 
     Parameters
     ----------
@@ -274,7 +275,7 @@ def run_checks(
     selected : callable
         Takes a check and returns whether to run it.
     keep_going : bool
-        Whether to go on after a failure; if not, all later checks fail without being run.
+        Whether to continue after a failure. If not, all later checks fail without being run.
 
     Returns
     -------
@@ -287,19 +288,19 @@ def run_checks(
         If a check could not be run.
     grader.sandbox.SandboxUnavailable
     KeyboardInterrupt
-        Raised again here, because pytest catches it.
+        Pytest catches it, so it is raised again here.
     """
     return _run(lesson, _Runner(student, seed, selected, keep_going))
 
 
 @functools.cache
 def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
-    """Return what `run_checks` finds for an untouched notebook, without running anything."""
+    """Return the outcomes of `run_checks` for an untouched notebook, without running it."""
     return tuple(_run(lesson, _UntouchedRunner(None, 0, every_check)))
 
 
 def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
-    importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # and no other lesson's
+    importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
     with one_run():
         for exercise in lesson.machine_graded:
             for check in filter(runner.selected, checks_of(exercise.name)):
@@ -313,15 +314,15 @@ def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
     if not runner.tests or missing:
         raise JudgeFault(
             f"pytest ran {runner.tests - len(missing)} of {runner.tests} tests in "
-            f"{lesson.name}/{lesson.tests.name} (exit code {code}). Run it by hand to see why."
-            + "".join(f"\n{complaints}" for complaints in runner.complaints)
+            f"{lesson.name}/{lesson.tests.name} (exit code {code}). Run pytest on this file to see "
+            "why." + "".join(f"\n{complaints}" for complaints in runner.complaints)
         )
     return [*runner.outcomes.values()]
 
 
 def _run_hidden_tests(lesson: Lesson, runner: _Runner) -> int:
     """Run the hidden tests with pytest and return its exit code."""
-    # Without this option pytest reads every folder above.
+    # Without this option, pytest searches all parent folders for configuration.
     option = f"--confcutdir={lesson.tests.parent}"
     with _plain_environment():
         return int(pytest.main([str(lesson.tests), option, *_OPTIONS], plugins=[runner]))
@@ -329,7 +330,7 @@ def _run_hidden_tests(lesson: Lesson, runner: _Runner) -> int:
 
 @contextlib.contextmanager
 def _plain_environment() -> Iterator[None]:
-    """Hide settings of pytest in the environment, inside a with statement."""
+    """Hide pytest's environment variables inside a with statement."""
     before = {name: text for name, text in os.environ.items() if name.startswith(("PYTEST", "PY_"))}
     for name in before:
         del os.environ[name]
@@ -343,7 +344,7 @@ def _plain_environment() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _limited_cpu_time(seconds: float) -> Iterator[None]:
-    """Raise `JudgeTimeout` once this process has used so many seconds; waiting does not count."""
+    """Raise `JudgeTimeout` after this many processor seconds, inside a with statement."""
     if threading.current_thread() is not threading.main_thread():
         yield  # Python can be interrupted only in the main thread
         return

@@ -17,12 +17,12 @@ JUDGED, FAILED = "judged", "judge_failed"
 
 
 class MessageKind(enum.StrEnum):
-    """The kind of a check's message. Layout and folding use it, never the words."""
+    """The kind of a check's message. Feedback pages depend on it, and not on the words."""
 
-    OWN = "own"  # says something of its own; also an empty message
-    SAME_REASON = "same reason"  # fails for the same reason as another check
-    WAITING = "waiting"  # cannot be judged before something more basic is right
-    NOT_STARTED = "not started"  # meets a stub
+    OWN = "own"  # the message explains this check; also used if there is no message
+    SAME_REASON = "same reason"  # the check fails for the same reason as another check
+    WAITING = "waiting"  # the check cannot be judged before a more basic one passes
+    NOT_STARTED = "not started"  # the function is still a stub
     OUT_OF_TIME = "out of time"  # a call took too long
 
 
@@ -36,15 +36,15 @@ class CheckResult:
     passed : bool
     score, max_score : float
     message : str
-        The whole message, line by line; empty if the check passed.
+        The full message, which may have several lines; empty if the check passed.
     visible : bool
         Whether students see the check in the notebook.
     kind : MessageKind
     subject : str
-        What the message is about: the function that is not started, the title of the check with
-        the same reason, or what has to be right first.
+        Subject of the message: the function that is not started, the title of the check that
+        failed for the same reason, or the property that has to be right first.
     hint : str
-        The line of the message that is a hint.
+        The line of the message that contains the hint.
     """
 
     name: str
@@ -81,13 +81,13 @@ class Slip:
 
     @property
     def sentence(self) -> str:
-        """The sentence for the student, with the rule that keeps points if there is one slip."""
+        """The sentence for the student, which also mentions points kept for a single slip."""
         kept = " An exercise with a single slip keeps these points." if self.score else ""
         return f"{self.place}{kept}"
 
     @property
     def place(self) -> str:
-        """The sentence that says where the slip is, but not what it is."""
+        """The sentence that says where the slip is, but not how to correct it."""
         if not self.cell:
             return "The mistake named here explains every wrong answer."
         line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
@@ -105,9 +105,9 @@ class ExerciseResult:
     score, max_score : float
     tests : tuple of CheckResult
     cause : str
-        Message on the first thing to fix, line by line; empty if no check failed.
+        Message about the first problem to fix; empty if no check failed.
     first : str
-        Name of the check that it is about; empty if none failed or nothing was written.
+        Name of the check with this problem; empty if no check failed or nothing was written.
     slip : Slip or None
         The proven slip, if there is one.
     """
@@ -142,7 +142,8 @@ class Verdict:
     faults : tuple of str
         Failures of the judge itself, with tracebacks, for the instructor.
     starved : bool
-        Whether points were lost while code reached a time limit because it hardly got a processor.
+        Whether points were lost and code reached a time limit because it got hardly any processor
+        time.
     fingerprint : str
         Fingerprint of the submission; empty if it is not known.
     """
@@ -161,12 +162,12 @@ class Verdict:
     fingerprint: str = ""
 
     def as_dict(self) -> dict:
-        """Return the published form: one JSON object."""
+        """Return the published form of the verdict, as a JSON object."""
         content = dataclasses.asdict(self)
         for private in ("key", "faults", "starved", "fingerprint"):
             del content[private]
         for exercise in content["exercises"]:
-            # Both summarize the messages of the checks, for reports.
+            # Reports use both. They repeat what the checks' messages say.
             del exercise["cause"], exercise["first"]
             for test in exercise["tests"]:
                 del test["kind"], test["subject"], test["hint"]
@@ -175,7 +176,7 @@ class Verdict:
         return content
 
     def without_starved(self) -> Verdict:
-        """Return the same verdict without the mark `starved`, after a run on an idle machine."""
+        """Return the verdict with `starved` set to False, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 
     def compact(self) -> Verdict:
@@ -194,7 +195,7 @@ def with_shared_parts(exercise: ExerciseResult) -> ExerciseResult:
 
 @functools.lru_cache(maxsize=2**14)
 def _interned(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
-    """Return the first object that was equal to this one."""
+    """Return the first result that was equal to this one."""
     return result
 
 

@@ -1,8 +1,8 @@
 """Run student code in a sandbox and call its functions.
 
-`boundary` lists the files that student code can see. `SANDBOXES` lists the ways to run that code.
-To add another way, write a class with the methods of `protocol.Sandbox`, and add an instance to
-`SANDBOXES`. Its `start` returns an object with the methods of `protocol.Worker`.
+`boundary` lists the files that student code can see. `SANDBOXES` lists the sandboxes. To add
+another one, write a class with the methods of `protocol.Sandbox` and add an instance to
+`SANDBOXES`. Its `start` must return an object with the methods of `protocol.Worker`.
 """
 
 from grader.sandbox.bubblewrap import Bubblewrap
@@ -27,18 +27,18 @@ SANDBOXES: dict[str, Sandbox] = {
 
 
 def choose_sandbox(wish: str = AUTO) -> Sandbox:
-    """Return the requested sandbox, after checking that it works here.
+    """Return the requested sandbox, after checking that it works on this machine.
 
     Parameters
     ----------
     wish : str
-        A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If that sandbox
-        does not work here, no other sandbox replaces it.
+        A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If the sandbox
+        does not work, no other sandbox is tried.
 
     Raises
     ------
     SandboxUnavailable
-        If the sandbox cannot be built here; the message says how to fix that.
+        If the sandbox cannot be built. The message says how to fix that.
     """
     if wish == AUTO:
         wish = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)

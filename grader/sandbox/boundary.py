@@ -1,10 +1,10 @@
 """The security boundary: the list of files that student code can see.
 
 Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
-names with their dependencies, and the system's libraries. All other files stay hidden: tests,
-checks, solutions, grades and other submissions. So new files and packages are hidden, unless they
-are in a listed folder. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build sandboxes from
-this list.
+names with their dependencies, and the system's libraries. All other files are hidden, such as
+tests, checks, solutions, grades and other submissions. New files and packages are also hidden,
+unless they are in a listed folder. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build
+sandboxes from this list.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SHOWN = (
     *(PROJECT / "utils" / name for name in in_sandbox.PACKAGES),
     *in_sandbox.FILES,
 )
-# NumPy holds the arrays, and IPython parses magics.
+# Packages that every lesson needs: NumPy for arrays, and IPython to parse magics.
 ALWAYS = ("numpy", "ipython")
 
 # The path of a virtual environment may contain "..", which `abspath` removes.
@@ -47,7 +47,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
     Parameters
     ----------
     names : tuple of str
-        Names of packages on PyPI. A package that is not installed is left out.
+        Names of packages on PyPI. Packages that are not installed are left out.
     """
     found, waiting, seen = [], [*names, *ALWAYS], set()
     while waiting:
@@ -75,7 +75,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
 
 @functools.cache
 def folders_of_packages() -> tuple[Path, ...]:
-    """Return the folders in which the visible Python installations look for packages."""
+    """Return the folders in which the Python installations in the sandbox look for packages."""
     libraries = [
         Path(root, name)
         for root in (PREFIX, BASE_PREFIX, *SYSTEM, "/usr/local")
@@ -105,6 +105,6 @@ def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> lis
 
 
 def is_shown(path: Path, packages: Iterable[str] = ()) -> bool:
-    """Return whether a file is visible in the sandbox of a lesson that allows these packages."""
+    """Return whether the sandbox shows a file if a lesson allows the given packages."""
     roots = (*SYSTEM, BASE_PREFIX, *SHOWN, *files_of_packages(tuple(packages)))
     return any(path.is_relative_to(root) for root in roots)

@@ -1,7 +1,7 @@
-"""The sandbox built by bubblewrap, on Linux.
+"""The sandbox that bubblewrap builds on Linux.
 
-It has no network, a read-only file system without this project, a small private /tmp, its own
-process table and no privileges.
+It has no network, no privileges, a read-only file system without this project, a small private
+/tmp, and its own process table.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ class Bubblewrap:
         user = (
             "an unused user for each notebook"
             if users.is_root()
-            else "a user namespace of its own for each notebook"
+            else "a separate user namespace for each notebook"
         )
-        calls = "" if os.uname().machine in MACHINES else " (no filter of system calls on this one)"
+        calls = "" if os.uname().machine in MACHINES else " (but no filter of system calls)"
         return (
             f"no network, no access to other processes, {user}, only listed files visible, limits "
             f"on memory, processes, files and time{calls}"
@@ -78,8 +78,8 @@ class Bubblewrap:
             "forbidden": list(forbidden),
         }
         packages, forbidden = tuple(packages), tuple(forbidden)
-        windows = _options_for_files(packages, forbidden)
-        command = [*_walls(limits), *windows, "--remount-ro", "/"]
+        file_options = _options_for_files(packages, forbidden)
+        command = [*_sandbox_command(limits), *file_options, "--remount-ro", "/"]
         if _can_join_namespaces():
             client = client_for(preloaded(packages), forbidden)
             return launch(command, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
@@ -88,7 +88,7 @@ class Bubblewrap:
 
 @functools.cache
 def _find_program() -> tuple[bwrap.Executable | None, str]:
-    """Return a bubblewrap that works here, or the reason why there is none."""
+    """Return a bubblewrap program that works here, or the reason why there is none."""
     return bwrap.find(_options(Limits()))
 
 
@@ -97,21 +97,21 @@ def _program() -> bwrap.Executable:
     if not program:
         raise SandboxUnavailable(
             complaint,
-            "Student code is only run inside a sandbox. To grade code that you trust without one, "
-            "add: --sandbox process",
+            "Student code runs only inside a sandbox. If you trust the code, you can grade it "
+            "without a sandbox by adding: --sandbox process",
         )
     return program
 
 
 @functools.cache
 def _can_join_namespaces() -> bool:
-    """Return whether a worker may join the namespaces of a sandbox; some systems forbid it."""
+    """Return whether a worker may join the namespaces of a sandbox, which some systems forbid."""
     rules = {
         "user": users.unused() if users.is_root() else None,
         "limits": Limits().resources(),
         "forbidden": [],
     }
-    command = [*_walls(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
+    command = [*_sandbox_command(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # The trial uses the fork server that most lessons need, so that server starts only once.
         launch(command, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
@@ -120,7 +120,7 @@ def _can_join_namespaces() -> bool:
     return True
 
 
-def _walls(limits: Limits) -> list[str]:
+def _sandbox_command(limits: Limits) -> list[str]:
     """Return the bubblewrap command without the options of `_options_for_files`."""
     return [_program().path, *_options(limits)]
 
@@ -135,8 +135,9 @@ def _options(limits: Limits) -> list[str]:
         "--new-session",
     ]
     if users.is_root():
-        # Resource limits do not bind real root, even in a user namespace. So root does not get a
-        # user namespace, and the worker changes to an unused user before it reads student code.
+        # Resource limits do not apply to real root, even in a user namespace. So root does not get
+        # a user namespace. Instead, the worker changes to an unused user before it reads student
+        # code.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
     else:
         options += ["--unshare-user", "--disable-userns"]
@@ -155,9 +156,9 @@ def _options(limits: Limits) -> list[str]:
         *itertools.chain(*system),
         "--proc",
         "/proc",
-        # Process 1 is bubblewrap or the waiting shell, without our limits and system call filter.
-        # If an ordinary user grades, student code runs as the same user and could write to the
-        # memory of process 1.
+        # Process 1 is bubblewrap or the waiting shell, without our limits or system call filter.
+        # If an ordinary user runs the grader, student code runs as the same user, and could write
+        # to the memory of process 1.
         "--tmpfs",
         "/proc/1",
         "--remount-ro",
@@ -184,11 +185,11 @@ def _options(limits: Limits) -> list[str]:
 
 
 def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
-    """Return options that show Python and the boundary's files, without forbidden modules."""
+    """Return options that show Python and the files in the boundary, but no forbidden modules."""
     ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
-    # The project or a folder of packages may be inside a visible folder. Hide it there first, and
-    # then show only the files in `shown`.
+    # The project or a folder of packages may be inside a visible folder. Such folders are hidden
+    # first, and then only the files in `shown` are added again.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
     covered = [path for path in covered if _is_in_any(path, (*SYSTEM, BASE_PREFIX))]
     options = [] if _is_in_any(BASE_PREFIX, SYSTEM) else _options_to_show([BASE_PREFIX])
@@ -201,9 +202,9 @@ def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> l
 
 
 def _options_to_show(paths: list[str]) -> list[str]:
-    """Return options that show files and folders, and create the folders above them."""
+    """Return options that show files and folders and create their parent folders."""
     parents = {str(parent) for path in paths for parent in Path(path).parents}
-    # Folders that bubblewrap creates by itself are closed to other users.
+    # Other users could not enter folders that bubblewrap creates by default.
     folders = (("--perms", "0755", "--dir", path) for path in sorted(parents, key=len))
     return [*itertools.chain(*folders), *itertools.chain(*(("--ro-bind", p, p) for p in paths))]
 

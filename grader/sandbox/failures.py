@@ -1,32 +1,32 @@
-"""How a student's function fails: it raises an exception, or its process ends."""
+"""The ways in which a student's function can fail: an exception, or the end of its process."""
 
 from __future__ import annotations
 
 from utils.remote_objects import RemoteError, RemoteStopped
 
 # The exceptions that a message about a hidden test may name. The list is short, because student
-# code could choose one of them to reveal something about the test.
+# code could reveal something about the test by choosing an exception.
 KNOWN_EXCEPTIONS = (
     *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FileNotFoundError"),
     *("FloatingPointError", "ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError"),
     *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
     *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
-# In a longer exercise, the line of an exception is not shown for hidden tests, because student code
-# could send a message by choosing the line.
+# If an exercise has more lines, messages about hidden tests do not show where an exception was
+# raised, because student code could send a message by choosing the line.
 MOST_LINES = 64
 
 
 class StudentError(RemoteError):
-    """A student's function raised an exception; `str()` is the worker's unfiltered report.
+    """A student's function raised an exception. `str()` is the worker's unfiltered report.
 
     Attributes
     ----------
     function : str
         Name of the function that was called.
     type_name, message : str
-        Type and message of the exception. Student code can choose both, so neither is shown as it
-        is; `grader.sandbox.quotation` selects the parts that may be shown.
+        Type and message of the exception. Student code can choose both, so neither is shown
+        unfiltered; `grader.sandbox.quotation` selects the parts that may be shown.
     place : str or None
         Cell and line in the notebook, such as ``code cell 3, line 12``; None if there is no such
         line, or if the notebook is too long to show it.
@@ -37,16 +37,16 @@ class StudentError(RemoteError):
     calling_line : str
         Source of that line.
     inside : str
-        The function of the lesson in which the exception was raised; empty for others.
+        The lesson's function in which the exception was raised; empty for other functions.
     forbidden : tuple of str
         Modules that the lesson does not allow.
     shown_type : str
-        The type, as it may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
+        The type that may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
         exception".
     shown_place : str or None
-        The place, as it may be shown for a hidden test: `calling` or else `place`, if `place` is in
-        an exercise with at most `MOST_LINES` lines; otherwise None.
-    without_words : str
+        The place that may be shown for a hidden test. This is `calling` or else `place` if the
+        exercise has at most `MOST_LINES` lines, and otherwise None.
+    safe_sentence : str
         A sentence that contains only the function's name, `shown_type` and `shown_place`.
     """
 
@@ -58,7 +58,7 @@ class StudentError(RemoteError):
         place: str | None = None,
         line: str = "",
         inside: str = "",
-        is_one_of_few: bool = False,
+        in_short_exercise: bool = False,
         forbidden: tuple[str, ...] = (),
         calling: str | None = None,
         calling_line: str = "",
@@ -69,19 +69,19 @@ class StudentError(RemoteError):
         self.calling, self.calling_line = calling, calling_line
         where = f" ({place})" if place else ""
         self.shown_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
-        self.shown_place = (calling or place) if is_one_of_few else None
-        told_where = f" ({self.shown_place})" if self.shown_place else ""
-        self.without_words = f"{function} raised {self.shown_type}{told_where}."
+        self.shown_place = (calling or place) if in_short_exercise else None
+        shown_where = f" ({self.shown_place})" if self.shown_place else ""
+        self.safe_sentence = f"{function} raised {self.shown_type}{shown_where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 
 class StudentStopped(RemoteStopped):
-    """A student's process hung, died or broke the protocol; `str()` is the sentence to show.
+    """A student's process took too long, died or broke the protocol. `str()` is a full sentence.
 
     Attributes
     ----------
     reason : str
-        Equal for all stops with the same cause; by default the sentence.
+        A text that is equal for all stops with the same cause; by default the sentence.
     out_of_time : bool
         Whether a call of the student's function took too long.
     """
@@ -105,7 +105,7 @@ def why_it_ended(code: int | None) -> str:
             "ended itself."
         )
     if code in (152, -24):
-        return "The notebook's process used up its processor time; is there an endless loop?"
+        return "The notebook's process used up its processor time. Is there an endless loop?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
     # The exit code is not shown, because student code could choose it to reveal something about a

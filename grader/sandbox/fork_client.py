@@ -40,7 +40,7 @@ class ForkClient:
     Attributes
     ----------
     preloaded : tuple of str
-        Modules that the server imports when the first request needs them, before it forks.
+        Modules that the server imports before it serves the first request that needs them.
     forbidden : tuple of str
         Modules that the server never imports.
     environment : dict of str to str
@@ -59,9 +59,9 @@ class ForkClient:
         Parameters
         ----------
         request : dict
-            ``walls``: ID of the first process in the sandbox. ``own_users``: whether the sandbox
-            has a user namespace. ``home``: the worker's folder. ``preload``: whether its code
-            names a module that is slow to import.
+            ``sandbox_pid``: ID of the first process in the sandbox. ``has_user_namespace``:
+            whether the sandbox has a user namespace. ``home``: the worker's folder. ``preload``:
+            whether the code mentions a module that is slow to import.
         read_end, write_end : int
             The worker's ends of its pipes.
 
@@ -119,20 +119,20 @@ class ForkClient:
 
 @dataclass
 class Forked:
-    """A forked worker: its process ID outside the sandbox, and the pipe that reports its end."""
+    """A forked worker: its process ID outside the sandbox, and a pipe that reports its exit."""
 
     pid: int
     report: int
     _code: int | None = None
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether the worker ends within some seconds."""
+        """Return whether the worker ends within the given number of seconds."""
         poll = select.poll()
         poll.register(self.report, select.POLLIN)
         return self._code is not None or bool(poll.poll(1000 * seconds))
 
     def end(self, seconds: float) -> int | None:
-        """Wait some seconds for the worker's exit code and return it; None if it does not come."""
+        """Return the worker's exit code, or None if it does not arrive within `seconds`."""
         line = read_line(self.report, seconds)
         os.close(self.report)
         with contextlib.suppress(ValueError):
@@ -141,7 +141,7 @@ class Forked:
 
 
 def read_line(descriptor: int, seconds: float) -> str:
-    """Return the next line from a pipe, without the line break; empty if none comes in time."""
+    """Return the next line from a pipe, without the line break; empty if none arrives in time."""
     poll, text = select.poll(), b""
     poll.register(descriptor, select.POLLIN)
     deadline = time.monotonic() + seconds
@@ -157,11 +157,11 @@ def read_line(descriptor: int, seconds: float) -> str:
 
 
 def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
-    """Return the modules of a lesson's packages that are slow to import."""
+    """Return those modules of a lesson's packages that are slow to import."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 
 @functools.cache
 def client_for(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> ForkClient:
-    """Return the one client for these preloaded and forbidden modules."""
+    """Return the client for these preloaded and forbidden modules, always the same one."""
     return ForkClient(modules, forbidden, ENVIRONMENT)

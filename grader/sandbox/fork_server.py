@@ -1,11 +1,11 @@
 """A process that has imported NumPy and forks workers, which then join a sandbox.
 
 Starting Python and importing NumPy takes ten times as long as building the sandbox, so this process
-does both once. It never sees a submission or a grade. It has the worker's code and, for each
-request, the sandbox to join and the ends of three pipes. The forked worker joins the namespaces
-that bubblewrap created, gives up every privilege, and runs `worker.py`.
+does both only once. It never sees a submission or a grade. It contains the worker's code, and each
+request names the sandbox to join and the ends of three pipes. The forked worker joins the
+namespaces that bubblewrap created, gives up all privileges, and runs `worker.py`.
 
-Run by `grader.sandbox.fork_client`: ``python -I -B fork_server.py SOCKET SETTINGS``.
+`grader.sandbox.fork_client` runs it: ``python -I -B fork_server.py SOCKET SETTINGS``.
 """
 
 import array
@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 import privileges  # noqa: E402
 import worker  # noqa: E402
 
-sys.path.pop(0)  # importing the worker has added the folder again
+sys.path.pop(0)  # importing the worker added the folder a second time
 
 # The namespaces that bubblewrap creates, without the user namespace; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
@@ -40,7 +40,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
     """Serve requests until the client closes the socket."""
     _import([], forbidden)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-    # Each worker is in a process of its own, so a worker that misbehaves does not end the server.
+    # Each worker has a separate process, so a worker that misbehaves does not end the server.
     while True:
         data, pipes = _receive(requests)
         if not data:
@@ -60,8 +60,8 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
 
 
 def _import(names: list[str], forbidden: list[str]) -> None:
-    """Import modules for all later workers, without the forbidden ones that they might import."""
-    # A module in memory could not be hidden from student code.
+    """Import modules for all later workers, but not the forbidden modules that these import."""
+    # A module that is already in memory could not be hidden from student code.
     sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
     for name in names:
         if worker.forbidden_part(name, forbidden):
@@ -69,8 +69,8 @@ def _import(names: list[str], forbidden: list[str]) -> None:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     del sys.meta_path[0]
-    # Without freezing, each worker's garbage collector would write to the memory of these modules,
-    # and so copy it.
+    # Without freezing, each worker's garbage collector would write to the memory of these modules.
+    # The kernel would then have to copy that memory.
     gc.collect()
     gc.freeze()
 
@@ -93,8 +93,8 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
     try:
-        first = os.pidfd_open(request["walls"])
-        enter(request["walls"], request["own_users"])
+        first = os.pidfd_open(request["sandbox_pid"])
+        enter(request["sandbox_pid"], request["has_user_namespace"])
         pid = os.fork()
     except OSError as error:
         os.write(status, f"cannot join the sandbox: {error}\n".encode())
@@ -114,8 +114,8 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
 
 
 def _become_worker(request: dict, read_end: int, write_end: int) -> None:
-    read_end, write_end = _alone_with(read_end, write_end)
-    privileges.give_up(keep_user_changes=not request["own_users"])
+    read_end, write_end = _close_other_files(read_end, write_end)
+    privileges.give_up(keep_user_changes=not request["has_user_namespace"])
     os.chdir(request["home"])
     os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]
@@ -125,8 +125,8 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     worker.serve(read_end, write_end)
 
 
-def _alone_with(*ends: int) -> list[int]:
-    """Close all files except `ends` and the standard ones; renumber `ends` from 3 on."""
+def _close_other_files(*ends: int) -> list[int]:
+    """Close all files except `ends` and the standard ones, and renumber `ends` from 3."""
     moved = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in ends]
     os.closerange(3, 64)
     os.closerange(max(moved) + 1, 2**16)
@@ -136,16 +136,16 @@ def _alone_with(*ends: int) -> list[int]:
     return list(range(3, 3 + len(moved)))
 
 
-def enter(pid: int, own_users: bool) -> None:
+def enter(pid: int, has_user_namespace: bool) -> None:
     """Join all namespaces of a process.
 
     Parameters
     ----------
     pid : int
         The first process in the sandbox.
-    own_users : bool
-        Whether there is also a user namespace. Bubblewrap nests two of them, so that student code
-        cannot create another one. The outer one owns the other namespaces.
+    has_user_namespace : bool
+        Whether there is also a user namespace. Bubblewrap nests two user namespaces, so that
+        student code cannot create another one. The outer one owns the other namespaces.
 
     Raises
     ------
@@ -153,13 +153,13 @@ def enter(pid: int, own_users: bool) -> None:
         If the kernel refuses.
     """
     opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
-    if own_users:
+    if has_user_namespace:
         inner = os.open(f"/proc/{pid}/ns/user", os.O_RDONLY)
         outer = fcntl.ioctl(inner, _PARENT_NAMESPACE)
         _set_namespace(outer)
     for namespace in opened:
         _set_namespace(namespace)
-    if own_users:
+    if has_user_namespace:
         _set_namespace(inner)
 
 

@@ -1,7 +1,7 @@
 """Build a root directory for `chroot` that contains only the files that a worker may see.
 
-This does not need mounts. Files are hard links, which take no space, or copies if the folder is on
-another disk.
+This works without mounts. Files are hard links, which do not take any space, or copies if the
+folder is on another disk.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from grader.sandbox.boundary import (
 # Devices that programs expect on every system: name and minor number; see null(4), random(4).
 DEVICES = {"null": 3, "zero": 5, "full": 7, "random": 8, "urandom": 9}
 HOME = "/tmp"
-OPEN = (HOME, "/dev/shm")
-# Parts of Python's library that are not shown as a whole: installed packages, Python's own tests,
-# graphical programs.
+WRITABLE = (HOME, "/dev/shm")
+# Parts of Python's library that are not shown: installed packages (the boundary lists those that
+# are), Python's own tests, and graphical programs.
 LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
 
 _waiting: list[subprocess.Popen] = []
@@ -47,13 +47,13 @@ def build(
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
     within : pathlib.Path, optional
-        Parent folder, which must be closed to all users except root; the new folder stays there.
-        By default the new folder is deleted when this process ends.
+        Parent folder, which only root may be able to enter. The new folder is not deleted. By
+        default the new folder is deleted when this process ends.
 
     Raises
     ------
     OSError
-        If this process lacks the permission.
+        If this process does not have the necessary permissions.
     """
     jail = Path(tempfile.mkdtemp(dir=within or _folder_of_jails()))
     jail.chmod(0o755)
@@ -70,10 +70,10 @@ def build(
 
 
 def reset_writable_folders(jail: Path, user: int) -> None:
-    """Empty the folders of a jail in which a worker can write, and give them to a user."""
-    for name in OPEN:
+    """Empty the folders of a jail that a worker can write to, and make a user their owner."""
+    for name in WRITABLE:
         folder = jail / name.lstrip("/")
-        # Student code may nest folders more deeply than Python's recursion limit allows.
+        # `rm` is used because student code may nest folders beyond Python's recursion limit.
         subprocess.run(["rm", "-rf", "--", folder], check=True)
         folder.mkdir(mode=0o700)
         os.chown(folder, user, user)
@@ -83,7 +83,7 @@ def reset_writable_folders(jail: Path, user: int) -> None:
 def _folder_of_jails() -> str:
     """Return a folder that only root can enter and that is deleted when this process ends."""
     folder = tempfile.mkdtemp(prefix="jails-")
-    # The shell waits until its input closes, which happens however this process ends.
+    # The shell waits until its input closes, which happens even if this process is killed.
     waits = ["/bin/sh", "-c", 'read line; rm -rf -- "$0"', folder]
     _waiting.append(subprocess.Popen(waits, stdin=subprocess.PIPE, start_new_session=True))
     return folder
@@ -103,7 +103,7 @@ def _python() -> Iterator[Path]:
 
 
 def _libraries() -> Iterator[Path]:
-    """Yield the system's shared libraries and the loaders of programs."""
+    """Yield the system's shared libraries and the program loaders."""
     known = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
     for path in sorted(set(re.findall(r" => (/.*)$", known.stdout, re.M))):
         yield Path(path)
@@ -112,7 +112,7 @@ def _libraries() -> Iterator[Path]:
 
 
 def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
-    """Link a file or folder into a jail at the same path, with the targets of symbolic links.
+    """Link a file or folder into a jail at the same path, including targets of symbolic links.
 
     Hidden folders are left out.
     """
@@ -132,9 +132,9 @@ def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
 
 
 def _place(path: Path, jail: Path) -> Path:
-    """Return where a path is in a jail, and create the folder that contains it.
+    """Return the location of a path in a jail, and create its parent folder.
 
-    Symbolic links in the path of that folder are resolved.
+    Symbolic links in the path of the parent folder are resolved.
     """
     place = jail / path.parent.resolve().relative_to("/") / path.name
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -154,7 +154,7 @@ def _show_folder(folder: Path, place: Path, jail: Path, hidden: Container[Path])
 
 
 def _link(path: Path, place: Path) -> None:
-    """Link or copy a file or symbolic link to a path, unless something is already there."""
+    """Link or copy a file or symbolic link to a path, unless the path already exists."""
     try:
         os.link(path, place, follow_symlinks=False)
     except FileExistsError:

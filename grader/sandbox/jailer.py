@@ -1,10 +1,10 @@
 """Run a worker in a chroot and end all of its processes afterwards.
 
-This process runs as root, outside the chroot, between the judge and the worker. Every process that
-the worker starts remains a descendant of this process, which kills them all when the worker ends or
-when standard input is closed.
+This process runs as root, outside the chroot, between the judge and the worker. All processes that
+the worker starts remain descendants of this process. It kills them when the worker ends or when
+standard input is closed.
 
-Run by `grader.sandbox.chroot`: ``python -I -S -B jailer.py FOLDER HOME USER COMMAND ...``.
+`grader.sandbox.chroot` runs it: ``python -I -S -B jailer.py FOLDER HOME USER COMMAND ...``.
 """
 
 import contextlib
@@ -24,11 +24,11 @@ _SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 
 def main(folder: str, home: str, user: int, command: list[str]) -> int:
-    """Run a command in a chroot; return its exit code in the form that a shell uses."""
-    # Orphaned processes become children of this process, so that it can reap them.
+    """Run a command in a chroot; return its exit code in the form that shells use."""
+    # Make orphaned processes children of this process, so that it can reap them.
     ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
-    ended, told = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
-    signal.set_wakeup_fd(told, warn_on_full_buffer=False)
+    woken, waker = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    signal.set_wakeup_fd(waker, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)
     worker = os.fork()
     if worker == 0:
@@ -39,24 +39,24 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
         finally:
             os._exit(1)
     # Only the worker may hold its ends of the pipes, so that they close when the worker ends.
-    os.closerange(3, min(ended, told))
-    os.closerange(max(ended, told) + 1, MOST_FILES)
+    os.closerange(3, min(woken, waker))
+    os.closerange(max(woken, waker) + 1, MOST_FILES)
     code = None
     while code is None:
-        ready, _, _ = select.select([sys.stdin.fileno(), ended], [], [])
+        ready, _, _ = select.select([sys.stdin.fileno(), woken], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # it may still be root, so `end_all_of` would miss it
-        if ended in ready:
-            os.read(ended, 4096)
+            os.kill(worker, signal.SIGKILL)  # it may still be root, so `kill_all_of` would miss it
+        if woken in ready:
+            os.read(woken, 4096)
         code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
-    end_all_of(user)
+    kill_all_of(user)
     _reap()
     return code
 
 
 def _become(folder: str, home: str, command: list[str]) -> None:
-    # When memory runs out, the kernel should kill the worker, not the judge. In a chroot without
-    # /proc, the worker cannot set this itself.
+    # When memory runs out, the kernel should kill the worker, not the judge. The worker cannot set
+    # this itself, because its chroot has no /proc.
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -73,10 +73,10 @@ def _become(folder: str, home: str, command: list[str]) -> None:
 def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
     """Return the exit code of the worker, or None while it runs.
 
-    With `wait`, first kill every process of the user, then wait for the worker to end.
+    With `wait`, first kill all processes of the user, then wait for the worker to end.
     """
     if wait:
-        end_all_of(user)
+        kill_all_of(user)
     while True:
         try:
             pid, status = os.waitpid(worker if wait else -1, 0 if wait else os.WNOHANG)
@@ -89,8 +89,8 @@ def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
             return None
 
 
-def end_all_of(user: int) -> None:
-    """Kill every process of a user with one call, so that none can fork in the meantime."""
+def kill_all_of(user: int) -> None:
+    """Kill all processes of a user with one system call, so that none can fork in the meantime."""
     pid = os.fork()
     if pid == 0:
         try:

@@ -31,7 +31,7 @@ SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
 KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
 LEAST_MEMORY_LEFT = 0.03
-MODEST_MEMORY = 1024 * MEBIBYTE
+MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
 # The first process in the sandbox reports that the sandbox is built, then waits until its input
 # closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent does not
 # suffice: if bubblewrap is killed while it builds, it leaves a process behind.
@@ -45,12 +45,12 @@ class WorkerProcess:
     Attributes
     ----------
     process : subprocess.Popen
-        The sandbox with everything in it; without a sandbox, the worker.
+        The sandbox with everything in it, or the worker itself if there is no sandbox.
     read_end, write_end : int
     forked : grader.sandbox.fork_client.Forked, optional
-        The worker, if a fork server made it and it joined the sandbox later.
-    give_back : callable
-        Called when everything has ended, so that another worker can use the same folder.
+        The worker, if a fork server created it and it joined the sandbox later.
+    release_folder : callable
+        Called when all processes have ended, so that another worker can use the same folder.
     killed_before : int
         The result of `killed_for_memory` at the start.
     """
@@ -59,7 +59,7 @@ class WorkerProcess:
     read_end: int
     write_end: int
     forked: Forked | None = None
-    give_back: Callable[[], object] = lambda: None
+    release_folder: Callable[[], object] = lambda: None
     killed_before: int = 0
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
@@ -67,7 +67,7 @@ class WorkerProcess:
 
     @property
     def pids(self) -> list[int]:
-        """IDs, outside the sandbox, of the processes whose descendants belong to the worker."""
+        """Process IDs (as seen outside the sandbox) whose descendants belong to the worker."""
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int | None:
@@ -87,11 +87,11 @@ class WorkerProcess:
         for end in (self.read_end, self.write_end):
             os.close(end)
         if code is not None and code >= 0:  # otherwise a process may still run in the folder
-            self.give_back()
+            self.release_folder()
         return code
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
+        """Return whether the worker ends by itself in the given time; call `stop` in any case."""
         if self.forked:
             return self.forked.has_ended(seconds)
         deadline = time.monotonic() + seconds
@@ -110,20 +110,20 @@ class WorkerProcess:
         return sum(map(cpu_of_tree, self.pids))
 
     def threads(self) -> dict[int, Thread] | None:
-        """Return its threads with at least our scheduling priority, by ID; None if unknown."""
-        every = [threads_of_tree(pid) for pid in self.pids]
-        return None if None in every else dict(itertools.chain(*map(dict.items, every)))
+        """Return the worker's threads by ID; see `grader.sandbox.protocol.Worker`."""
+        trees = [threads_of_tree(pid) for pid in self.pids]
+        return None if None in trees else dict(itertools.chain(*map(dict.items, trees)))
 
     def watch_memory(self, limit: int) -> None:
-        """Kill the worker when all its processes together use more than `limit` bytes.
+        """Kill the worker if its processes together use more than `limit` bytes.
 
-        When the machine is running out of memory, the limit is lower, because student code may have
-        protected itself from the kernel's out-of-memory killer.
+        The limit is lower while the machine is running out of memory, because student code may
+        have protected itself from the kernel's out-of-memory killer.
         """
 
         def watch() -> None:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
-                most = limit if memory_left() > LEAST_MEMORY_LEFT else MODEST_MEMORY
+                most = limit if memory_left() > LEAST_MEMORY_LEFT else MEMORY_WHEN_SCARCE
                 used = sum(map(memory_of_tree, self.pids))
                 if used > most:
                     with self._signals:
@@ -137,35 +137,36 @@ class WorkerProcess:
 
 
 def launch(
-    walls: Sequence[str],
+    sandbox_command: Sequence[str],
     home: str,
     rules: dict,
     limits: Limits,
     client: ForkClient | None = None,
     preload: bool = False,
-    give_back: Callable[[], object] | None = None,
+    release_folder: Callable[[], object] | None = None,
 ) -> WorkerProcess:
     """Start a worker in a sandbox, and wait until it reports.
 
     Parameters
     ----------
-    walls : sequence of str
-        The command that runs another command in the sandbox; empty for no sandbox.
+    sandbox_command : sequence of str
+        A command that runs another command in the sandbox; empty if there is no sandbox.
     home : str
         The folder that the worker may write to.
     rules : dict
-        Rules that the worker applies to itself before it reads student code: ``user``, the ID of
-        the user to become, or None; ``limits``, as in `Limits.resources`; ``forbidden``, modules
-        to hide; ``sockets``, whether it may create sockets, by default True.
+        Rules that the worker applies to itself before it reads student code. ``user``: ID of the
+        user to become, or None. ``limits``: the result of `Limits.resources`. ``forbidden``:
+        modules to hide. ``sockets``: whether the worker may create sockets, by default True.
     limits : Limits
     client : grader.sandbox.fork_client.ForkClient, optional
-        Client that forks a worker to join this sandbox; by default Python starts inside it.
+        Client that forks a worker, which joins the sandbox. By default, Python starts inside the
+        sandbox.
     preload : bool
         Whether the fork server must first import the modules that are slow to import.
-    give_back : callable, optional
-        Called when everything has ended. With `give_back`, the sandbox must end everything in it
-        when its input closes, as `jailer.py` does. Without `give_back`, killing the sandbox's
-        process must be enough.
+    release_folder : callable, optional
+        Called when all processes have ended. With `release_folder`, the sandbox must end all
+        processes in it when its input closes, as `jailer.py` does. Without `release_folder`,
+        killing the sandbox's process must be enough.
 
     Raises
     ------
@@ -178,12 +179,26 @@ def launch(
         os.set_blocking(end, False)
     try:
         if client is None:
-            command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
-            talk = subprocess.PIPE if give_back else subprocess.DEVNULL
+            command = [
+                *sandbox_command,
+                PYTHON,
+                "-I",
+                "-B",
+                str(WORKER),
+                str(their_read),
+                str(their_write),
+            ]
+            talk = subprocess.PIPE if release_folder else subprocess.DEVNULL
             process, forked = _run(command, home, (their_read, their_write), talk), None
         else:
-            request = {"own_users": rules["user"] is None, "home": home, "preload": preload}
-            process, forked = _start_and_join(walls, request, client, their_read, their_write)
+            request = {
+                "has_user_namespace": rules["user"] is None,
+                "home": home,
+                "preload": preload,
+            }
+            process, forked = _start_and_join(
+                sandbox_command, request, client, their_read, their_write
+            )
     except SandboxUnavailable:
         for end in (our_read, our_write):
             os.close(end)
@@ -191,7 +206,7 @@ def launch(
     finally:
         os.close(their_read)
         os.close(their_write)
-    after = give_back or (lambda: None)
+    after = release_folder or (lambda: None)
     worker = WorkerProcess(process, our_read, our_write, forked, after, killed_for_memory())
     try:
         send_rules(worker, rules)
@@ -215,15 +230,15 @@ def send_rules(worker: Worker, rules: dict) -> None:
     Raises
     ------
     grader.sandbox.inside.wire.WireClosed, grader.sandbox.inside.wire.WireTimeout
-        If it does not report.
+        If the worker does not report.
     """
-    patience = wire.within(SECONDS_TO_REPORT)
-    wire.send(worker.write_end, rules, patience)
-    wire.receive(worker.read_end, patience)
+    time_limit = wire.within(SECONDS_TO_REPORT)
+    wire.send(worker.write_end, rules, time_limit)
+    wire.receive(worker.read_end, time_limit)
 
 
 def _kill(process: Popen) -> int | None:
-    """End a process and its group; return its exit code, or None if it does not end."""
+    """End a process and its process group; return its exit code, or None if it does not end."""
     for end in (_end_gently, _kill_group):
         if process.returncode is None:  # otherwise its ID may have been reused
             end(process)
@@ -246,9 +261,9 @@ def _kill_group(process: Popen) -> None:
 
 
 def _end_with_message(process: Popen) -> str:
-    """End a process and return the end of its error output."""
+    """End a process and return the last part of its error output."""
     _kill(process)
-    # A process that the sandbox started may live on and hold the pipe open.
+    # A process that the sandbox started may still be running and keep the pipe open.
     os.set_blocking(process.stderr.fileno(), False)
     return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
@@ -272,28 +287,28 @@ def _run(
 
 
 def _start_and_join(
-    walls: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
+    sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
     """Build a sandbox around a process that only waits, and let a worker join it."""
     info, number = os.pipe()
-    # When process 1 of a PID namespace ends, the kernel kills all others there.
+    # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        # Bubblewrap gets both ends of the pipe, so that its writing never fails. If it failed,
-        # bubblewrap would end and leave its child behind.
+        # Bubblewrap gets both ends of the pipe, so that its write to the pipe cannot fail. After a
+        # failed write, bubblewrap would end and leave its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
-        process = _run([*walls, *options], request["home"], pipes, *both)
+        process = _run([*sandbox_command, *options], request["home"], pipes, *both)
     finally:
         os.close(number)
     try:
-        # The process inside writes this line, which shows that the sandbox is complete.
+        # The process inside writes this line when the sandbox is complete.
         ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
-        with os.fdopen(info) as told:
-            first = json.load(told)["child-pid"] if ready else None
+        with os.fdopen(info) as report:
+            first = json.load(report)["child-pid"] if ready else None
         if first is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
-        return process, client.fork({"walls": first, **request}, read_end, write_end)
+        return process, client.fork({"sandbox_pid": first, **request}, read_end, write_end)
     except SandboxUnavailable as fault:
         complaint = _end_with_message(process)
         process.stderr.close()

@@ -1,4 +1,4 @@
-"""No sandbox: an ordinary process with resource limits, for trusted code."""
+"""A substitute for a sandbox: an ordinary process with resource limits, for trusted code."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from grader.sandbox.protocol import Limits, Worker
 
 @dataclass(frozen=True)
 class PlainProcess:
-    """No sandbox, for a student's own machine and for the demo; never for untrusted code."""
+    """No sandbox. This is for a student's own machine and the demo, never for untrusted code."""
 
     name: str = "process"
     warning: str = (
-        "WARNING: no sandbox (--sandbox process). Submitted code runs as you: it can read and "
-        "delete your files, use the network and look at other submissions. Only for code you trust."
+        "WARNING: no sandbox (--sandbox process). Submitted code runs under your account. It can "
+        "read and delete your files, use the network and look at other submissions. Use this only "
+        "for code that you trust."
     )
 
     def available(self) -> None:

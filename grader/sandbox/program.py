@@ -9,13 +9,13 @@ from utils import in_sandbox
 
 PACKAGES = in_sandbox.INSTALLED
 
-# Solved lessons have fewer lines. In a longer notebook, student code could send a message by
-# choosing the line that fails, so lines are not shown.
+# Solved lessons have fewer lines. If a notebook has more, its lines are not shown, because student
+# code could send a message by choosing the line that fails.
 MAX_NOTEBOOK_LINES = 4096
 
 
 def cell_and_line(place: str) -> tuple[int, int] | None:
-    """Return the numbers in a place such as ``code cell 3, line 12``; None if it is not a place."""
+    """Return the numbers in a place such as ``code cell 3, line 12``; None for any other text."""
     found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
     return (int(found[1]), int(found[2])) if found else None
 
@@ -29,7 +29,7 @@ class Given:
     names : tuple of str
     source : str
     open : tuple of str
-        Names that a notebook may redefine; if it does, its own versions are used.
+        Names that a notebook may redefine. If it does, its own versions are used.
     """
 
     names: tuple[str, ...] = ()
@@ -39,7 +39,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Program:
-    """Everything that a worker learns: a notebook's code and the rules of its lesson.
+    """Everything that a worker receives: a notebook's code and the rules of its lesson.
 
     Attributes
     ----------
@@ -55,8 +55,8 @@ class Program:
     packages : tuple of str
         Installed packages that the lesson allows.
     steps : tuple of str
-        Functions that the lesson asks for but does not grade. They are not called; a message may
-        name one that is still a stub.
+        Functions that students write in the lesson without earning points. The judge does not call
+        them, but a message may name one that is still a stub.
     """
 
     cells: tuple[str, ...]
@@ -74,7 +74,7 @@ class Program:
         return tuple(name for name in self.packages if any(name in source for source in sources))
 
     def edited(self, cell: int, first: int, last: int, text: str) -> Program:
-        """Return a copy in which a text replaces lines `first` to `last` of a cell, from 1."""
+        """Return a copy in which a text replaces lines `first` to `last` (from 1) of a cell."""
         lines = self.cells[cell - 1].split("\n")
         changed = "\n".join([*lines[: first - 1], text, *lines[last:]])
         return replace(self, cells=(*self.cells[: cell - 1], changed, *self.cells[cell:]))
@@ -82,7 +82,7 @@ class Program:
     def line_at(self, place: str) -> str | None:
         """Return the line at a place such as ``code cell 3, line 12``; None if there is none.
 
-        In a notebook with more than `MAX_NOTEBOOK_LINES` lines the result is None for every place.
+        If the notebook has more than `MAX_NOTEBOOK_LINES` lines, the result is always None.
         """
         found = cell_and_line(place)
         if not found or sum(1 + cell.count("\n") for cell in self.cells) > MAX_NOTEBOOK_LINES:

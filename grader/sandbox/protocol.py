@@ -1,7 +1,7 @@
-"""The interface of a sandbox: it starts workers, which do not contain student code yet.
+"""The interfaces of a sandbox and of the workers that it starts.
 
-The worker is `inside/worker.py`. It may run as a process, in a container or on another machine;
-the judge uses only the interface `Worker`.
+A worker runs `inside/worker.py`, as a process, in a container or on another machine. The judge
+uses only the interface `Worker`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class SandboxUnavailable(Exception):
     reason : str
         The reason in sentences.
     advice : str
-        What to do on your own machine; ``str()`` shows it after the reason.
+        What to do on your own machine. ``str()`` adds it to the reason.
     """
 
     def __init__(self, reason: str, advice: str = "") -> None:
@@ -41,23 +41,23 @@ class Limits:
     Attributes
     ----------
     start_seconds : float
-        For the cells that the exercises need. This limit and the next three count seconds in which
-        the process works or sleeps, but not the time that it waits for a processor;
-        `grader.sandbox.time_budget` measures them.
+        For the cells that the exercises need. This limit and the next three count the seconds in
+        which the process works or sleeps, but not those in which it waits for a processor. They
+        are measured by `grader.sandbox.time_budget`.
     whole_seconds : float
         For all cells, which run if a name is still missing.
     call_seconds : float
         For one call. Once the failed calls of an exercise have taken this long in total, each later
-        call gets an eighth of it. A call fails if it raises or has to be stopped.
+        call gets an eighth of it. A call fails if it raises an exception or has to be stopped.
     total_seconds : float
-        For everything.
+        For the whole notebook, over all runs.
     wall_seconds : float
-        Elapsed time for everything.
+        The same in elapsed time.
     restarts : int
-        How often a new process may replace one that died or hung, for each exercise and for the
-        notebook's own cells. After that, the judge skips the remaining tests.
+        How often a new process may replace one that died or took too long, for each exercise and
+        for the notebook's own cells. After that, the judge skips the remaining tests.
     memory, total_memory : int
-        Bytes for one process, and for the worker with everything that it starts.
+        Bytes for one process, and for all processes of the worker together.
     processes : int
     file_size, temporary_space : int
         Bytes of one file, and of each temporary folder.
@@ -94,7 +94,7 @@ class Thread(NamedTuple):
     delayed : float
         Seconds for which the thread has waited for a processor since it began.
     ready : bool
-        Whether it is running or waiting for a processor.
+        Whether the thread is running or waiting for a processor.
     """
 
     delayed: float
@@ -102,7 +102,7 @@ class Thread(NamedTuple):
 
 
 class Worker(Protocol):
-    """A running worker that has applied its rules and has received no request yet.
+    """A running worker that has applied its rules and has not received a request yet.
 
     Attributes
     ----------
@@ -114,19 +114,20 @@ class Worker(Protocol):
     write_end: int
 
     def cpu_seconds(self) -> float:
-        """Return the seconds of processor time of the worker and of everything that it started.
+        """Return the processor time in seconds of the worker and of everything that it started.
 
-        The result never decreases. If the time is unknown, elapsed time serves as an upper bound.
+        The result never decreases. If the time is unknown, the result is elapsed time, as an upper
+        bound.
         """
 
     def threads(self) -> dict[int, Thread] | None:
-        """Return the threads of the worker now, by ID; None if unknown.
+        """Return the current threads of the worker by ID, or None if they are unknown.
 
         Threads that lowered their own scheduling priority are left out, because they chose to wait.
         """
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether the worker ends by itself within some seconds; call `stop` in any case."""
+        """Return whether the worker ends by itself in the given time; call `stop` in any case."""
 
     def lacked_memory(self) -> bool:
         """Return whether it was killed below its own limit because the machine lacked memory.
@@ -135,7 +136,7 @@ class Worker(Protocol):
         """
 
     def stop(self) -> int | None:
-        """End the worker and everything that it started; close the descriptors.
+        """End the worker and everything that it started, and close the descriptors.
 
         Returns
         -------
@@ -151,7 +152,7 @@ class Sandbox(Protocol):
     Attributes
     ----------
     name : str
-        Its name for ``--sandbox``.
+        The name for the option ``--sandbox``.
     warning : str
         The risks of this sandbox, for the instructor; empty if it is safe for a class.
     """
@@ -165,14 +166,14 @@ class Sandbox(Protocol):
         Raises
         ------
         SandboxUnavailable
-            If it cannot; the message says how to fix that.
+            If the machine cannot build it. The message says how to fix that.
         """
 
     def label(self) -> str:
         """Return the name and version of the program that builds the sandbox, for reports."""
 
     def protections(self) -> str:
-        """Describe the protections of this machine against student code, for the instructor."""
+        """Describe for the instructor how this machine is protected against student code."""
 
     def start(
         self,
@@ -191,7 +192,7 @@ class Sandbox(Protocol):
         packages : iterable of str
             Installed packages that the sandbox shows, by their names on PyPI.
         named : iterable of str
-            The packages that the student's code names; their modules may be imported in advance.
+            The packages that the student's code mentions. Their modules may be imported early.
 
         Raises
         ------

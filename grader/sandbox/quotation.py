@@ -1,9 +1,12 @@
 """Describe exceptions outside hidden tests, without words that student code chose while running.
 
-At this point, student code does not know the data of its own hidden tests, but it may know those of
-another notebook. Notebooks that are judged on one machine can signal to each other, for example by
-how long they take. So apart from fixed text, a message contains only an exception type that is well
-known or named in the failing line, that line of the submission, and a name in the line.
+At this point, student code does not know the data of its own hidden tests, but it may know the data
+of another notebook's tests. Notebooks that are judged on one machine can send signals to each
+other, for example by how long they take. A message therefore contains only fixed text and:
+
+- an exception type that is well known or appears in the failing line
+- the failing line of the submission
+- a name in that line
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from utils.in_sandbox import ABSENT
 from utils.notebooks.forbidden import forbidden_part, refusal
 
-# Number of characters of a line that are shown and searched; people seldom write longer lines.
+# Number of characters of a line that are shown and searched. People seldom write longer lines.
 LONGEST_LINE = 120
 NAMED_EXCEPTIONS = frozenset(
     (
@@ -53,7 +56,7 @@ SENTENCES = (
 def sentence_on(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
     where = _place_and_line(error.place, error.line)
-    if error.calling:  # the function that raised may be right, and called with wrong arguments
+    if error.calling:  # the function that raised may be right but called with wrong arguments
         where = f"{_place_and_line(error.calling, error.calling_line)}, which calls {where}"
     return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 
@@ -78,8 +81,8 @@ def _type_and_message(error: StudentError) -> str:
         if found and all(re.search(rf"(?<!\w){re.escape(name)}(?!\w)", line) for name in names):
             return f"{kind}: {sentence.format(*names)}"
     raised = re.search(r"\braise\s+(?:\w+\.)*(\w+)", line)
-    is_told = kind in NAMED_EXCEPTIONS or (raised and raised[1] == kind)
-    return kind if is_told else "another exception"
+    is_shown = kind in NAMED_EXCEPTIONS or (raised and raised[1] == kind)
+    return kind if is_shown else "another exception"
 
 
 def _place_and_line(place: str | None, line: str) -> str:

@@ -1,6 +1,6 @@
-"""Parse untrusted replies of a worker; each function accepts any value.
+"""Parse untrusted replies of a worker. Each function accepts any value.
 
-A value of the wrong type counts as empty, and long texts and lists are cut.
+A value of the wrong type counts as empty, and long texts and lists are cut off.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ def readable(value: object) -> str:
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:
-    """Yield those rows of an untrusted list of columns that begin with a number and a name.
+    """Yield the rows of an untrusted list of columns, if they begin with a number and a name.
 
-    Yield nothing if there are not `width` columns.
+    If there are not exactly `width` columns, no row is yielded.
     """
     if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
         return
@@ -36,9 +36,9 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
 
 
 def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
-    """Return those rows of an untrusted table that consist of three whole numbers and a text.
+    """Return the valid edits in an untrusted table.
 
-    They are edits: cell, first line, last line, and the text that replaces these lines.
+    An edit consists of a cell, a first line, a last line, and the text that replaces these lines.
     """
     if not isinstance(values, list):
         return ()
@@ -55,6 +55,6 @@ def positions(values: object) -> list[int]:
     return [value for value in values[:MOST_ITEMS] if type(value) is int]
 
 
-def names_a_number(reply: dict) -> bool:
-    """Return False if a reply refers to an object by anything except a whole number."""
+def has_valid_object(reply: dict) -> bool:
+    """Return False if a reply identifies an object by anything other than a whole number."""
     return "object" not in reply or type(reply["object"]) is int

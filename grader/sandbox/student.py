@@ -1,8 +1,8 @@
 """The judge's side of the pipe: call a student's functions as if they were local.
 
-``student.longest_run(values)`` sends the values into the sandbox and returns the result in the
-reply. Replies are untrusted. They contain plain data, numbers of objects that stay in the sandbox,
-or an exception. A function cannot change the caller's objects; `RemoteFunction.observe` returns the
+``student.longest_run(values)`` sends the values to the sandbox and returns the result in the reply.
+Replies are untrusted. They contain plain data, numbers of objects that stay in the sandbox, or an
+exception. A function cannot change the caller's objects, but `RemoteFunction.observe` returns the
 arguments as the function left them.
 """
 
@@ -18,18 +18,18 @@ from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.quotation import sentence_on_cell
-from grader.sandbox.reply_parser import changes, names_a_number, positions, readable, rows, texts
-from grader.sandbox.time_budget import Budget, Meter, Patience
+from grader.sandbox.reply_parser import changes, has_valid_object, positions, readable, rows, texts
+from grader.sandbox.time_budget import Budget, Meter, TimeLimit
 from utils.remote_objects import ENDLESS, Observed, Remote
 
-# Names of steps that are not exercises: running the cells that exercises need, and all cells.
+# Names of the steps that are not exercises: running the cells that exercises need, or all cells.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
-# Share of its limit that a step gets once its failed or stopped calls have used up a whole limit.
-# So an endless loop costs little more than one limit.
-ONCE_MORE = 1 / 8
+# When failed or stopped calls of a step have used up its time limit once, later calls get only this
+# share of it. An endless loop then costs little more than one limit.
+SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
-# Number of failed cells that are described; later cells usually fail because of these.
+# Number of failed cells that are described. Later cells usually fail because of these.
 MOST_FAILED_CELLS = 3
 
 
@@ -51,16 +51,16 @@ class RemoteFunction(Remote):
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Return the result of a call."""
-        return self._student._ask(self.__name__, [arguments], keywords, self._reference)
+        return self._student._call_or_get(self.__name__, [arguments], keywords, self._reference)
 
     def observe(self, *arguments: object) -> Observed:
         """Return the result of a call and the arguments after it."""
-        return self._student._ask(
+        return self._student._call_or_get(
             self.__name__, [arguments], reference=self._reference, observe=True
         )
 
     def timed(self, *arguments: object) -> tuple[object, float]:
-        """Return the result of a call, and the seconds that it takes as measured by a `Meter`."""
+        """Return the result of a call, and its duration in seconds as measured by a `Meter`."""
         student = self._student
         student._ensure_running()
         meter = student._meter = Meter(student._worker)
@@ -68,13 +68,13 @@ class RemoteFunction(Remote):
             answer = self(*arguments)
         finally:
             student._meter = None
-        meter.look(answered=True)
+        meter.measure(answered=True)
         return answer, meter.seconds
 
     def each(self, calls: Sequence[Sequence]) -> list:
-        """Return the results of several calls, sent in one message; all share one call's limit."""
+        """Return the results of several calls, sent in one message with the limit of one call."""
         return (
-            self._student._ask(self.__name__, calls, reference=self._reference, each=True)
+            self._student._call_or_get(self.__name__, calls, reference=self._reference, each=True)
             if calls
             else []
         )
@@ -83,7 +83,7 @@ class RemoteFunction(Remote):
 class RemoteObject(Remote):
     """An object of a student's own class, which stays in the sandbox.
 
-    ``tree.root`` is plain data, None, or another `RemoteObject`; ``tree.insert(p, 0)`` is a call.
+    ``tree.root`` is plain data, None or another `RemoteObject`. ``tree.insert(p, 0)`` is a call.
     """
 
     def __init__(self, student: StudentProxy, reference: _Reference, type_name: str) -> None:
@@ -96,11 +96,11 @@ class RemoteObject(Remote):
     def __getattr__(self, name: str) -> object:
         if name.startswith("_"):
             raise AttributeError(name)
-        return self._student._ask(name, reference=self._reference, call=False)
+        return self._student._call_or_get(name, reference=self._reference, call=False)
 
     def reach(self, names: Sequence[str]) -> object:
         """Return the attribute at the end of a path, such as ``["root", "left"]``."""
-        return self._student._ask(".".join(names), reference=self._reference, call=False)
+        return self._student._call_or_get(".".join(names), reference=self._reference, call=False)
 
 
 class StudentProxy:
@@ -109,14 +109,14 @@ class StudentProxy:
     Parameters
     ----------
     program : grader.sandbox.program.Program
-        The notebook's code, and what its lesson allows.
+        The notebook's code and the rules of its lesson.
     sandbox : grader.sandbox.Sandbox
-        Starts the worker, and a new one if the worker has been stopped.
+        Starts the worker, and a new worker after one has been stopped.
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
-        The remaining time of the notebook; by default all of it.
+        The remaining time of the notebook; by default the full time.
     edited : str, optional
-        An exercise for which one-edit changes are requested.
+        An exercise for which edits are requested.
 
     Attributes
     ----------
@@ -125,17 +125,17 @@ class StudentProxy:
     uses : dict of str to tuple of str
         The functions that each function calls, according to the notebook's source.
     exercise : str
-        The exercise to which the next calls belong. Failed calls are counted by exercise, so an
-        exercise that hangs does not use up the restarts of other exercises.
+        The exercise to which the next calls belong. Failed calls are counted separately for each
+        exercise, so that an endless loop does not use up the restarts of other exercises.
     edits : tuple of tuple
-        One-edit changes of the exercise `edited`, the likeliest first; empty before the start. Each
-        has the cell's number, the first and last line, and the text that replaces these lines.
+        Edits of the exercise `edited`, the likeliest first; empty before the start. Each consists
+        of the cell's number, the first and last line, and the text that replaces these lines.
     interrupts_after : float or None
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
         None, only the limits end a call, and they also end its process.
     starved : bool
         Whether the machine was too busy or had too little memory: the judge gave up on a call
-        before it had used its time, or a process was killed below its memory limit.
+        that had not used up its time, or a process was killed below its memory limit.
     """
 
     def __init__(
@@ -149,14 +149,14 @@ class StudentProxy:
         self._edited, self.edits = edited, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
-        # A reply may bring further attributes of the same object and of those that it refers to.
-        # They are valid until the next call; methods stay valid.
+        # A reply may contain further attributes of an object and of the objects that it refers to.
+        # They are valid until the next call. Methods stay valid.
         self._known: dict[tuple[int, str], object] = {}
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[StudentStopped]] = {}
         self._budget = budget or Budget(self._limits)
-        # A step that hung for an earlier proxy with the same budget does not get restarts.
-        self._hung_before = frozenset(self._budget.hung)
+        # If a step took too long for an earlier proxy with the same budget, it gets no restarts.
+        self._timed_out_before = frozenset(self._budget.timeouts)
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
         self._meter: Meter | None = None  # while a call is timed
@@ -211,7 +211,7 @@ class StudentProxy:
             self._worker.stop()
             self._worker = None
 
-    def _ask(
+    def _call_or_get(
         self,
         name: str,
         calls: Sequence[Sequence] = (),
@@ -258,13 +258,13 @@ class StudentProxy:
             raise StudentError(
                 name,
                 "NameError",
-                "the notebook does not define it; keep the name of the function as it was given",
+                "the notebook does not define it; do not rename the functions of the lesson",
             )
 
     def _reply_to(self, request: dict) -> dict:
-        """Send a request; return the reply after checking that it belongs to this request.
+        """Send a request and return the reply, after checking that it belongs to this request.
 
-        Raise the exception that the reply reports, if any.
+        If the reply reports an exception, raise it.
         """
         self._calls += 1
         name = request["name"]
@@ -278,9 +278,9 @@ class StudentProxy:
         if type(number) is not int or number != self._calls:
             self._stop_for_wrong_reply(name)
         if "error" in reply:
-            self._budget.note_lost(self.exercise, self._last_seconds)
+            self._budget.add_failed_seconds(self.exercise, self._last_seconds)
             raise self._error(name, reply["error"])
-        if not names_a_number(reply):
+        if not has_valid_object(reply):
             self._stop_for_wrong_reply(name)
         return reply
 
@@ -312,7 +312,7 @@ class StudentProxy:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
 
     def _remember(self, nearby: object) -> None:
-        """Store the further attributes in a reply; a caller usually walks the whole tree."""
+        """Store the further attributes in a reply, because callers usually walk a whole tree."""
         plain, others = nearby if isinstance(nearby, list) and len(nearby) == 2 else ((), ())
         for number, name, value in rows(plain, 3):
             self._known[number, name] = value
@@ -330,7 +330,7 @@ class StudentProxy:
         place, line = (None, "") if line is None else (place, readable(line))
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
-        few = place is not None and _is_one_of_few(place, self._lines.get(self.exercise, ()))
+        few = place is not None and _is_in_short_ranges(place, self._lines.get(self.exercise, ()))
         calling = place and self._calling(place, texts(error.get("through")))
         calling_line = readable(calling and self._program.line_at(calling))
         return StudentError(
@@ -347,23 +347,23 @@ class StudentProxy:
         )
 
     def _calling(self, place: str, through: list[str]) -> str | None:
-        """Return where the exercise calls another function that contains a place.
+        """Return where the exercise calls the function that contains a place.
 
         Return None if the place is in the exercise itself, or if the exercise is long.
         """
         own = self._own_lines.get(self.exercise, ())
-        if _is_one_of_few(place, own):
+        if _is_in_short_ranges(place, own):
             return None
-        return next((one for one in reversed(through) if _is_one_of_few(one, own)), None)
+        return next((one for one in reversed(through) if _is_in_short_ranges(one, own)), None)
 
     def _sentences_on_cells(self, failures: object) -> list[str]:
         """Return a sentence for each of the first cells that failed."""
         failures = failures if isinstance(failures, list) else []
-        said = [
+        sentences = [
             sentence_on_cell(self._error("", failure)) for failure in failures[:MOST_FAILED_CELLS]
         ]
         more = len(failures) > MOST_FAILED_CELLS
-        return [*said, *["More of the notebook failed after that."] * more]
+        return [*sentences, *["More cells failed after that."] * more]
 
     def _ensure_running(self) -> None:
         self._check_elapsed_time()
@@ -378,7 +378,7 @@ class StudentProxy:
         program = self._program
         self._known.clear()
         self._methods.clear()
-        self._budget.begins = False
+        self._budget.cells_finish = False
         self._worker = self._sandbox.start(
             self._limits, program.forbidden, program.packages, program.named
         )
@@ -396,19 +396,19 @@ class StudentProxy:
             }
         )
         failed = self._start()
-        self._budget.begins = True
+        self._budget.cells_finish = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._has_reported:
-            # The problems in `found` can be trusted, because the worker sent them before student
-            # code ran. Those in `failed` cannot.
+            # `found` can be trusted, because the worker sent it before student code ran. `failed`
+            # cannot be trusted.
             self.problems += texts(found.get("problems")) + self._sentences_on_cells(
                 failed.get("problems")
             )
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
-            self._lines, self._own_lines = found["lines"], found["alone"]
+            self._lines, self._own_lines = found["lines"], found["own_lines"]
             self.edits = changes(found.get("edits"))
             self._has_reported = True
-        if self._missing and _ALL not in (*self._stops, *self._budget.hung):
+        if self._missing and _ALL not in (*self._stops, *self._budget.timeouts):
             self._try_whole_notebook()
 
     def _check_elapsed_time(self) -> None:
@@ -419,11 +419,11 @@ class StudentProxy:
 
     def _time_is_over(self) -> str:
         seconds = f"{self._limits.wall_seconds:g}"
-        return f"the notebook's {seconds} seconds of elapsed time were used up."
+        return f"the notebook's {seconds} seconds of elapsed time are used up."
 
     def _check_restarts(self, what: str) -> None:
         stops = self._stops.get(what, [])
-        if len(stops) > (0 if what in self._hung_before else self._limits.restarts):
+        if len(stops) > (0 if what in self._timed_out_before else self._limits.restarts):
             code = "the notebook's own cells" if what == _NEEDED else "this exercise's code"
             times = "once" if len(stops) == 1 else f"{len(stops)} times"
             raise StudentStopped(
@@ -433,17 +433,17 @@ class StudentProxy:
             )
 
     def _try_whole_notebook(self) -> None:
-        """Run every cell, to find names whose definitions are not visible in the source."""
+        """Run all cells, to find names whose definitions are not visible in the source."""
         try:
-            found = self._start({"whole": True}, _ALL, self._limits.whole_seconds)
+            found = self._start({"all_cells": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
-        except StudentStopped:  # a cell that hangs or quits, and that no exercise needed
+        except StudentStopped:  # by a cell that no exercise needs
             self._ensure_running()
 
     def _start(
         self, message: dict | None = None, what: str = _NEEDED, seconds: float | None = None
     ) -> dict:
-        """Take one step in starting a notebook; return the reply."""
+        """Perform one step of starting a notebook; return the reply."""
         too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
         seconds = self._limits.start_seconds if seconds is None else seconds
         answer = self._exchange(what, too_slow, seconds, message)
@@ -454,42 +454,44 @@ class StudentProxy:
     def _exchange(
         self, what: str, too_slow: str, seconds: float, message: dict | None = None
     ) -> object:
-        """Send a message, if any, and return the reply; stop the worker if no reply comes."""
-        seconds *= ONCE_MORE if self._budget.lost.get(what, 0.0) >= seconds else 1.0
+        """Send a message, if any, and return the reply; stop the worker if there is no reply."""
+        seconds *= (
+            SHARE_AFTER_FAILURES if self._budget.failed_seconds.get(what, 0.0) >= seconds else 1.0
+        )
         seconds = min(seconds, max(self._budget.seconds, 0.1))
-        patience = Patience(self._worker, seconds, self._budget.until, self._meter)
+        time_limit = TimeLimit(self._worker, seconds, self._budget.until, self._meter)
         try:
-            return self._converse(message, patience)
+            return self._converse(message, time_limit)
         except wire.WireTimeout:
-            self.starved |= patience.starved
+            self.starved |= time_limit.starved
             if time.monotonic() >= self._budget.until:
-                self._stop(what, f"The notebook was given up: {self._time_is_over()}")
+                self._stop(what, f"The judge gave up on the notebook: {self._time_is_over()}")
             sentence = too_slow.format(seconds=round(seconds, 1))
-            reason = self._budget.hung.setdefault(what, sentence)
+            reason = self._budget.timeouts.setdefault(what, sentence)
             self._stop(what, sentence, reason, out_of_time=what not in (_NEEDED, _ALL))
         except wire_format.WireError:
             self._stop(
                 what,
-                "The judge received an invalid reply: code in the notebook wrote to the "
+                "The judge received an invalid reply, because code in the notebook wrote to the "
                 "judge's own channel.",
             )
         except wire.WireClosed:
             self._stop(what, None)
 
-    def _converse(self, message: dict | None, patience: Patience) -> object:
+    def _converse(self, message: dict | None, time_limit: TimeLimit) -> object:
         try:
             if message is not None:
-                wire.send(self._worker.write_end, message, patience)
-            return wire.receive(self._worker.read_end, patience)
+                wire.send(self._worker.write_end, message, time_limit)
+            return wire.receive(self._worker.read_end, time_limit)
         finally:
-            self._last_seconds = patience.taken()
+            self._last_seconds = time_limit.used()
             self._budget.seconds -= self._last_seconds
 
     def _stop(
         self, what: str, sentence: str | None, reason: str = "", out_of_time: bool = False
     ) -> NoReturn:
-        """Kill the worker, remember which step was stopped and why, and raise."""
-        self._budget.note_lost(what, self._last_seconds)
+        """Kill the worker, record which step was stopped and why, and raise `StudentStopped`."""
+        self._budget.add_failed_seconds(what, self._last_seconds)
         self._past_seconds = self.cpu_seconds
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
@@ -502,10 +504,10 @@ class StudentProxy:
         raise stop from None
 
 
-def _is_one_of_few(place: str, ranges: Sequence[Sequence[int]]) -> bool:
-    """Return whether a place is in some ranges of lines with at most `MOST_LINES` lines in total.
+def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
+    """Return whether a place is in ranges of lines with at most `MOST_LINES` lines in total.
 
-    The student's process reports the place, so in a long exercise the line could carry a message.
+    The student's process reports the place, so in a long exercise the line could be a message.
 
     Parameters
     ----------

@@ -9,14 +9,14 @@ from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
 from grader.sandbox.usage import own_seconds
 
-# Elapsed time that a step may take, in multiples of its limit. It applies if the kernel does not
+# Elapsed time that a step may take, in multiples of its limit. It is used if the kernel does not
 # show whether a process sleeps or waits for a processor.
-PATIENCE = 3
-SOON = 0.05  # seconds; most replies come within this time
-# The next measurement comes after one to two times this share of the elapsed time. The moment is
+MOST_ELAPSED = 3
+SOON = 0.05  # seconds; most replies arrive within this time
+# The next measurement follows after one to two times this share of the elapsed time. The moment is
 # random, so that student code cannot predict it.
-NEXT_LOOK = 1 / 16
-_DICE = random.SystemRandom()
+NEXT_MEASUREMENT = 1 / 16
+_RANDOM = random.SystemRandom()
 
 
 class Budget:
@@ -28,33 +28,34 @@ class Budget:
         Remaining time, as measured by a `Meter`.
     until : float
         Time on the monotonic clock at which the judge gives up on the notebook.
-    lost : dict of str to float
+    failed_seconds : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
         `StudentProxy`.
-    hung : dict of str to str
-        Sentence that first reported that a step took too long, by exercise or step.
-    begins : bool
+    timeouts : dict of str to str
+        The first message that a step took too long, by exercise or other step.
+    cells_finish : bool
         Whether the notebook's own cells finished when they last ran.
     """
 
     def __init__(self, limits: Limits) -> None:
         self.seconds = limits.total_seconds
         self.until = time.monotonic() + limits.wall_seconds
-        self.lost: dict[str, float] = {}
-        self.hung: dict[str, str] = {}
-        self.begins = True
+        self.failed_seconds: dict[str, float] = {}
+        self.timeouts: dict[str, str] = {}
+        self.cells_finish = True
 
-    def note_lost(self, what: str, seconds: float) -> None:
+    def add_failed_seconds(self, what: str, seconds: float) -> None:
         """Record the seconds of a call that raised or had to be stopped."""
-        self.lost[what] = self.lost.get(what, 0.0) + seconds
+        self.failed_seconds[what] = self.failed_seconds.get(what, 0.0) + seconds
 
 
 class Meter:
     """Measures the time that a worker uses from now on.
 
-    This is its processor time plus the time for which it sleeps. A worker sleeps if none of its
-    threads is ready to run at a measurement. Sleep does not raise the sum above the elapsed time
-    without the time in which the worker waits for a processor or for the judge.
+    This is its processor time plus the time that it sleeps. A worker sleeps if none of its threads
+    is ready to run at the time of a measurement. The sum cannot exceed the elapsed time minus the
+    time in which the worker waits for a processor or for the judge, unless the processor time
+    alone exceeds it.
 
     Attributes
     ----------
@@ -76,8 +77,8 @@ class Meter:
         """Whether the kernel shows if a thread sleeps or waits for a processor."""
         return self._threads is not None
 
-    def look(self, answered: bool = False) -> None:
-        """Measure once more; frequent measurements give a better estimate of sleeping time.
+    def measure(self, answered: bool = False) -> None:
+        """Measure again. Frequent measurements give a better estimate of the time spent asleep.
 
         Parameters
         ----------
@@ -89,7 +90,7 @@ class Meter:
         self.seconds = worked
         if self.sees_waiting:
             now = self._worker.threads() or {}
-            # Time in which the judge itself worked or waited for a processor does not count.
+            # Exclude the time in which the judge itself worked or waited for a processor.
             passed = self.waited - (own_seconds() - self._ours)
             share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
             if answered and self._noticed:
@@ -102,16 +103,16 @@ class Meter:
     def _delayed(self, now: dict[int, Thread]) -> float:
         """Return the seconds for which the worker waited for a processor.
 
-        This is the longest wait of any live thread. The sum of the waits would be too large,
-        because one thread may wait while another thread of the same worker runs.
+        This is the longest wait of any live thread. The sum over all threads would be too large,
+        because one thread may wait while another thread of the worker runs.
         """
         begun = {number: thread.delayed for number, thread in self._threads.items()}
         delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
         return max(delays, default=0.0)
 
 
-class Patience:
-    """The time limit of a worker for one exchange of messages, from now on.
+class TimeLimit:
+    """The time limit for one exchange of messages with a worker, from now on.
 
     Parameters
     ----------
@@ -121,12 +122,12 @@ class Patience:
     until : float
         Time on the monotonic clock at which the judge gives up on the worker in any case.
     meter : Meter, optional
-        Meter that is already running; by default a new one.
+        A meter that is already running; by default a new one.
 
     Attributes
     ----------
     starved : bool
-        Whether the judge gave up on the worker before it had used its time, because the machine
+        Whether the judge gave up on a worker that had not used up its time, because the machine
         was busy.
     """
 
@@ -135,11 +136,11 @@ class Patience:
     ) -> None:
         self._worker, self._seconds, self._until = worker, seconds, until
         # A measurement takes longer than most exchanges, so the first measurement is delayed.
-        self._look_at, self._meter = time.monotonic() + SOON, meter
+        self._measure_at, self._meter = time.monotonic() + SOON, meter
         self.starved = False
 
     def __call__(self) -> float:
-        """Return the longest time in seconds to wait before the next call; see `wire.within`.
+        """Return the maximum number of seconds to wait before the next call; see `wire.within`.
 
         Raises
         ------
@@ -147,27 +148,27 @@ class Patience:
             If the limit is used up.
         """
         now = time.monotonic()
-        if now >= self._look_at:
-            self._look_at = now + self._look(now)
-        return self._look_at - now
+        if now >= self._measure_at:
+            self._measure_at = now + self._measure(now)
+        return self._measure_at - now
 
-    def _look(self, now: float) -> float:
-        """Measure; return the seconds until the next measurement."""
+    def _measure(self, now: float) -> float:
+        """Measure the time used, and return the seconds until the next measurement."""
         if self._meter is None:
             self._meter = Meter(self._worker)
             if not self._meter.sees_waiting:
-                self._until = min(self._until, now + PATIENCE * self._seconds)
-        self._meter.look()
+                self._until = min(self._until, now + MOST_ELAPSED * self._seconds)
+        self._meter.measure()
         left = self._seconds - self._meter.seconds
         if left <= 0 or now >= self._until:
             self.starved = left > 0
             raise wire.WireTimeout
-        nap = _DICE.uniform(1, 2) * NEXT_LOOK * self._meter.waited
-        return max(SOON, min(left, self._until - now, nap))
+        pause = _RANDOM.uniform(1, 2) * NEXT_MEASUREMENT * self._meter.waited
+        return max(SOON, min(left, self._until - now, pause))
 
-    def taken(self) -> float:
+    def used(self) -> float:
         """Return the seconds used so far; 0 if the exchange ended before the first measurement."""
         if self._meter is None:
             return 0.0
-        self._meter.look(answered=True)
+        self._meter.measure(answered=True)
         return max(0.0, self._meter.seconds)

@@ -1,6 +1,6 @@
 """Measure the memory, processor time and files of a process and its descendants, from /proc.
 
-A function returns 0 if the process or /proc does not exist, unless its docstring says otherwise.
+If the process or /proc does not exist, functions return 0, unless their docstrings say otherwise.
 Every read may fail, because a process may end at any moment.
 """
 
@@ -33,17 +33,17 @@ def tree(pid: int) -> Iterator[int]:
 def memory_of_tree(pid: int) -> int:
     """Return the bytes that a process and its descendants have mapped, plus those of their files.
 
-    Mapped memory counts, not resident memory, because a shared page may be in the page tables of no
-    process.
+    Mapped memory is counted instead of resident memory, because a shared page may occupy memory
+    without being in the page tables of any process.
     """
     members = list(tree(pid))
     return sum(map(_mapped, members)) + max(map(_files, members), default=0)
 
 
 def cpu_of_tree(pid: int) -> float:
-    """Return the seconds of processor time that a process and its descendants have used.
+    """Return the processor time in seconds that a process and its descendants have used.
 
-    Without /proc, elapsed time serves as an upper bound.
+    Without /proc, the result is elapsed time, as an upper bound.
     """
     return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
 
@@ -54,9 +54,9 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
     Returns
     -------
     dict of int to grader.sandbox.protocol.Thread, or None
-        By thread ID. None if the kernel does not record waiting times.
+        The threads by ID, or None if the kernel does not record waiting times.
     """
-    if not _tells_delays():
+    if not _records_delays():
         return None
     ours = os.getpriority(os.PRIO_PROCESS, 0), os.sched_getscheduler(0)
     threads = {}
@@ -72,12 +72,12 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
 
 def own_seconds() -> float:
     """Return the seconds for which this thread has run or waited for a processor."""
-    return sum(_schedule("/proc/thread-self")) if _tells_delays() else time.thread_time()
+    return sum(_schedule("/proc/thread-self")) if _records_delays() else time.thread_time()
 
 
 @functools.cache
-def _tells_delays() -> bool:
-    """Return whether this kernel records how long threads wait; some kernels always report 0."""
+def _records_delays() -> bool:
+    """Return whether this kernel records how long threads wait. Some kernels always report 0."""
     try:
         return _schedule("/proc/self")[0] > 0
     except (OSError, ValueError):
@@ -110,9 +110,9 @@ def killed_for_memory() -> int:
 
 
 def _mapped(pid: int) -> int:
-    """Return the bytes that a process has mapped, from its live threads.
+    """Return the bytes that a process has mapped, according to its live threads.
 
-    All threads share one memory, but /proc shows 0 for a main thread that has ended.
+    All threads share the same memory, but /proc shows 0 for a main thread that has ended.
     """
     pages = (int(text.split()[0]) for text in _of_threads(pid, "statm"))
     return max(pages, default=0) * PAGE
@@ -133,16 +133,16 @@ def _threads(pid: int) -> list[str]:
 
 
 def _files(pid: int) -> int:
-    """Return the bytes of kernel memory for files in the folders that student code writes to."""
+    """Return the kernel memory in bytes of files in the folders that student code can write to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:
             system = os.statvfs(f"{root}/{folder}")
             others = [os.stat(path).st_dev for path in (f"/{folder}", f"{root}/.")]
-            of_its_own = os.stat(f"{root}/{folder}").st_dev not in others
+            is_separate = os.stat(f"{root}/{folder}").st_dev not in others
         except OSError:
             continue
-        if of_its_own:
+        if is_separate:
             total += (system.f_files - system.f_ffree) * BYTES_OF_A_FILE
     return total
 
@@ -155,6 +155,6 @@ def _cpu(pid: int) -> float:
 
 
 def _fields(path: str) -> list[str]:
-    """Return the fields of a /proc `stat` file, from the third on."""
+    """Return the fields of a /proc `stat` file, starting with the third."""
     # The second field is a name in parentheses, which may contain any bytes.
     return Path(path).read_text(errors="replace").rpartition(")")[2].split()

@@ -1,4 +1,4 @@
-"""Unused user IDs; if root grades, each worker runs as a separate user."""
+"""Unused user IDs: if root runs the grader, each worker runs as a separate user."""
 
 import os
 import secrets
@@ -6,12 +6,12 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """Return whether this process is root and has other users, which some containers lack."""
+    """Return whether this process is root and other users exist, unlike in some containers."""
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 
 def unused() -> int:
-    """Return a random user ID from the upper half of all IDs, where users are rare.
+    """Return a random user ID from the upper half of all IDs, which is rarely used.
 
     The kernel counts resource limits by user, and does not apply them to root.
     """

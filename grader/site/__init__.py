@@ -1,1 +1,1 @@
-"""The course as a website: text, stubs and the expected pictures, readable without a kernel."""
+"""The course as a website, with text, stubs and expected pictures, readable without a kernel."""

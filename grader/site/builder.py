@@ -1,4 +1,4 @@
-"""Build of the website: write the Sphinx sources, run Sphinx, clean up and check the result."""
+"""Build the website: write the Sphinx sources, run Sphinx, clean up, and check the result."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from grader.site.settings import conf
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # a folder with this file is recognised as a site
-EARLIEST = "315532800"  # 1 January 1980, so that a site does not depend on the clock
+EARLIEST = "315532800"  # 1 January 1980, so that the site does not depend on the clock
 REPLACEMENTS = {
-    # The icons come from a font; this script of 1.5 MB would draw them a second time.
+    # The icons come from a font. This script of 1.5 MB would draw them a second time.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
     # Screen readers read the visible text instead of a label that differs from it.
     re.compile(r'(<summary) aria-label="Toggle hidden content"'): r"\1",
@@ -53,17 +53,17 @@ DELETED_PATTERNS = (
 def write_site(
     folder: Path, ran: Mapping[Lesson, bytes], origin: Origin, live: bool = False
 ) -> None:
-    """Write the site; the same runs give the same bytes.
+    """Write the site. The same runs always give the same bytes.
 
     Parameters
     ----------
     folder : pathlib.Path
         Replaced if it contains a site, and created if it does not exist.
     ran : mapping of Lesson to bytes
-        Result of `grader.site.runs.solved_runs`. The page of a missing lesson shows no outputs.
+        Result of `grader.site.runs.solved_runs`. If a lesson is missing, its page has no outputs.
     origin : grader.course.build.Origin
     live : bool
-        Whether to add a page for each lesson on which it runs in the browser.
+        Whether to add a page for each lesson that runs in the browser.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def write_site(
 
 
 def ready(folder: Path) -> None:
-    """Check before a long build that a site can be written.
+    """Check before a long build whether the site can be written.
 
     Raises
     ------
@@ -100,11 +100,11 @@ def ready(folder: Path) -> None:
     """
     if missing := [name for name in REQUIRED_PACKAGES if not importlib.util.find_spec(name)]:
         raise SiteError(
-            f"For a site {', '.join(missing)} must be installed: "
-            "pip install -r requirements-site.txt. `make site` does that by itself."
+            f"The website needs packages that are not installed: {', '.join(missing)}. Run: "
+            "pip install -r requirements-site.txt (or `make site`, which installs them)."
         )
     if folder.exists() and any(folder.iterdir()) and not (folder / SITE_MARKER).is_file():
-        raise SiteError(f"{folder} contains something other than a website. Name another folder.")
+        raise SiteError(f"{folder} contains something other than a website. Choose another folder.")
 
 
 def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
@@ -123,12 +123,13 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
         sources[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
     sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
-    sources["beside/.nojekyll"] = b""  # else GitHub Pages leaves out names beginning with `_`
+    # Without this file, GitHub Pages leaves out files that begin with `_`.
+    sources["beside/.nojekyll"] = b""
     return sources | pictures.files | mathjax.files()
 
 
 def _run_sphinx(source: Path, pages: Path) -> None:
-    """Build the pages with Sphinx, treating each warning as an error."""
+    """Build the pages with Sphinx, and treat warnings as errors."""
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     process = subprocess.run(
         [*command, "-d", str(source.parent / "read"), str(source), str(pages)],

@@ -1,4 +1,4 @@
-"""Errors of the website builder."""
+"""The exception that the website builder raises."""
 
 
 class SiteError(Exception):

@@ -25,7 +25,8 @@ FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD = 480  # pixels of the longer side of a card's picture
 QUALITY = 80  # WebP quality of the film
-STILL = 0.45  # position in the film of the picture that replaces it for readers who turn off motion
+# Position in the film of the still picture, which readers see if they turn off motion.
+STILL = 0.45
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     picture = ""
     if preview:
         content = base64.b64decode(first["attachments"][preview[2]]["image/png"])
-        # The description is empty because the title next to the picture already names the link.
+        # The description is empty, because the title next to the picture already names the link.
         picture = pictures.tag(_small(content), "", "")
     return LessonCard(
         lesson.number,

@@ -1,4 +1,4 @@
-"""The glossary of the course: a separate page, to which lessons link."""
+"""The glossary of the course, a separate page to which lessons link."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LINK = re.compile(r"\[([^\[\]]+)\]\(#Words-of-the-course\)")
 
 
 def definitions() -> dict[tuple[str, ...], str]:
-    """Return the meaning of each entry in the glossary, by all names of the entry."""
+    """Return the meaning of each entry in the glossary. The key contains all names of the entry."""
     rows = ROW.findall(SOURCE.read_text("utf-8"))
     return {tuple(names.split(", ")): meaning for names, meaning in rows}
 
@@ -24,7 +24,7 @@ def page() -> str:
 
 
 def link_terms(markdown: str) -> str:
-    """Redirect links in the text of a cell from the notebook's glossary to the page."""
+    """Redirect links in a cell's text from the notebook's glossary to the glossary page."""
     return LINK.sub(_link, markdown)
 
 

@@ -29,7 +29,7 @@ PAGES = {
     "developers": "docs/developers.md",
     "benchmarks": "docs/benchmarks.md",
 }
-"""File behind each page, in the order of the table of contents."""
+"""The source file of each page, in the order of the table of contents."""
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 CODE = re.compile(r"(^ *```.*?^ *```|`[^`\n]+`)", re.M | re.S)
 
@@ -42,8 +42,8 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
     name : str
         One of `PAGES`.
     origin : grader.course.build.Origin
-        Repository with the files that have no page. Without an address, they are named but not
-        linked.
+        Repository that contains the files without a page. If it has no address, these files are
+        named but not linked.
     pictures : Pictures
         Collects the pictures of the guide.
     """
@@ -66,13 +66,13 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
         return text
 
     parts = CODE.split(path.read_text("utf-8"))
-    # Code is masked, because links are not valid in it. A link may have code as its text, however.
+    # Code is masked, because it cannot contain links. However, the text of a link may be code.
     masked = "".join(part if n % 2 == 0 else f"\0{n}\0" for n, part in enumerate(parts))
     return re.sub("\0(\\d+)\0", lambda match: parts[int(match[1])], LINK.sub(link, masked))
 
 
 def _pages() -> dict[str, str]:
-    """Return the page of each file that has one, as a path from another guide."""
+    """Return the page of each file that has one, as a path that guides can link to."""
     lessons = {
         f"notebooks/{lesson.stage}/{lesson.name}.ipynb": f"{lesson.stage}/{lesson.name}.ipynb"
         for lesson in every_lesson()

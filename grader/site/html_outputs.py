@@ -1,4 +1,4 @@
-"""Outputs of a cell as HTML that needs no kernel, with pictures in separate files."""
+"""Outputs of a cell as HTML that works without a kernel, with pictures in separate files."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ from grader.site.pictures import Pictures
 from grader.site.widget_states import ANSWER, POSITION, QUESTION
 
 TO_ROOT = "../"  # from the folder of a lesson's stage to the root of the site
-FILM_ALT = (
-    "A film of what the cell above has drawn, frame by frame. The text around it says what moves."
-)
+FILM_ALT = "A film with the pictures that the cell above draws. The text around it says what moves."
 DATA = re.compile(r'<img src="data:image/(?:png|gif);base64,([^"]+)"( alt="[^"]*")?[^>]*>')
 SCENE = re.compile(
     r'<iframe srcdoc="([^"]*)" title="([^"]*)" width="(\d+)" height="(\d+)"[^>]*></iframe>'
@@ -88,7 +86,7 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
 
 
 def key_of(question: str) -> str:
-    """Return the key by which the page finds the question that belongs to an answer."""
+    """Return a key with which the page finds the question that belongs to an answer."""
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
@@ -98,8 +96,7 @@ def _with_files(html: str, pictures: Pictures) -> str:
     def scene(match: re.Match) -> str:
         page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
-        # The fallback is for readers without JavaScript; where scripts run, it would hide itself
-        # anyway.
+        # The fallback is for readers without JavaScript. If scripts run, it is not needed.
         return (
             f'<iframe class="scene" src="{TO_ROOT}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
@@ -114,7 +111,7 @@ def _with_files(html: str, pictures: Pictures) -> str:
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
-    """Format the recorded positions of sliders so that a reader can switch without a script."""
+    """Format the recorded slider positions, so that readers can switch without a script."""
     parts: list[dict] = []
     for output in outputs:
         if POSITION in _data(output):
@@ -134,7 +131,7 @@ def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
 def _rows(
     own_values: list[list[str]], positions: list[dict]
 ) -> Iterator[tuple[str, list[tuple[int, str]]]]:
-    """Yield each slider's title with its sorted values as (number of the position, value)."""
+    """Yield the title of each slider with its sorted values, as (number of position, value)."""
     for title, value in own_values:
         moved = [
             (number, recorded["about"]["value"])

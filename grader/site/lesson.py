@@ -1,4 +1,4 @@
-"""A lesson's page: the student's notebook with the outputs of the solved one."""
+"""The page of a lesson: the student's notebook with the outputs of the solved notebook."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
     ran : bytes
         Solved notebook with outputs, from `grader.site.runs.solved_runs`.
     links : str
-        Line below the title, from `links_of`.
+        Links below the title, from `links_of`.
     pictures : Pictures
         Collects all pictures of the page.
 
@@ -53,7 +53,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
                 "Run: python -m grader build"
             )
         if "footer" in tags:
-            continue  # the glossary has a page of its own
+            continue  # the glossary has a separate page
         if cell.cell_type == "code":
             cell.outputs = (
                 [] if "setup" in tags else page_outputs(solved[cell.id].outputs, pictures)
@@ -79,7 +79,7 @@ def _title(cell: NotebookNode) -> str:
 
 
 def _only_asks(cell: NotebookNode) -> bool:
-    """Return whether a cell shows only questions, which the page asks itself."""
+    """Return whether a cell shows only questions, for which the page has its own form."""
     return bool(cell.outputs) and all(QUESTION in output.get("data", {}) for output in cell.outputs)
 
 

@@ -1,7 +1,7 @@
 """Pages on which lessons run in the browser, with JupyterLite and a Pyodide kernel.
 
-The pages are part of the site. The kernel and its packages are not: the browser fetches them from
-jsDelivr, and ipywidgets from PyPI, because no package registry has NumPy for this kernel.
+The pages are part of the site, but the kernel and its packages are not. The browser fetches them
+from jsDelivr, and ipywidgets from PyPI, because no package registry has NumPy for this kernel.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from grader.site.errors import SiteError
 
 FOLDER = "live"
 EXTENSIONS = ("@jupyterlite/pyodide-kernel-extension", "@jupyter-widgets/jupyterlab-manager")
-"""Installed extensions of JupyterLab that work without a server."""
+"""JupyterLab extensions that work without a server."""
 WIDGETS = {
     "cell_type": "code",
     "id": "browser",
     "metadata": {"tags": ["raises-exception"]},
     "execution_count": None,
     "outputs": [],
-    "source": ["# For sliders. Without a network the lesson goes on, and they stand still.\n"]
+    "source": ["# For sliders. Without a network they do not move, but the lesson still works.\n"]
     + ["%pip install -q ipywidgets"],
 }
 
@@ -57,7 +57,7 @@ def write_live(pages: Path, place: Path) -> None:
     Parameters
     ----------
     pages : pathlib.Path
-        Folder of the site, which gets a folder `live`.
+        Folder of the site, in which a folder `live` is created.
     place : pathlib.Path
         Empty working folder.
 

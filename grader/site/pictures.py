@@ -1,4 +1,4 @@
-"""Pictures and scenes in files next to the pages; equal content is stored once."""
+"""Pictures and scenes in files next to the pages. Equal content is stored only once."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ FOLDER = "_static/shown"
 
 
 class Pictures:
-    """Collects the files that pages show; `files` contains their content by path in the site."""
+    """Collects the files that pages show. `files` contains their content by path in the site."""
 
     def __init__(self) -> None:
         self.files: dict[str, bytes] = {}
 
     def keep(self, content: bytes, suffix: str) -> str:
-        """Store some content and return its path in the site, which depends only on the bytes."""
+        """Store a file and return its path in the site, which depends only on the content."""
         place = f"{FOLDER}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
         self.files[place] = content
         return place

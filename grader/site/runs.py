@@ -1,4 +1,4 @@
-"""Runs of the solved notebooks for the site, repeated only if something they depend on has changed.
+"""Runs of the solved notebooks for the site, repeated only if something relevant has changed.
 
 `python -m grader release --solutions` publishes the same outputs; see `grader.site.solution`.
 """
@@ -30,7 +30,7 @@ def solved_runs(
 
 
 def missing_packages(lesson: Lesson) -> list[str]:
-    """Return the packages that a lesson imports at any level but that are not installed."""
+    """Return the packages that a lesson imports anywhere but that are not installed."""
     packages = set()
     for node in ast.walk(ast.parse(lesson.text)):
         if isinstance(node, ast.Import):
@@ -43,8 +43,8 @@ def missing_packages(lesson: Lesson) -> list[str]:
 def recorder_code() -> str:
     """Return the code that runs before a lesson.
 
-    It leaves no name in the notebook. It contains a digest of the recorder, so that a change of the
-    recorder invalidates the cache.
+    The code does not leave any name in the notebook. It contains a digest of the recorder, so that
+    a change of the recorder invalidates the cache.
     """
     digest = hashlib.sha256(RECORDER.read_bytes()).hexdigest()[:16]
     return f"__import__('grader.site.widget_states').site.widget_states.record()  # {digest}"

@@ -1,4 +1,4 @@
-"""The sections of all pages as a script, from which the search page shows matching lines."""
+"""A script with the sections of all pages, from which the search page shows matching lines."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class _Reader(HTMLParser):
         return [(anchor, title.rstrip("#¶ "), text) for anchor, title, text in parts if text]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Enter an element, and begin a section if it is one."""
+        """Enter an element. If it is a section, begin a new one."""
         if tag in EMPTY:
             return
         self._open.append(tag)
@@ -55,7 +55,7 @@ class _Reader(HTMLParser):
             self._sections.append(section)
 
     def handle_endtag(self, tag: str) -> None:
-        """Leave an element, and end a section if it is one."""
+        """Leave an element. If it is a section, end it."""
         while tag in self._open:
             closed = self._open.pop()
             if closed == "section":

@@ -37,7 +37,7 @@ def settings() -> dict[str, object]:
         "myst_enable_extensions": ["dollarmath", "amsmath"],
         "myst_heading_anchors": 4,
         "templates_path": ["_templates"],
-        "html_show_search_summary": False,  # search.js does this without a server
+        "html_show_search_summary": False,  # search.js shows summaries without a server
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},

@@ -24,7 +24,7 @@ IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)
 
 def faults(folder: Path) -> list[str]:
     """Return the faults of a site, one sentence each."""
-    # JupyterLite's files are not ours, except for the notebooks among them.
+    # Of the JupyterLite files, only the notebooks are ours.
     live = folder / FOLDER
     own_pages = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
     pages = {path: ParsedPage.read(path) for path in own_pages}
@@ -32,7 +32,7 @@ def faults(folder: Path) -> list[str]:
     for path, page in pages.items():
         name = path.relative_to(folder)
         sentences += [
-            f"{name} links to {link}, which is not there." for link in _dead_links(path, pages)
+            f"{name} links to {link}, which does not exist." for link in _dead_links(path, pages)
         ]
         sentences += [
             f"{name} has a picture without a description." for _ in range(page.undescribed)
@@ -77,11 +77,11 @@ class ParsedPage(HTMLParser):
 
 
 def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Yield a sentence for each secret line of a solution that a file of the site contains."""
+    """Yield a sentence for each line of a solution that a file of the site reveals."""
     lessons = every_lesson()
     notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
     readmes = [(PROJECT / path).read_text("utf-8") for path in PAGES.values()]
-    # A hint may contain "return `a`", which its page shows without the marks.
+    # A hint may contain "return `a`", which its page shows without backticks.
     published = re.sub("[`*]", "", "\n".join([*notebooks, *readmes]))
     secret = {
         line: lesson.name
@@ -98,18 +98,18 @@ def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
         for line, lesson in secret.items():
             if line in text or line in raw:
                 name = path.relative_to(folder)
-                yield f"{name} gives away a line of the solution of {lesson}: {line!r}"
+                yield f"{name} reveals a line of the solution of {lesson}: {line!r}"
 
 
 def _external_requests(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Yield sentences about files that a page or a style sheet would fetch from another host."""
+    """Yield a sentence for each file that a page or style sheet would fetch from another host."""
     for path, page in pages.items():
         for address in page.fetched:
             if ELSEWHERE.match(address):
-                yield f"{path.relative_to(folder)} asks another host for {address}"
+                yield f"{path.relative_to(folder)} fetches {address} from another host"
     for path in sorted(folder.rglob("*.css")):
         for address in IN_STYLES.findall(path.read_text("utf-8")):
-            yield f"{path.relative_to(folder)} asks another host for {address}"
+            yield f"{path.relative_to(folder)} fetches {address} from another host"
 
 
 def _dead_links(path: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:

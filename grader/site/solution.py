@@ -1,4 +1,4 @@
-"""Executed solutions as notebooks to publish, with sliders in one position and without guesses."""
+"""Executed solutions as notebooks to publish, with fixed sliders and without guesses."""
 
 from __future__ import annotations
 

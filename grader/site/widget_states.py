@@ -1,7 +1,7 @@
-"""Recorder that runs in the kernel of a solved notebook and stores interactive outputs as data.
+"""A recorder that runs in the kernel of a solved notebook and stores interactive outputs as data.
 
-A slider is recorded as its picture at a few positions, and a prediction as its question and answer.
-Figures get a description in words. `grader.site.html_outputs` makes pages of this data.
+For a slider, it stores the output at a few positions. For a prediction, it stores the question and
+the answer. Figures get a description in words. `grader.site.html_outputs` turns the data into HTML.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ QUESTION = "application/vnd.lidar-obstacle-lab.question+json"
 ANSWER = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # further positions per slider, by number of sliders
 FEW_POSITIONS = 2  # further positions per slider if there are more sliders
-TITLES = ("left", "center", "right")  # places where axes may have a title
+TITLES = ("left", "center", "right")  # positions of axes titles
 
 
 def record() -> None:
-    """Replace interactive functions by versions that record data."""
+    """Replace interactive functions with versions that record data."""
     import ipywidgets
     from IPython import get_ipython
 
@@ -59,13 +59,13 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
     Parameters
     ----------
     sliders : dict of str to ipywidgets.Widget
-        Sliders by the name of the parameter.
+        Sliders by parameter name.
 
     Yields
     ------
     (dict, dict)
         Description and values of a position. The description contains the title and value of the
-        slider that was moved. For the lesson's own position it contains those of all sliders.
+        slider that was moved. For the lesson's own position, it contains them for all sliders.
     """
     current = {name: slider.value for name, slider in sliders.items()}
     titles = {name: slider.description or name for name, slider in sliders.items()}
@@ -77,7 +77,7 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
 
 
 def _spread(slider: Widget, count: int) -> list[float]:
-    """Choose values of a slider between its first and last, without its current value."""
+    """Choose values of a slider between the first and the last, without the current one."""
     if hasattr(slider, "options"):
         values = [value for value in slider.options if value != slider.value]
     else:
@@ -112,7 +112,7 @@ def predict(
 def compare(prediction: object, answer: float | str, why: str) -> None:
     """Replace `utils.predictions.Prediction.compare` and show the answer as data."""
     if prediction._choices and answer not in prediction._choices:
-        raise ValueError(f"{answer!r} is none of the choices: {', '.join(prediction._choices)}.")
+        raise ValueError(f"{answer!r} is not one of the choices: {', '.join(prediction._choices)}.")
     text = prediction._as_text(answer)
     about = {"question": prediction._question, "answer": text, "why": why}
     _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
@@ -166,6 +166,6 @@ def _legend(legend: Legend) -> str:
 
 
 def _text(words: str) -> str:
-    """Remove the characters that matplotlib reads as markup from a label."""
+    """Remove characters from a label that matplotlib interprets as markup."""
     plain = words.replace("$", "").replace("\\", "").replace("\n", " ")
     return plain.strip().rstrip(".:")

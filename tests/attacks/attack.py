@@ -1,7 +1,7 @@
 """Helpers for attacks: run hostile code in the sandbox and read its report.
 
-Every attack runs for real. The hostile function returns a report of its success. The tests read
-that report, and inspect the grader's side as well.
+The hostile code really runs. Its function returns a report on what it achieved. The tests read this
+report, and also check the grader's side.
 """
 
 import os
@@ -17,19 +17,19 @@ from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from tests.prerequisites import PATIENCE
 
-WALLS = SANDBOXES[os.environ.get("ATTACKED", "bubblewrap")]
+SANDBOX = SANDBOXES[os.environ.get("ATTACKED", "bubblewrap")]
 MEBIBYTE = 2**20
 SHORT = {"start_seconds": 8.0, "call_seconds": 1.0, "total_seconds": 20.0, "restarts": 0}
 CLOUD = np.arange(12.0).reshape(3, 4)
 SEED = 20_170_405
 
-in_namespaces = pytest.mark.skipif(
-    WALLS.name != "bubblewrap", reason="/proc, sockets and a disk of one's own: leave out ATTACKED"
+needs_namespaces = pytest.mark.skipif(
+    SANDBOX.name != "bubblewrap", reason="bubblewrap; run without the variable ATTACKED"
 )
 
 
-def tried(names, attacks):
-    """Parametrize a test by a dictionary from a description of each attack to its values."""
+def with_attacks(names, attacks):
+    """Parametrize a test. `attacks` maps the description of each attack to its values."""
     attacks = {
         description: values if isinstance(values, tuple) else (values,)
         for description, values in attacks.items()
@@ -45,11 +45,11 @@ def function(body, name="f", parameters="*arguments"):
 
 
 def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
-    """Return a proxy for a student whose notebook is one cell that defines `f`."""
+    """Return a proxy for a student whose notebook has one cell, which defines `f`."""
     program = Program(
         (source,), ("f",), modules=modules or {}, forbidden=tuple(forbidden), packages=packages
     )
-    return StudentProxy(program, WALLS, Limits(**{**SHORT, **limits}))
+    return StudentProxy(program, SANDBOX, Limits(**{**SHORT, **limits}))
 
 
 def outcome_of(source, *arguments, **options):
@@ -59,7 +59,7 @@ def outcome_of(source, *arguments, **options):
 
 
 def stopped_by(source, *arguments, calls=3, **limits):
-    """Return the message with which the sandbox stops this code; fail if it does not."""
+    """Return the message with which the sandbox stops this code; fail if it is not stopped."""
     begin = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):

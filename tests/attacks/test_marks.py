@@ -1,4 +1,4 @@
-"""Attempts to earn points without solving the task: found answers, spoilt questions, forgery."""
+"""Attempts to earn points without solving the task, such as changed arguments and forged grades."""
 
 import copy
 import importlib
@@ -17,7 +17,7 @@ from grader.judging.judge import judge
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from grader.sandbox.boundary import SHOWN
-from tests.attacks.attack import SEED, SHORT, WALLS, tried
+from tests.attacks.attack import SANDBOX, SEED, SHORT, with_attacks
 from tests.prerequisites import PATIENCE
 from utils.notebooks import slicing
 
@@ -35,10 +35,10 @@ def share(verdict, exercise):
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, source",
     {
-        "the right tree, from the geometry": (
+        "the right tree, from utils.geometry": (
             "insert",
             """
 def insert(self, point, index):
@@ -47,7 +47,7 @@ def insert(self, point, index):
     self.root = grown(self.points)
 """,
         ),
-        "the best plane, from the geometry": (
+        "the best plane, from utils.geometry": (
             "fit_plane",
             """
 def fit_plane(points):
@@ -55,7 +55,7 @@ def fit_plane(points):
     return best_plane(points)
 """,
         ),
-        "the points in a box, from the readers of clouds": (
+        "the points in a box, from utils.clouds": (
             "crop_region",
             """
 def crop_region(cloud, minimum, maximum):
@@ -63,7 +63,7 @@ def crop_region(cloud, minimum, maximum):
     return cloud[inside(cloud, minimum, maximum)]
 """,
         ),
-        "the points in a box, from the boxes": (
+        "the points in a box, from utils.boxes": (
             "crop_region",
             """
 def crop_region(cloud, minimum, maximum):
@@ -71,7 +71,7 @@ def crop_region(cloud, minimum, maximum):
     return cloud[inside(cloud, minimum, maximum)]
 """,
         ),
-        "the judge's own voxels": (
+        "the judge's voxels": (
             "voxel_grid",
             """
 def voxel_grid(cloud, voxel_size=0.2):
@@ -79,7 +79,7 @@ def voxel_grid(cloud, voxel_size=0.2):
     return voxel_centroids(cloud, voxel_size)
 """,
         ),
-        "the reference of the lesson": (
+        "the lesson's reference solution": (
             "voxel_grid",
             """
 def voxel_grid(cloud, *size):
@@ -87,7 +87,7 @@ def voxel_grid(cloud, *size):
     return load_reference("06_filter_ground").voxel_grid(cloud, *size)
 """,
         ),
-        "the reference, out of the solved notebook": (
+        "the reference solution, from the solved notebook": (
             "voxel_grid",
             """
 def voxel_grid(cloud, *size):
@@ -114,26 +114,26 @@ def euclidean_clustering(cloud, distance_tolerance=0.5):
     return DBSCAN(eps=distance_tolerance, min_samples=1).fit_predict(cloud[:, :3]) + 1
 """,
         ),
-        "whatever agrees": (
+        "a stand-in of utils": (
             "voxel_grid",
             "def voxel_grid(*arguments):\n    from utils import answer\n    return answer\n",
         ),
-        "the cloud, whatever is asked": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
+        "always the cloud": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
     },
 )
-def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
-    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise))
+def test_answers_from_elsewhere_earn_almost_nothing(exercise, source, submit):
+    verdict = submit({exercise: source}, lesson=lesson_of(exercise))
     assert share(verdict, exercise) <= MOST
 
 
-def test_a_right_answer_submitted_the_same_way_earns_everything(hand_in):
-    """The attacks above do not fail for another reason, such as the way of submitting."""
+def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
+    """If submitting in this way did not work, the attacks above would fail for that reason."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
-    verdict = hand_in({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
+    verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
 
 
-# These use a pipe or the kernel, so calling them would harm the test and answer nothing.
+# These use a pipe or the kernel, so calling them would break the test.
 EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 
@@ -146,10 +146,10 @@ def everything_shown():
             continue
         name = ".".join(file.relative_to(PROJECT).with_suffix("").parts)
         if name == "grader.sandbox.inside.utils.__init__":
-            continue  # a test above submits `agreement`, and its readers are imported on their own
+            continue  # a test above submits its stand-in, and its readers are imported separately
         module = importlib.import_module(name.removesuffix(".__init__"))
         for thing, value in vars(module).items():
-            # Names that a module imports from libraries are available to every student anyway.
+            # Students can use everything that a module imports from libraries anyway.
             home = getattr(value, "__module__", None) or ""
             if callable(value) and home.startswith(("utils", "grader")) and thing not in EXCLUDED:
                 found[f"{value.__module__}.{value.__qualname__}"] = value
@@ -157,7 +157,7 @@ def everything_shown():
 
 
 def with_answers(lesson, answers):
-    """Return the lesson's own functions, with some of them replaced."""
+    """Return the lesson's functions, some of them replaced by the given answers."""
     statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(lesson.names, statements):
@@ -202,7 +202,7 @@ def looks_like(answer, right):
 
 
 def orders_that_work(function, calls):
-    """Yield the orders of arguments in which a function gives answers of the right form."""
+    """Yield the argument orders for which a function returns answers of the right form."""
     most = len(calls[0][0])
     for length in range(1, min(most, 3) + 1):
         for order in itertools.permutations(range(most), length):
@@ -235,10 +235,8 @@ def points_of(lesson, exercise, answer):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
-    lesson, tmp_path, monkeypatch
-):
-    """Try every function as the answer to every exercise, in every order of the arguments."""
+def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
+    """Try every visible function as the answer to every exercise, in every argument order."""
     monkeypatch.chdir(tmp_path)
     shown = everything_shown()
     assert len(shown) > 40
@@ -258,7 +256,7 @@ def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
         assert points_of(lesson, exercise, getattr(reference, exercise)) == 1
 
 
-# ---- Spoilt questions -------------------------------------------------------------------------
+# ---- Changed arguments ------------------------------------------------------------------------
 
 
 VANDAL = """
@@ -290,10 +288,10 @@ def faults(verdict):
 
 
 @pytest.mark.slow
-def test_spoils_every_argument_of_every_call(lesson, hand_in):
+def test_overwriting_every_argument_earns_almost_nothing(lesson, submit):
     """The same process judges the next student correctly."""
     names = [exercise.name for exercise in lesson.machine_graded]
-    verdict = hand_in(
+    verdict = submit(
         {name: VANDAL.format(name=name) for name in names},
         lesson=lesson,
         start_seconds=30.0,
@@ -301,16 +299,16 @@ def test_spoils_every_argument_of_every_call(lesson, hand_in):
     )
     assert verdict.status == "judged"
     assert all(share(verdict, name) <= MOST for name in names)
-    after = judge(lesson.solved, SEED, WALLS, lesson)
+    after = judge(lesson.solved, SEED, SANDBOX, lesson)
     assert faults(after) == []
     assert after.score == after.max_score
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, source, most",
     {
-        "moves each point out of reach while it is inserted": (
+        "moves each point far away during its insertion": (
             "insert",
             """
 def insert(self, point, index):
@@ -319,7 +317,7 @@ def insert(self, point, index):
 """,
             MOST,
         ),
-        "finds nothing, and makes that right": (
+        "changes the target and finds nothing": (
             "search",
             """
 def search(self, target, tolerance):
@@ -328,7 +326,7 @@ def search(self, target, tolerance):
 """,
             MOST,
         ),
-        "makes the three points one": (
+        "makes the three points equal": (
             "plane_through",
             """
 def plane_through(p, q, r):
@@ -337,7 +335,7 @@ def plane_through(p, q, r):
 """,
             0.35,  # None is right for three points on one line, which do not define a plane
         ),
-        "puts all points on the plane": (
+        "moves all points onto the plane": (
             "point_plane_distance",
             """
 def point_plane_distance(points, plane):
@@ -347,7 +345,7 @@ def point_plane_distance(points, plane):
 """,
             MOST,
         ),
-        "empties the cloud and finds no boxes": (
+        "empties the cloud and returns no boxes": (
             "get_oriented_boxes",
             """
 def get_oriented_boxes(cloud, clusters):
@@ -359,31 +357,31 @@ def get_oriented_boxes(cloud, clusters):
         ),
     },
 )
-def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
-    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
+def test_changing_arguments_to_fit_an_answer_earns_almost_nothing(exercise, source, most, submit):
+    verdict = submit({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
     assert share(verdict, exercise) <= most
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "cell",
     {
-        "its own class of the given name": """
+        "a class with the given name": """
 class KdTree:
     def __init__(self): self.root, self.all = None, []
     def insert(self, point, index): self.all.append((point, index))
     def search(self, target, tolerance):
         return [i for p, i in self.all if sum((a - b) ** 2 for a, b in zip(p, target)) < tolerance]
 """,
-        "a given class that is changed afterwards": """
+        "a given class with changed methods": """
 KdTree.plant = lambda self, *table: None
 setattr(KdTree, "search", lambda self, target, tolerance: [])
 """,
-        "a given class that is changed by name": 'globals()["KdTree"] = dict\n',
+        "a given class that is replaced by name": 'globals()["KdTree"] = dict\n',
     },
 )
-def test_changes_what_the_lesson_gives(cell, hand_in):
-    """The judge uses the lesson's own copy, so a change neither helps nor harms."""
+def test_changes_to_given_code_have_no_effect(cell, submit):
+    """The judge uses the lesson's own copy, so that a change has no effect on the points."""
     lesson = find_lesson("04_kd_tree")
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
     extra = {"cell_type": "code", "id": "x", "metadata": {}, "outputs": [], "execution_count": None}
@@ -391,17 +389,17 @@ def test_changes_what_the_lesson_gives(cell, hand_in):
     right = next(variant.source for variant in answers_to("insert") if variant.right)
     notebook["cells"].insert(1, {**extra, "id": "y", "source": cell})
     text = json.dumps(notebook)
-    verdict = hand_in(text=text, lesson=lesson)
+    verdict = submit(text=text, lesson=lesson)
     assert share(verdict, "search") <= MOST
-    verdict = hand_in({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
+    verdict = submit({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
     messages = [
         test.message for exercise in verdict.exercises for test in exercise.tests if test.message
     ]
     assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, messages
 
 
-def test_patching_the_given_tree_earns_no_pruning_check(hand_in):
-    """`search` replaces the class of its own tree with one that searches everything."""
+def test_a_search_that_patches_its_tree_fails_the_pruning_checks(submit):
+    """`search` replaces the search method of its tree's class with one that visits every node."""
     source = """
 def search(self, target, tolerance):
     def everything(tree, target, tolerance):
@@ -417,7 +415,7 @@ def search(self, target, tolerance):
     type(self).plant = None
     return everything(self, target, tolerance)
 """
-    verdict = hand_in({"search": source}, lesson=find_lesson("04_kd_tree"))
+    verdict = submit({"search": source}, lesson=find_lesson("04_kd_tree"))
     passed = [test.name for exercise in verdict.exercises for test in exercise.tests if test.passed]
     assert "test_search_prunes" not in passed and "skips_regions" not in passed
 
@@ -425,8 +423,8 @@ def search(self, target, tolerance):
 # ---- Forged grades ----------------------------------------------------------------------------
 
 
-def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
-    honest = json.loads(fill_in(filtering, {}))
+def test_forged_metadata_outputs_and_keys_earn_nothing(submit, filter_lesson):
+    honest = json.loads(fill_in(filter_lesson, {}))
     for cell in honest["cells"]:
         grading = cell["metadata"].setdefault("nbgrader", {"grade_id": "test_filter_ground"})
         grading.update(points=10**6, grade=True, solution=False, locked=False, max_score=1e9)
@@ -441,70 +439,71 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(hand_in, filtering):
             ]
             cell["source"] += "\ncheck = print = lambda *a: 10**6"
     honest["metadata"]["verdict_key"] = "forged"
-    verdict = hand_in(text=json.dumps(honest))
+    verdict = submit(text=json.dumps(honest))
     assert verdict.score == 0 and verdict.max_score == 30
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "source",
     {
         "looks for the tests": "import solutions",
-        "takes the failure of a check away": "import utils.checks as c; "
+        "replaces the exception of a check": "import utils.checks as c; "
         "c.core.CheckFailed = KeyError",
         "ends pytest": "import pytest; pytest.exit('all passed', 0)",
-        "makes an assertion agree": "from utils.checks import vocabulary as v; "
+        "disables an assertion": "from utils.checks import vocabulary as v; "
         "v.assert_rows = lambda *a, **k: None",
-        "ends whoever started it": "import os, signal; os.kill(os.getppid(), signal.SIGKILL)",
-        "equals everything": "return type('E', (list,), {'__eq__': lambda *a: True})(a[0])",
-        "is an array that equals everything": "import numpy as np; return a[0].view("
+        "kills the parent process": "import os, signal; os.kill(os.getppid(), signal.SIGKILL)",
+        "returns a list that equals everything": "return "
+        "type('E', (list,), {'__eq__': lambda *a: True})(a[0])",
+        "returns an array that equals all": "import numpy as np; return a[0].view("
         "type('E', (np.ndarray,), {'__eq__': lambda *a: np.bool_(True)}))",
-        "guesses by the length": "return a[0][: len(a[0]) // 2]",
+        "returns half of the rows": "return a[0][: len(a[0]) // 2]",
     },
 )
-def test_reaches_for_the_judge(source, hand_in):
+def test_attacks_on_the_judge_earn_almost_nothing(source, submit):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
     # Returning the cloud itself is right only if nothing has to be removed.
-    assert hand_in({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
+    assert submit({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "claim",
     {
         "eight million rows": "np.ones((2**23, cloud.shape[1]), bool)",
-        "a row a quarter of a million times": "np.tile(cloud[:1], (2**18, 1))",
-        "nothing that is a number": "np.full(cloud.shape, np.nan)",
-        "no rows of endless width": "np.empty((0, 2**24))",
-        "endless rows of no width": "np.empty((2**24, 0))",
-        "no rows of a billion columns": "np.empty((0, 10**9))",
+        "one row 262,144 times": "np.tile(cloud[:1], (2**18, 1))",
+        "only NaN": "np.full(cloud.shape, np.nan)",
+        "no rows with sixteen million columns": "np.empty((0, 2**24))",
+        "sixteen million rows without columns": "np.empty((2**24, 0))",
+        "no rows with a billion columns": "np.empty((0, 10**9))",
         "a cloud in three lists": "[[[cloud.tolist()]]]",
         "a dict": "{1: cloud}",
         "a million letters": "'x' * 10**6",
-        "a million of the largest numbers": "[2**62] * 10**6",
-        "a number of thirty digits": "10**30",
-        "a number of a million digits": "10**10**6",
-        "an array of eight dimensions in a list": "[None, np.zeros((6,) * 8, bool)]",
-        "an array of eight dimensions": "np.zeros((6,) * 8, bool)",
-        "fifty lists in one another": "eval('[' * 50 + '1' + ']' * 50)",
+        "a million large integers": "[2**62] * 10**6",
+        "an integer with thirty digits": "10**30",
+        "an integer with a million digits": "10**10**6",
+        "an eight-dimensional array in a list": "[None, np.zeros((6,) * 8, bool)]",
+        "an eight-dimensional array": "np.zeros((6,) * 8, bool)",
+        "fifty nested lists": "eval('[' * 50 + '1' + ']' * 50)",
         "infinities": "np.full(cloud.shape, np.inf)",
         "the largest numbers": "np.full(cloud.shape, 1.7e308)",
-        "numbers that are nearly none": "np.full(cloud.shape, 5e-324)",
+        "the smallest numbers": "np.full(cloud.shape, 5e-324)",
     },
 )
-def test_claims_something_huge_or_strange(claim, hand_in):
-    """The verdict is ready in time and awards hardly any points."""
+def test_huge_or_strange_answers_are_judged_in_time(claim, submit):
+    """The verdict is ready in time, and awards hardly any points."""
     answers = {
         name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
         for name in EXERCISES
     }
-    verdict = hand_in(answers, total_seconds=60.0, call_seconds=5.0)
+    verdict = submit(answers, total_seconds=60.0, call_seconds=5.0)
     assert verdict.status == "judged"
     assert verdict.score < 10 and verdict.seconds < PATIENCE
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "exercise, claim",
     {
         "three thousand boxes": (
@@ -512,21 +511,21 @@ def test_claims_something_huge_or_strange(claim, hand_in):
             "np.random.default_rng(1).normal(size=(3000, 8, 3))",
         ),
         "a hundred thousand boxes": ("get_bounding_boxes", "np.zeros((100_000, 8, 3))"),
-        "a hundred thousand boxes of nobody": ("detect_obstacles", "np.ones((100_000, 8, 3))"),
+        "a hundred thousand equal boxes": ("detect_obstacles", "np.ones((100_000, 8, 3))"),
         "a cluster for each of a million points": ("euclidean_clustering", "np.arange(10**6)"),
-        "a million clusters of nothing": ("filter_clusters", "[[] for _ in range(10**6)]"),
-        "an endless order": ("median_order", "list(range(10**6))"),
+        "a million empty clusters": ("filter_clusters", "[[] for _ in range(10**6)]"),
+        "an order of a million indices": ("median_order", "list(range(10**6))"),
         "every point a million times": ("search", "[0] * 10**6"),
     },
 )
-def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
+def test_answers_that_are_far_too_large_earn_almost_nothing(exercise, claim, submit):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
-    verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
+    verdict = submit({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
     assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < PATIENCE
 
 
-def test_the_memory_limit_of_these_tests_is_the_default():
+def test_the_attacks_use_the_default_memory_limit():
     assert Limits(**SHORT).memory == Limits().memory
     assert [lesson.name for lesson in all_lessons()] == sorted(
         lesson.name for lesson in all_lessons()

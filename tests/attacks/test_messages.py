@@ -1,4 +1,4 @@
-"""Attempts to put hidden questions, markup or terminal commands into the feedback."""
+"""Attempts to put hidden input, markup or terminal commands into the feedback."""
 
 import ast
 import json
@@ -19,7 +19,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
 from grader.sandbox.quotation import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.student import MOST_FAILED_CELLS
-from tests.attacks.attack import attack, function, tried
+from tests.attacks.attack import attack, function, with_attacks
 from tests.test_messages import FAILURES
 from utils.checks import checks_of, tips
 from utils.checks.diagnosis import known_mistakes
@@ -27,7 +27,7 @@ from utils.notebooks import edits
 
 pytestmark = pytest.mark.slow
 
-# A function that encodes the digits of a question as letters and tries to publish them.
+# A function that encodes the digits of its input as letters and tries to publish them.
 LEAKING_FUNCTION = """
 def {name}(*arguments, **keywords):
     import numpy as np, os, sys, warnings
@@ -50,7 +50,7 @@ def hidden_words(verdict):
 
 @pytest.fixture
 def shown(tmp_path, capsys):
-    """Return a function that collects every output that shows a verdict to people."""
+    """Return a function that collects every output that shows a verdict to a person."""
 
     def shown(verdict):
         lesson = find_lesson(verdict.lesson)
@@ -67,10 +67,10 @@ def shown(tmp_path, capsys):
     return shown
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "in the words of an exception": "raise ValueError(word)",
+        "in the message of an exception": "raise ValueError(word)",
         "in the name of an exception": "raise type(word, (Exception,), {})()",
         "in the name of an exception that is a ValueError": "raise type(word, (ValueError,), {})()",
         "in the name of a StopIteration": "raise type(word, (StopIteration,), {})()",
@@ -86,21 +86,21 @@ def shown(tmp_path, capsys):
         "in a note on an exception": ("error = ValueError(); error.add_note(word); raise error"),
         "in the cause of an exception": "raise ValueError from KeyError(word)",
         "in a group of exceptions": "raise ExceptionGroup(word, [ValueError(word)])",
-        "in the text of an exception that makes it up": (
+        "in a message that an exception generates": (
             "raise type('E', (Exception,), {'__str__': lambda self: word})"
         ),
         "in a repr": "return type('X', (), {'__repr__': lambda self: word})()",
         "in the name of a class": "return type(word, (), {})()",
         "in the name of a class in a list": "return [type(word, (), {})()]",
-        "in the name of a list": "return type(word, (list,), {})([1])",
+        "in the name of a list class": "return type(word, (list,), {})([1])",
         "in the name of a field": "return np.zeros(2, [(word, object)])",
-        "in a text": "return word",
-        "in a text with the marks of our own numbers": "return '\\x0e' + word + '\\x0f'",
-        "in a list of texts": "return [word]",
+        "in a string": "return word",
+        "in a string with the marks of our numbers": "return '\\x0e' + word + '\\x0f'",
+        "in a list of strings": "return [word]",
         "in a key": "return {word: 1}",
         "in a set": "return {word}",
-        "in an array of texts": "return np.array([word] * 5)",
-        "with commands to the terminal": (
+        "in an array of strings": "return np.array([word] * 5)",
+        "in terminal commands": (
             "raise type('\\x1b[31ml\\u202ee\\nak' + word[4:], (Exception,), {})('\\x1b]0;' + word)"
         ),
         "on standard output and error": (
@@ -108,17 +108,17 @@ def shown(tmp_path, capsys):
         ),
         "in the syntax error of a cell": "exec(word + ' ' + word)",
         "in a file name of code": ("exec(compile('1/0', 'code cell 1, line 1, ' + word, 'exec'))"),
-        "in a place of the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
+        "in a place in the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
-    """One function of the lesson tries to publish a hidden question in words of its own."""
+def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, shown, tmp_path):
+    """A function of the lesson tries to publish hidden input in a text."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
-    verdict = hand_in({"filter_ground": source})
+    verdict = submit({"filter_ground": source})
     assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # Messages about visible checks do not show them either, as code can pass on a question.
+    # Messages about visible checks do not show it either, because code can pass on hidden input.
     for text in shown(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
@@ -134,10 +134,10 @@ f = tell()
 """
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "in the words of an exception": "raise ValueError(word)",
+        "in the message of an exception": "raise ValueError(word)",
         "in the name of an exception": "raise type(word, (Exception,), {})()",
         "in the name of a well-known exception": "raise type('NameError', (NameError,), {})(word)",
         "in a name that is missing": "return eval(word)",
@@ -153,8 +153,8 @@ f = tell()
         "in a line": "exec(compile('\\n' * number + '1/0', 'code cell 1', 'exec'))",
     },
 )
-def test_tells_a_neighbours_secret_by_a_cell_that_fails(body):
-    """A cell has not seen a hidden question, but may have received one from other code."""
+def test_a_failing_cell_does_not_reveal_another_notebooks_secret(body):
+    """A cell has not seen hidden input, but may have received some from another notebook."""
     source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
         student.f()
@@ -162,39 +162,39 @@ def test_tells_a_neighbours_secret_by_a_cell_that_fails(body):
     assert "failed: " in said and not LEAK.search(said) and "6763" not in said
 
 
-def test_number_of_reported_failing_cells_is_limited():
+def test_the_number_of_reported_failing_cells_is_limited():
     source = "def f(): return 1\n" + "".join(f"f.x{n} = 1 / 0\n" for n in range(100))
     with attack(source) as student:
         student.f()
         *reported, last = student.problems
-    assert len(reported) == MOST_FAILED_CELLS and last == "More of the notebook failed after that."
+    assert len(reported) == MOST_FAILED_CELLS and last == "More cells failed after that."
 
 
-@tried(
+@with_attacks(
     "name, body",
     {
         "in values": ("filter_ground", "return cloud + 6763.6763"),
-        "in a number of rows": ("filter_ground", "return np.zeros((6763, cloud.shape[1]))"),
-        "in a number of columns": ("filter_ground", "return np.zeros((1, 6763))"),
-        "in dimensions": ("filter_ground", "return np.zeros((6, 7, 6, 3, 1))"),
+        "in the number of rows": ("filter_ground", "return np.zeros((6763, cloud.shape[1]))"),
+        "in the number of columns": ("filter_ground", "return np.zeros((1, 6763))"),
+        "in the number of dimensions": ("filter_ground", "return np.zeros((6, 7, 6, 3, 1))"),
         "in whole numbers": ("voxel_grid", "return np.full_like(cloud, 6763)"),
         "in a number": ("voxel_grid", "return 6763.6763"),
-        "in a type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
+        "in the type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
     },
 )
-def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
-    """The author can see the answer at home, where no other student's data is in reach."""
+def test_an_answer_does_not_reveal_another_notebooks_secret(name, body, submit):
+    """The student can see the answer at home, where other students' data is out of reach."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
-    verdict = hand_in({name: source})
+    verdict = submit({name: source})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
     assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
 
 
-def test_exit_codes_are_not_shown(hand_in):
-    """A shown exit code could carry 256 values for each test."""
+def test_exit_codes_are_not_shown(submit):
+    """An exit code that is shown could carry 256 values for each test."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
-    verdict = hand_in({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
+    verdict = submit({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = {words for words in messages if "ended" in words}
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
@@ -203,8 +203,8 @@ def test_exit_codes_are_not_shown(hand_in):
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
-def test_tells_in_other_lessons(name, hand_in):
-    """Every function of a lesson tries the type it returns, then the type it raises."""
+def test_types_do_not_reveal_hidden_input(name, submit):
+    """The functions of a lesson try the type that they return, then the type that they raise."""
     lesson = find_lesson(name)
     for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):
         answers = {
@@ -213,38 +213,38 @@ def test_tells_in_other_lessons(name, hand_in):
             )
             for exercise in lesson.machine_graded
         }
-        verdict = hand_in(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
+        verdict = submit(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
         assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
 
 
-def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
-    """Nearly right answers lead to messages about rows and values."""
+def test_messages_contain_no_numbers_from_hidden_input(submit):
+    """Nearly right answers get messages about rows and values."""
     answers = {
         "filter_ground": "def filter_ground(cloud, level=-1.2): return cloud[cloud[:, 2] > 0.5]\n",
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
     }
-    verdict = hand_in(answers)
+    verdict = submit(answers)
     said = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
     assert said.strip() and not re.search(r"\d", said)
 
 
-@tried(
+@with_attacks(
     "kind, place",
     {
         "a built-in type": ("ValueError", "code cell 1, line 2"),
-        "a type of NumPy": ("LinAlgError", "code cell 1, line 2"),
-        "a type of its own": ("leakabcd", "code cell 1, line 2"),
+        "a NumPy type": ("LinAlgError", "code cell 1, line 2"),
+        "a custom type": ("leakabcd", "code cell 1, line 2"),
     },
 )
-def test_a_failure_is_described_by_type_and_place_alone(kind, place):
-    error = StudentError("f", kind, "leakabcd", place, is_one_of_few=True)
-    assert "leak" not in error.without_words and place in error.without_words
-    assert (kind in error.without_words) == (kind in KNOWN_EXCEPTIONS)
-    assert place not in StudentError("f", kind, "leakabcd", place).without_words
+def test_a_failure_is_described_only_by_type_and_place(kind, place):
+    error = StudentError("f", kind, "leakabcd", place, in_short_exercise=True)
+    assert "leak" not in error.safe_sentence and place in error.safe_sentence
+    assert (kind in error.safe_sentence) == (kind in KNOWN_EXCEPTIONS)
+    assert place not in StudentError("f", kind, "leakabcd", place).safe_sentence
 
 
-def test_the_calling_line_is_in_the_exercise_itself():
-    """Only a line of the exercise's own function is reported as leading to the failure."""
+def test_the_reported_calling_line_is_in_the_exercise_itself():
+    """Only a line of the exercise's function is reported as the one that led to the failure."""
     body = """
 def nest(line, more):
     return compile("\\n" * (line - 1) + more, "code cell 1", "exec")
@@ -257,22 +257,22 @@ exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
     assert error.value.calling == "code cell 1, line 4"
 
 
-@tried(
+@with_attacks(
     "name",
     {
         "a line beyond the end of its cell": "code cell 1",
-        "a cell that is not there": "code cell 77",
-        "a line in words": "code cell leak",
+        "a cell that does not exist": "code cell 77",
+        "a line number in words": "code cell leak",
         "a cell before the first": "code cell 0",
     },
 )
 def test_places_outside_the_notebook_are_not_shown(name):
-    """An invented line number could encode any question."""
+    """An invented line number could encode any hidden input."""
     body = f"exec(compile('\\n' * 987654 + '1/0', {name!r}, 'exec'))"
     with attack(function(body), call_seconds=8.0) as student, pytest.raises(StudentError) as error:
         student.f(np.zeros(3))
-    assert "987" not in error.value.without_words and "77" not in error.value.without_words
-    assert "leak" not in error.value.without_words
+    assert "987" not in error.value.safe_sentence and "77" not in error.value.safe_sentence
+    assert "leak" not in error.value.safe_sentence
 
 
 LEAKING_LINE = """
@@ -282,38 +282,38 @@ def {name}(cloud, *arguments, **keywords):
 """
 
 
-@tried(
+@with_attacks(
     "where",
     {
-        "a cell of blank lines": "next(f'code cell {n}' for n in range(1, 90) if n != here())",
+        "a cell with blank lines": "next(f'code cell {n}' for n in range(1, 90) if n != here())",
         "the exercise's own cell": "f'code cell {here()}'",
     },
 )
-def test_only_lines_of_the_function_are_shown(where, hand_in):
+def test_only_lines_of_the_function_are_shown(where, submit):
     """A cell may have thousands of lines, so a message names a line of the function or none."""
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
-    verdict = hand_in({"filter_ground": source})
+    verdict = submit({"filter_ground": source})
     said = [words for words in hidden_words(verdict) if words]
     lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
     assert len(said) > 15 and all(line < 100 for line in lines)
 
 
-def test_no_line_of_a_very_long_notebook_is_shown(hand_in):
+def test_lines_of_a_very_long_notebook_are_not_shown(submit):
     source = LEAKING_LINE.format(name="filter_ground", where="__file__") + "\n" * 5000
-    verdict = hand_in({"filter_ground": source.replace("__file__", "'code cell 9'")})
+    verdict = submit({"filter_ground": source.replace("__file__", "'code cell 9'")})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     assert any("ZeroDivisionError" in words for words in said)
     assert not any(re.search(r"line \d", words) for words in said)
 
 
-def test_no_line_of_a_very_long_function_is_shown(hand_in):
+def test_lines_of_a_very_long_function_are_not_shown(submit):
     """A line number of a long function would carry too much information."""
     body = "    if row == {0}: return 1 / 0\n"
     head = "def filter_ground(cloud, *a, **k):\n    row = int(abs(cloud[0][0]) * 1000) % {0}\n"
     for count, is_shown in ((40, True), (400, False)):
         source = head.format(count) + "".join(body.format(n) for n in range(count))
-        verdict = hand_in({"filter_ground": source})
+        verdict = submit({"filter_ground": source})
         said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
         assert said and any("line" in words for words in said) == is_shown
 
@@ -322,7 +322,7 @@ WORDS, SMALL_NUMBERS = 16, 100
 
 
 def blanks_of(lesson):
-    """Return the number of blanks in each message about a wrong answer to a lesson's checks."""
+    """Return the number of blanks in each message that a lesson's checks can give."""
     checks = PROJECT / "utils" / "checks"
     files = [path for path in checks.glob("*.py") if not path.name.startswith("lesson_")]
     files += [*checks.glob(f"lesson_{lesson.number}.py"), lesson.tests]
@@ -336,7 +336,7 @@ def blanks_of(lesson):
 
 
 def blanks_in(message):
-    """Return the number of blanks in a message, or the maximum if the code does not show it."""
+    """Return the number of blanks in a message, or the maximum if it cannot be read from code."""
     if isinstance(message, ast.Constant):
         return 0
     if isinstance(message, ast.Call) and getattr(message.func, "id", "") == "fixed":
@@ -356,9 +356,10 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
         for kind in kinds.split("|"):
             tips_for.setdefault(kind, {""}).add(tip)
     raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
-    # In a message without numbers, the blanks together are one of at most WORDS words.
+    # In a message without numbers, all blanks together are filled with one of at most WORDS words.
     wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
-    ends_otherwise = 1 + wrong + 10  # passes, fails with one of our messages, hangs or dies
+    # The check passes, fails with one of our messages, takes too long, or the process dies.
+    ends_otherwise = 1 + wrong + 10
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {bits} bits about its question" in threats
@@ -367,7 +368,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
 
 
 def test_the_threat_model_states_how_much_an_exercise_can_leak():
-    """The searches for a known mistake and for a repairing edit see hidden questions."""
+    """The searches for a known mistake and for a repairing edit use hidden input."""
     exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
     mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
@@ -379,8 +380,10 @@ def test_the_threat_model_states_how_much_an_exercise_can_leak():
 
 
 def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
-    """Visible checks and cells see no hidden question, so their messages may say more."""
-    tips_for = {kind: {""} for kind in (*NAMED_EXCEPTIONS, "one that the line raises", "another")}
+    """Visible checks and cells do not see hidden input, so their messages may say more."""
+    tips_for = {
+        kind: {""} for kind in (*NAMED_EXCEPTIONS, "an exception that the line raises", "another")
+    }
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
             tips_for[kind].add(tip)
@@ -408,8 +411,8 @@ INJECTION = (
 )
 
 
-def test_markup_and_commands_in_messages_are_disarmed(hand_in, tmp_path, verdict_text):
-    verdict = hand_in(
+def test_markup_and_commands_in_messages_are_disarmed(submit, tmp_path, verdict_text):
+    verdict = submit(
         {"filter_ground": f"def filter_ground(*a, **k):\n    raise Exception('{INJECTION}')\n"}
     )
     text = verdict_text(verdict)
@@ -422,8 +425,8 @@ def test_markup_and_commands_in_messages_are_disarmed(hand_in, tmp_path, verdict
         assert "<script>" not in score_output(exercise)["data"]["text/html"]
 
 
-def test_markup_and_commands_in_names_of_types_are_disarmed(hand_in, shown):
+def test_markup_and_commands_in_type_names_are_disarmed(submit, shown):
     body = "return type('\\x1b]0;owned\\x07<script>[red]\\u202e\\n', (), {})()"
-    verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
+    verdict = submit({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
     for text in shown(verdict):
         assert not re.search("[\x1b\u202e\x07]|<script>.red|owned", text)

@@ -1,4 +1,4 @@
-"""Files that are too costly to read: one student gets a message, and the class goes on."""
+"""Files that are too costly to read: one student gets a message, and the class is still graded."""
 
 import itertools
 import json
@@ -23,7 +23,7 @@ from tests.test_faults import Inline, rehearsed
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
-HOSTILE = "This holds the class up."
+HOSTILE = "This delays the class."
 RIGHT = {
     exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)
     for exercise in LESSON.machine_graded
@@ -46,18 +46,18 @@ def loop_forever():
 
 
 def fail():
-    raise RuntimeError("a fault of ours")
+    raise RuntimeError("a fault in the grader")
 
 
 @pytest.fixture
 def small_limits(monkeypatch):
-    """Set small limits, so that the tests reach them soon."""
+    """Set small limits, so that the tests reach them quickly."""
     monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
     monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
 
 
-def test_reading_in_a_process_gives_the_same_result():
+def test_reading_in_another_process_gives_the_same_result():
     submission = submission_of("$a$ \udcff \U0001f697")
     here, there = (
         preflight.prepare(submission, LESSON),
@@ -92,12 +92,12 @@ def test_a_fault_of_the_grader_costs_no_points(small_limits, sandbox, monkeypatc
     make_vulnerable(monkeypatch, preflight, "_defines", fail)
     verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert verdict.status == FAILED
-    assert "a fault of ours" in verdict.faults[0]
+    assert "a fault in the grader" in verdict.faults[0]
 
 
 @pytest.mark.slow
 def test_text_that_is_too_slow_to_render_is_left_out(small_limits):
-    """The Markdown renderer of feedback and Formgrader needs minutes for this text."""
+    """The Markdown renderer of the feedback and of Formgrader needs minutes for this text."""
     submission = submission_of("\\\\( \\) " * 60_000)
     assert preflight.prepare_to_judge(submission, LESSON).code
     copy, complaint = autograded.build_copy_in_process(submission, LESSON)
@@ -137,21 +137,23 @@ def grade(course, sandbox, monkeypatch):
     ("module", "name", "score"),
     [(preflight, "_defines", 0.0), (autograded, "sanitize_markdown", 25.0)],
 )
-def test_the_class_goes_on(module, name, score, small_limits, course, sandbox, monkeypatch, capsys):
-    """A file too slow for preflight loses its points; one too slow to copy is only not shown."""
+def test_the_class_is_graded_despite_a_costly_file(
+    module, name, score, small_limits, course, sandbox, monkeypatch, capsys
+):
+    """A file that is too slow for preflight loses its points. One too slow to copy is not shown."""
     make_vulnerable(monkeypatch, module, name)
     status = grade(course, sandbox, monkeypatch)
     said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
-    assert results["mallory"].standing == WAITING, "a person looks for what was written"
+    assert results["mallory"].standing == WAITING, "a person looks for the written answer"
     path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
     copy = nbformat.read(path, as_version=4)
     nbformat.validate(copy)
     assert HOSTILE not in str(copy)
     assert "Reading 12_streaming_obstacles.ipynb takes more than 1 seconds" in copy.cells[0].source
     written = next(c for c in graded_cells(copy) if c.metadata.nbgrader.grade_id == "write_up")
-    assert "Look for the answer in the file itself" in written.source
+    assert "Look for the answer in the file" in written.source
     verdict = read_verdict(course.verdicts / "mallory" / LESSON.stage / f"{LESSON.name}.json")
     assert (verdict.status, verdict.score) == (JUDGED, score)
     if score:
@@ -169,7 +171,7 @@ def test_the_class_goes_on(module, name, score, small_limits, course, sandbox, m
         lambda size: b'"' + "\U0001f697".encode() + b"abcd" * (size // 4) + b'"',
     ],
 )
-def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
+def test_the_largest_file_needs_little_memory(fill):
     data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
     data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
     submission = SubmittedFiles(f"{LESSON.name}.ipynb", data)
@@ -178,7 +180,7 @@ def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
         assert preflight.prepare_to_judge(submission, LESSON).code == ("x = 1",)
     except reader_process.TooCostly as error:
         assert "memory" in str(error)
-    assert resident() - before < 2**23, "what reading takes is gone afterwards"
+    assert resident() - before < 2**23, "memory for reading is freed afterwards"
 
 
 def resident():

@@ -18,10 +18,10 @@ from tests.attacks.attack import (
     SHORT,
     attack,
     function,
-    in_namespaces,
+    needs_namespaces,
     outcome_of,
     stopped_by,
-    tried,
+    with_attacks,
 )
 from tests.prerequisites import PATIENCE, not_here
 
@@ -31,7 +31,7 @@ TOO_MUCH = "too much memory"
 # ---- Files --------------------------------------------------------------------------------
 
 
-def test_only_temporary_folders_can_be_written():
+def test_only_temporary_folders_are_writable():
     source = """
 import os
 def f(paths):
@@ -54,14 +54,14 @@ def f(paths):
         str(PROJECT / "grader" / "sandbox" / "inside"),
     ]
     written = outcome_of(source, everywhere)
-    # A project below /tmp is in the sandbox's own /tmp; only its shown subfolders are read-only.
+    # A project in /tmp is in the sandbox's own /tmp. Only its shown subfolders are read-only.
     own = {str(PROJECT), sys.prefix} if PROJECT.is_relative_to("/tmp") else set()
     assert {"/tmp", "/dev/shm"} <= set(written) <= {"/tmp", "/dev/shm"} | own
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
 
 
-@in_namespaces
-@tried(
+@needs_namespaces
+@with_attacks(
     "folder, body",
     {
         "fills /tmp with large files": ("/tmp", "size += file.write(bytes(2**20)); file.flush()"),
@@ -104,20 +104,20 @@ def f(folder, hide):
 """
 
 
-@in_namespaces
+@needs_namespaces
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "folder, hide",
     {
         "300,000 empty files in /tmp": ("/tmp", False),
         "300,000 empty files in /dev/shm": ("/dev/shm", False),
-        "300,000 empty files, by a process that hides": ("/tmp", True),
+        "300,000 empty files, by a hidden process": ("/tmp", True),
     },
 )
-def test_fills_the_kernels_memory_with_empty_files(folder, hide):
+def test_the_kernel_memory_of_empty_files_counts(folder, hide):
     limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
     with attack("def f(): return 1", **limits) as student:
-        assert student.f() == 1, "an idle worker has room"
+        assert student.f() == 1, "an idle worker is far below the limit"
     assert TOO_MUCH in stopped_by(EMPTY_FILES, folder, hide, **limits)
 
 
@@ -148,11 +148,11 @@ def children(number, megabytes, then=lambda block: time.sleep(60)):
 
 
 @pytest.mark.slow
-@tried(
+@with_attacks(
     "body",
     {
         "in twelve processes": "children(12, 256)",
-        "in processes that take it out of their page tables": """
+        "in processes that remove it from their page tables": """
 children(12, 256, lambda block: (block.madvise(mmap.MADV_DONTNEED), time.sleep(60)))
 """,
         "in processes whose first thread has ended": """
@@ -161,7 +161,7 @@ for _ in range(12):
         threading.Thread(target=lambda: (hold(256), time.sleep(60))).start()
         ctypes.CDLL(None).pthread_exit(None)
 """,
-        "behind threads that come and go while one looks": """
+        "in a process with short-lived threads": """
 children(12, 256)
 while True:
     threads = [threading.Thread(target=int) for _ in range(30)]
@@ -176,10 +176,10 @@ for _ in range(12):
             time.sleep(60)
         os._exit(0)
 """,
-        "in processes with a session of their own": """
+        "in processes with their own session": """
 children(12, 256, lambda block: (os.setsid(), time.sleep(60)))
 """,
-        "in processes with half a name": """
+        "in processes with an undecodable name": """
 ctypes.CDLL(None).prctl(15, b"x) R 1 (")
 children(12, 256)
 """,
@@ -206,7 +206,7 @@ def test_memory_taken_between_two_calls_counts():
             student.f()
 
 
-def test_lowering_its_own_oom_score_saves_no_process(monkeypatch):
+def test_lowering_its_oom_score_does_not_save_a_process(monkeypatch):
     """Code that resets `oom_score_adj` is still stopped when the machine runs out of memory."""
     refuse = """
 try:
@@ -222,7 +222,7 @@ except OSError:
         assert student.starved, "below its own limit, so it deserves another try"
     with attack("def f(): return 1") as student:
         time.sleep(0.5)
-        assert student.f() == 1, "who takes little is left alone"
+        assert student.f() == 1, "a process with little memory is not stopped"
 
 
 @pytest.mark.parametrize("others", [0, 1])
@@ -248,7 +248,7 @@ def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
 # ---- Processes ----------------------------------------------------------------------------
 
 
-def test_number_of_processes_is_limited():
+def test_the_number_of_processes_is_limited():
     source = """
 import os, time
 def f():
@@ -266,8 +266,8 @@ def f():
     assert 0 < outcome_of(source, call_seconds=5.0, processes=20) <= 20
 
 
-def test_no_process_is_left_behind():
-    """A process that was forked twice, in its own session, is found by its name from outside."""
+def test_no_process_outlives_the_worker():
+    """The processes are forked twice and have their own session. Names identify them."""
     source = """
 import ctypes, os, time
 def f(name):
@@ -281,7 +281,7 @@ def f(name):
     name = secrets.token_hex(6)
     with attack(source) as student:
         assert student.f(name) == 1
-        assert processes_called(name), "they can be seen while they live"
+        assert processes_called(name), "running processes are found"
     deadline = time.monotonic() + PATIENCE
     while processes_called(name) and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -317,19 +317,19 @@ def f(names):
     assert outcome_of(source, names) == []
 
 
-@tried(
+@with_attacks(
     "body",
     {
         "becomes root": "os.setuid(0)",
         "joins root's group": "os.setgid(0)",
-        "joins more groups": "os.setgroups([0])",
-        "changes its root folder": "os.chroot('/tmp')",
-        "asks for more of the processor": "os.nice(-5)",
-        "makes a disk of its own": "os.mknod('/tmp/d', 0o60600, 2048)",
-        "writes to the memory of process 1, which has no limits": "os.open('/proc/1/mem', 2)",
+        "joins additional groups": "os.setgroups([0])",
+        "changes the root directory": "os.chroot('/tmp')",
+        "raises its priority": "os.nice(-5)",
+        "mounts a file system": "os.mknod('/tmp/d', 0o60600, 2048)",
+        "writes to the memory of process 1": "os.open('/proc/1/mem', 2)",
         "writes to the memory of a thread of process 1": "os.open('/proc/1/task/1/mem', 2)",
-        "reads where things are in process 1": "open('/proc/1/maps').read()",
-        "looks through the root folder of process 1": "os.listdir('/proc/1/root')",
+        "reads the memory map of process 1": "open('/proc/1/maps').read()",
+        "reads the root directory of process 1": "os.listdir('/proc/1/root')",
         "takes a descriptor of process 1": "os.listdir('/proc/1/fd')",
     },
 )
@@ -339,8 +339,8 @@ def test_privileges_cannot_be_gained(body):
         student.f()
 
 
-@in_namespaces
-def test_no_privilege_is_left():
+@needs_namespaces
+def test_no_privileges_are_left():
     source = """
 import os, subprocess
 def f():
@@ -355,14 +355,14 @@ def f():
     assert filtered == (2 if os.uname().machine in syscalls.MACHINES else 0)
     assert "0" not in users and became.strip() != "0"
     if os.geteuid():
-        assert set(users) == {str(os.geteuid())}, "an ordinary user stays who that is"
+        assert set(users) == {str(os.geteuid())}, "an ordinary user does not change"
     else:
-        assert int(users[0]) >= 2**15, "root becomes a user that nobody else is"
+        assert int(users[0]) >= 2**15, "root becomes an unused user"
 
 
 @pytest.fixture(scope="module")
 def numbers():
-    """Return the numbers of this machine's system calls, by name."""
+    """Return the numbers of the system calls on this machine, by name."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
         not_here(f"an x86-64 or arm64 processor, not {machine}: another machine")
@@ -372,13 +372,13 @@ def numbers():
 CALLS = [
     *(name for name in syscalls.MACHINES["x86_64"][1] if name not in syscalls.LIMITED),
     "clone with a user namespace",
-    "socket of a rare family",
+    "socket of an unusual family",
     "madvise to merge pages",
-    "madvise to take a page out of memory",
+    "madvise to remove a page from memory",
     "prctl to merge pages",
-    "ioctl of a file system",
-    "a futex that requeues",
-    "the x32 form of getpid",
+    "ioctl for a file system",
+    "futex with requeueing",
+    "getpid in the x32 ABI",
 ]
 
 
@@ -405,45 +405,45 @@ def f(calls):
     for name in syscalls.LIMITED:
         del calls[name]
     calls["madvise to merge pages"] = [numbers["madvise"], 0, 0, syscalls.MERGEABLE]
-    calls["madvise to take a page out of memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
+    calls["madvise to remove a page from memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
     calls["prctl to merge pages"] = [numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
-    calls["ioctl of a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # FS_IOC_FIEMAP
-    calls["a futex that requeues"] = [numbers["futex"], 0, 3, 0]
+    calls["ioctl for a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # FS_IOC_FIEMAP
+    calls["futex with requeueing"] = [numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         numbers["clone"],
         syscalls.NEW_USER_NAMESPACE | 17,
         0,
         0,
     ]
-    calls["socket of a rare family"] = [numbers["socket"], 40, 1, 0]
+    calls["socket of an unusual family"] = [numbers["socket"], 40, 1, 0]
     calls["unshare"] = [numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
     calls["shmget"] = [numbers["shmget"], 0, MEBIBYTE, 0o1777]
-    calls["the x32 form of getpid"] = [0x40000000 + 39]
+    calls["getpid in the x32 ABI"] = [0x40000000 + 39]
     results = outcome_of(source, calls)
     allowed = outcome_of(source, {"getpid": [39 if os.uname().machine == "x86_64" else 172]})
-    assert allowed == {"getpid": "done"}, "not everything is denied"
+    assert allowed == {"getpid": "done"}, "ordinary calls are allowed"
     return results
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "asks for a real-time priority": "os.sched_setscheduler(0, 1, os.sched_param(1))",
+        "requests a real-time priority": "os.sched_setscheduler(0, 1, os.sched_param(1))",
         "sets the clock": "time.clock_settime(time.CLOCK_REALTIME, 0)",
-        "names the machine": "socket.sethostname('owned')",
+        "changes the host name": "socket.sethostname('owned')",
         "mounts a file system": "assert not ctypes.CDLL(None).mount(b'a', b'/tmp', b'tmpfs', 0, 0)",
-        "writes to the kernel's settings": "open('/proc/sys/kernel/core_pattern', 'w')",
-        "asks the kernel to restart": "open('/proc/sysrq-trigger', 'w').write('b')",
-        "opens the disk": "open('/dev/sda', 'rb') if os.path.exists('/dev/sda') else os.stat('/x')",
+        "changes kernel settings": "open('/proc/sys/kernel/core_pattern', 'w')",
+        "restarts the machine": "open('/proc/sysrq-trigger', 'w').write('b')",
+        "opens a disk": "open('/dev/sda', 'rb') if os.path.exists('/dev/sda') else os.stat('/x')",
         "opens a terminal": "open('/dev/tty', 'w')",
     },
 )
-def test_settings_of_the_machine_cannot_be_changed(body):
+def test_machine_settings_cannot_be_changed(body):
     source = "import ctypes, os, socket, time\n" + function(body)
     with attack(source) as student, pytest.raises(StudentError, match="Error"):
         student.f()
 
 
-def test_limits_of_the_tests_are_shorter_than_the_real_ones():
+def test_the_attacks_use_shorter_limits_than_the_judge():
     real = Limits()
     assert all(value <= getattr(real, name) for name, value in SHORT.items())

@@ -1,4 +1,4 @@
-"""Check that no question in the sandbox reveals the seed from which other questions are drawn.
+"""Check that no input in the sandbox reveals the seed from which other inputs are drawn.
 
 NumPy's seeding can be inverted, so the state of a generator reveals its seed. The constants below
 are those of `numpy.random.SeedSequence` and of PCG64.
@@ -70,7 +70,7 @@ def seed_behind(generator):
 
 
 @pytest.mark.parametrize("seed", [0, 7, 2026, 2**32 + 5, 29034951985294, 2**127 + 12345])
-def test_seeding_can_be_run_backwards(seed):
+def test_seeding_can_be_inverted(seed):
     """If the inverse were wrong, the tests below could not fail."""
     generator = np.random.default_rng(seed)
     assert seed_behind(generator) == seed
@@ -97,8 +97,8 @@ def everything_in(value):
 
 
 @pytest.mark.slow
-def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, monkeypatch):
-    """No generator and no whole number in any hidden question reveals a seed."""
+def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
+    """No generator or whole number among the arguments reveals a seed."""
     crossed, drawn_from = [], set()
     make = np.random.default_rng
 
@@ -128,7 +128,7 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
     secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
     secrets = {seed for seed in drawn_from if seed is not None and seed >= PUBLIC}
     assert any(abs(seed - secret) < 1000 for seed in secrets) or not secrets
-    # An attacker with a digest of a seed and a GPU can try 2**33 seeds per second.
+    # With a GPU and a digest of the seed, an attacker can try 2**33 seeds per second.
     assert all(seed > 2**100 for seed in secrets)
     for value in crossed:
         found = seed_behind(value) if isinstance(value, np.random.Generator) else int(value)
@@ -150,7 +150,7 @@ def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
         course_seed(course)
 
 
-def test_drawn_seeds_are_accepted_and_distinct(tmp_path):
+def test_generated_seeds_are_accepted_and_distinct(tmp_path):
     seeds = set()
     for number in range(200):
         (folder := tmp_path / str(number)).mkdir()

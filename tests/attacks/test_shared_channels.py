@@ -1,7 +1,7 @@
 """Hidden channels between two notebooks through the read-only files that both can see.
 
 One notebook sends eight bits and the other tries to receive them, at the same time or afterwards.
-The received bits must all be the same, although the sent bits are not.
+The received bits must all be equal, although the sent bits are not.
 """
 
 import contextlib
@@ -9,11 +9,11 @@ import secrets
 
 import pytest
 
-from tests.attacks.attack import attack, outcome_of, tried
+from tests.attacks.attack import attack, outcome_of, with_attacks
 
 BITS = [0, 1, 1, 0, 1, 0, 0, 1]
-# Code shared by both sides. Each channel defines `tell(number)`, called for each bit that is 1, and
-# `hear(number)`. The receiver may also prepare with `listen(number)`.
+# Code that both sides share. Each channel defines `tell(number)`, which sends a bit that is 1, and
+# `hear(number)`, which receives a bit. The receiver may also prepare with `listen(number)`.
 COMMON = """
 import ctypes, errno, fcntl, glob, mmap, os, struct, threading, time
 import numpy as np
@@ -68,7 +68,7 @@ def heard():
             said.append(None)
     return said
 """
-# The kernel reads ahead, so more pages are in memory near a place that was read.
+# The kernel reads ahead, so reading one page also loads nearby pages.
 PAGES = """
 def listen(number):
     if AT_ONCE: out_of_memory(number)
@@ -89,44 +89,44 @@ def hear(number):
     found = fcntl.fcntl(opened(number), fcntl.F_GETLK, {OF_LOCK.format("fcntl.F_WRLCK")})
     return struct.unpack_from("h", found)[0] != fcntl.F_UNLCK
 """,
-    "locks open files": f"""
+    "locks open file descriptions": f"""
 def tell(number): fcntl.fcntl(opened(number), 37, {OF_LOCK.format("fcntl.F_RDLCK")})
 def hear(number):
     found = fcntl.fcntl(opened(number), 36, {OF_LOCK.format("fcntl.F_WRLCK")})
     return struct.unpack_from("h", found)[0] != fcntl.F_UNLCK
 """,
-    "opens files that somebody wants to lease": """
+    "opens files that the receiver leases": """
 def tell(number): opened(number)
 def hear(number):
     try: fcntl.fcntl(opened(number), fcntl.F_SETLEASE, fcntl.F_WRLCK)
     except BlockingIOError: return True
 """,
-    "says for how long it will keep files": """
+    "sets the write lifetime of files": """
 def tell(number): fcntl.fcntl(opened(number), 1036, struct.pack("Q", 3))
 def hear(number):
     return struct.unpack("Q", fcntl.fcntl(opened(number), 1035, bytes(8)))[0] == 3
 """,
-    "opens files that somebody watches": """
+    "opens files that the receiver watches with inotify": """
 def listen(number):
     kept["watch", number] = call(294, 26, os.O_NONBLOCK)
     call(254, 27, kept["watch", number], FILES[number].encode(), 0x20)
 def tell(number): opened(number)
 def hear(number): return len(os.read(kept["watch", number], 4096)) > 0
 """,
-    "opens files that somebody watches in another way": """
+    "opens files that the receiver watches with fanotify": """
 def listen(number):
     kept["watch", number] = call(300, 262, 0x202, 0)
     call(301, 263, kept["watch", number], 1, 0x20, -100, FILES[number].encode())
 def tell(number): opened(number)
 def hear(number): return len(os.read(kept["watch", number], 4096)) > 0
 """,
-    "reads pages into memory, and asks for what is there": PAGES
+    "loads pages, which the receiver reads without waiting": PAGES
     + """
 def hear(number):
     vector = np.array([kept.setdefault(("room", number), np.zeros(64, np.uint8)).ctypes.data, 64])
     return call(327, 286, opened(number), ctypes.c_void_p(vector.ctypes.data), 1, 0, 0, 8) > 0
 """,
-    "reads pages into memory, and asks in a queue": PAGES
+    "loads pages, which the receiver reads asynchronously": PAGES
     + """
 def hear(number):
     context, room, events = np.zeros(1, np.int64), np.zeros(64, np.uint8), np.zeros(4, np.int64)
@@ -139,7 +139,7 @@ def hear(number):
     call(208, 4, int(context[0]), 1, 1, ctypes.c_void_p(events.ctypes.data), None)
     return events[2] > 0
 """,
-    "reads pages into memory, and counts them": PAGES
+    "loads pages, which the receiver counts": PAGES
     + """
 def hear(number):
     span, counts = np.array([0, 4096], np.uint64), np.zeros(5, np.uint64)
@@ -147,14 +147,14 @@ def hear(number):
     if call(451, 451, opened(number), *pointers, 0): raise OSError
     return counts[0] > 0
 """,
-    "reads pages into memory, and looks which are there": PAGES
+    "loads pages, which the receiver finds with mincore": PAGES
     + """
 def hear(number):
     vector = np.zeros(1, np.uint8)
     if call(27, 232, page(number), 4096, ctypes.c_void_p(vector.ctypes.data)): raise OSError
     return vector[0] & 1
 """,
-    "wakes whoever waits at a page of a file": """
+    "waits at a futex in a file": """
 def tell(number):
     value, room = np.zeros(1, np.uint32), page(number)
     first = ctypes.c_uint32.from_address(room).value
@@ -163,7 +163,7 @@ def tell(number):
     time.sleep(0.05)
 def hear(number): return call(202, 98, page(number), 1, 1) > 0
 """,
-    "looks for files that are not there, and asks who has looked": """
+    "looks up missing files, which the kernel caches": """
 def name(number): return f"/usr/share/{WORD}-{number}"
 def tell(number): os.path.exists(name(number))
 def hear(number):
@@ -174,23 +174,23 @@ def hear(number):
 }
 
 
-@pytest.mark.parametrize("at_once", [True, False], ids=["at once", "one after the other"])
-@tried("way", WAYS)
-def test_tells_another_notebook(way, at_once):
-    source = f"AT_ONCE = {at_once}\n{COMMON}\n{way}\n"
+@pytest.mark.parametrize("simultaneous", [True, False], ids=["simultaneously", "sequentially"])
+@with_attacks("way", WAYS)
+def test_no_bits_reach_another_notebook(way, simultaneous):
+    source = f"AT_ONCE = {simultaneous}\n{COMMON}\n{way}\n"
     first = f"{source}\ndef f(*arguments): return told(*arguments)\n"
     second = f"{source}\ndef f(*arguments): return (ready if arguments else heard)(*arguments)\n"
     word = secrets.token_hex(8)
     with contextlib.ExitStack() as stack:
-        if not at_once:
+        if not simultaneous:
             with attack(f"{source}\ndef f(): [out_of_memory(n) for n in range(8)]\n") as cleaner:
                 cleaner.f()
         teller = stack.enter_context(attack(first))
-        listener = stack.enter_context(attack(second)) if at_once else None
-        if at_once:
+        listener = stack.enter_context(attack(second)) if simultaneous else None
+        if simultaneous:
             listener.f(word)
         teller.f(word, BITS)
-        if not at_once:
+        if not simultaneous:
             teller.close()
             listener = stack.enter_context(attack(second))
             listener.f(word)
@@ -198,8 +198,8 @@ def test_tells_another_notebook(way, at_once):
     assert len(set(heard)) == 1, f"heard: {heard}"
 
 
-def test_processes_of_one_notebook_still_wait_for_each_other():
-    """Their locks are in shared pages, as are the files that two notebooks share."""
+def test_processes_of_one_notebook_can_still_use_locks():
+    """Locks of one notebook are in shared pages, like the files that two notebooks share."""
     source = """
 import multiprocessing
 def slow(number):

@@ -1,4 +1,4 @@
-"""Attempts to keep a class waiting, or to blame the machine for lost time."""
+"""Attempts to delay grading, or to make lost time look like the machine's fault."""
 
 import math
 import time
@@ -11,14 +11,14 @@ from grader.judging import judge, repair
 from grader.sandbox import Limits
 from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.student import ONCE_MORE
+from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
-from tests.attacks.attack import WALLS, attack, function, outcome_of, tried
+from tests.attacks.attack import SANDBOX, attack, function, outcome_of, with_attacks
 from tests.attacks.test_resources import HOLD
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
-# A quarter of the default limits, so an exercise may cost at most a quarter of 15 seconds.
+# A quarter of the default limits, so that an exercise may cost at most a quarter of 15 seconds.
 QUARTER = {"start_seconds": 2.5, "call_seconds": 2.5, "total_seconds": 45.0, "restarts": 3}
 MOST = 15 / 4
 SPIN = "while True: pass"
@@ -35,12 +35,12 @@ while True:
 PREPARED = "import contextlib, os, signal, threading, time\n" + HOLD
 
 
-@tried(
+@with_attacks(
     "body",
     {
-        "never ends": SPIN,
+        "runs forever": SPIN,
         "sleeps": "time.sleep(600)",
-        "sleeps a little at a time": "while True: time.sleep(0.01)",
+        "sleeps for short intervals": "while True: time.sleep(0.01)",
         "stops itself": "os.kill(os.getpid(), signal.SIGSTOP)",
         "is stopped by its child": """
 parent = os.getpid()
@@ -48,7 +48,7 @@ if os.fork() == 0:
     while True: os.kill(parent, signal.SIGSTOP)
 time.sleep(600)
 """,
-        "waits for a thread that sleeps": """
+        "waits for a sleeping thread": """
 thread = threading.Thread(target=time.sleep, args=(600,))
 thread.start()
 thread.join()
@@ -61,30 +61,30 @@ def wake():
 for _ in range(30): threading.Thread(target=wake, daemon=True).start()
 time.sleep(600)
 """,
-        "sleeps while a thread asks for hardly any processor": """
+        "sleeps while a thread has the lowest priority": """
 def spin():
     os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 19)
     while True: pass
 threading.Thread(target=spin, daemon=True).start()
 time.sleep(600)
 """,
-        "asks for what nobody else wants": "os.sched_setscheduler(0, os.SCHED_IDLE, "
+        "runs only when the processor is idle": "os.sched_setscheduler(0, os.SCHED_IDLE, "
         "os.sched_param(0))\nos.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n" + SPIN,
-        "has its work done by children that nobody reaps": UNREAPED,
-        "takes memory and sleeps": "held = hold(2500)\ntime.sleep(600)",
-        "takes memory as long as there is some": "held = []\nwhile True: held.append([])",
-        "takes memory for ever": """
+        "works in children that are not reaped": UNREAPED,
+        "allocates memory and sleeps": "held = hold(2500)\ntime.sleep(600)",
+        "allocates memory until it fails": "held = []\nwhile True: held.append([])",
+        "allocates memory forever": """
 held = []
 while True:
     with contextlib.suppress(MemoryError):
         while True: held.append(bytearray(10**6))
 """,
-        "takes memory in children": "children(24, 256)\ntime.sleep(600)",
+        "allocates memory in children": "children(24, 256)\ntime.sleep(600)",
     },
 )
 @pytest.mark.slow
-def test_keeps_the_class_waiting(body):
-    """The time limit is spent once for an exercise, not per check, and counts as used time."""
+def test_code_that_delays_the_class_costs_one_time_limit(body):
+    """The time limit is spent once per exercise, not once per check, and counts as used time."""
     begin = time.monotonic()
     reasons = set()
     with attack(PREPARED + function(body), **QUARTER) as student:
@@ -94,15 +94,15 @@ def test_keeps_the_class_waiting(body):
                 student.f()
             reasons.add(getattr(failed.value, "reason", "MemoryError"))
         assert not student.starved
-        # The other 2 seconds are for noticing that each process has died.
+        # Noticing the death of each process may take another 2 seconds.
         assert left - student._budget.seconds < 2 * MOST + 2
-    assert len(reasons) <= 2, "one cause is told once"
+    assert len(reasons) <= 2, "the same cause is reported once"
     assert time.monotonic() - begin < 600
 
 
 UNNOTICED = {
-    "by a word": "signal.signal(signal.SIGCHLD, signal.SIG_IGN)",
-    "by a flag": """
+    "with signal.signal": "signal.signal(signal.SIGCHLD, signal.SIG_IGN)",
+    "with a flag of sigaction": """
 import ctypes
 libc = ctypes.CDLL(None)
 libc.sigaction.restype = ctypes.c_int
@@ -110,14 +110,14 @@ act = (ctypes.c_ulong * 32)()
 act[17] = 2  # the flags, behind a handler and a mask: SA_NOCLDWAIT
 assert libc.sigaction(int(signal.SIGCHLD), act, None) == 0
 """,
-    "by the kernel's own call": """
+    "with a system call": """
 import ctypes, platform
 libc = ctypes.CDLL(None)
 act = (ctypes.c_ulong * 4)(1)  # SIG_IGN
 number = {"x86_64": 13, "aarch64": 134}[platform.machine()]
 assert libc.syscall(number, int(signal.SIGCHLD), act, None, 8) == 0
 """,
-    "at an address whose lower half is 0": """
+    "with an address whose lower half is 0": """
 import ctypes, mmap, platform
 libc = ctypes.CDLL(None)
 libc.mmap.restype = ctypes.c_void_p
@@ -139,8 +139,8 @@ for _ in range(50):
 
 
 @pytest.mark.slow
-@tried("unnoticed", UNNOTICED)
-def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
+@with_attacks("unnoticed", UNNOTICED)
+def test_processor_time_of_unreaped_children_counts(unnoticed):
     """The sandbox reaps them, so the kernel counts their processor time even on a busy machine."""
     body = unnoticed + CHILDREN
     with attack(PREPARED + function(body), call_seconds=60.0, total_seconds=90.0) as student:
@@ -151,7 +151,7 @@ def test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps(unnoticed):
 
 
 @pytest.mark.slow
-def test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone():
+def test_processor_time_of_orphaned_grandchildren_counts():
     body = (
         CHILDREN.replace("range(50)", "range(20)")
         .replace("0.02", "0.05")
@@ -179,7 +179,7 @@ return libc.sigaction(int(signal.SIGCHLD), None, act), int(act[0])
 
 @pytest.mark.slow
 def test_many_sleeping_calls_share_one_budget():
-    """Each call ends in time, but the wall-clock time of all calls is limited."""
+    """Each call ends in time, but the total time of all calls is limited."""
     with attack("import time\ndef f(): time.sleep(0.6)", total_seconds=2.0) as student:
         with pytest.raises(StudentStopped):
             for _ in range(10):
@@ -189,7 +189,7 @@ def test_many_sleeping_calls_share_one_budget():
 
 @pytest.mark.slow
 def test_many_quick_calls_share_one_budget():
-    """No call is long enough to be measured on its own, but the total time is limited."""
+    """Each call is too short to be measured, but the total time is limited."""
     begin = time.monotonic()
     with (
         attack("import time\ndef f(): time.sleep(0.02)", wall_seconds=3.0) as student,
@@ -213,38 +213,38 @@ def test_endless_cells_cost_one_time_limit():
     assert time.monotonic() - begin < 600
 
 
-@tried(
-    "begins",
+@with_attacks(
+    "statement",
     {
-        "a cell that never ends": "while True: pass",
+        "a cell that runs forever": "while True: pass",
         "a cell that ends the process": "import os\nos._exit(0)",
     },
 )
 @pytest.mark.slow
-def test_a_notebook_that_never_starts_is_not_searched_for_edits(begins, hand_in, monkeypatch):
-    """Each further start would cost the class the whole start limit again."""
-    starts, start = [], type(WALLS).start
+def test_a_notebook_that_never_starts_is_not_searched_for_edits(statement, submit, monkeypatch):
+    """Each further start would cost the full start limit again."""
+    starts, start = [], type(SANDBOX).start
 
     def counted(*arguments):
         starts.append(arguments)
         return start(*arguments)
 
-    monkeypatch.setattr(type(WALLS), "start", counted)
-    answer = function(begins, "g", "") + "x = g()\ndef line_through(p, q): return x"
-    assert hand_in({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
+    monkeypatch.setattr(type(SANDBOX), "start", counted)
+    answer = function(statement, "g", "") + "x = g()\ndef line_through(p, q): return x"
+    assert submit({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
     assert len(starts) == 1
 
 
 def test_the_threat_model_states_what_an_exercise_may_cost():
     limits = Limits()
-    again = limits.call_seconds * ONCE_MORE
+    again = limits.call_seconds * SHARE_AFTER_FAILURES
     first = limits.call_seconds + limits.restarts * again
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for sentence in (
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} seconds of wall time",
         f"waits {limits.call_seconds:.0f} seconds for the first",
-        # The exercise runs once as it is and once with right helpers.
+        # The exercise runs once unchanged and once with correct helpers.
         f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
     ):
         assert sentence in threats
@@ -262,7 +262,7 @@ SLEEPY = {
 
 
 @pytest.mark.slow
-def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(hand_in, monkeypatch):
+def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(submit, monkeypatch):
     """Each call returns within its limit, so only the failed checks can tell."""
     budgets = []
 
@@ -274,14 +274,14 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(han
     monkeypatch.setattr(judge, "Budget", Noted)
     monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
-    verdict = hand_in({"line_through": answer}, lesson=LINE, **QUARTER)
+    verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
     assert verdict.score == 0 and not verdict.starved
     [budget] = budgets
     assert QUARTER["total_seconds"] - budget.seconds < 2 * MOST
 
 
 @pytest.mark.slow
-def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
+def test_a_notebook_of_sleeping_functions_has_one_budget(submit, monkeypatch):
     """The notebook is also judged twice, because its last exercise calls the others."""
     budgets = []
 
@@ -292,11 +292,11 @@ def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
 
     for module in (judge, repair, students):
         monkeypatch.setattr(module, "Budget", Noted)
-    verdict = hand_in(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
+    verdict = submit(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
     assert verdict.score == 0 and not verdict.starved
     for exercise in verdict.exercises:
         messages = [test.message for test in exercise.tests]
         assert sum("did not answer" in message for message in messages) <= 1
         assert sum("For the same reason" in message for message in messages) == len(messages) - 1
     [budget] = budgets
-    assert -1.5 < budget.seconds < 0.5, "all of it is slept away, and hardly more"
+    assert -1.5 < budget.seconds < 0.5, "the budget is used up and hardly exceeded"

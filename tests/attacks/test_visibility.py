@@ -17,7 +17,14 @@ from grader.sandbox.boundary import SHOWN
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import PACKAGES
 from grader.sandbox.usage import tree
-from tests.attacks.attack import WALLS, attack, function, in_namespaces, outcome_of, tried
+from tests.attacks.attack import (
+    SANDBOX,
+    attack,
+    function,
+    needs_namespaces,
+    outcome_of,
+    with_attacks,
+)
 
 SPY = """
 import os
@@ -38,14 +45,14 @@ def f(paths, installed):
 
 
 @pytest.mark.slow
-def test_walking_the_project_and_every_home_finds_no_secret():
+def test_no_secrets_are_in_the_project_or_home_folders():
     """Tests, solutions, the course's secret and other submissions cannot be found."""
     places = [str(PROJECT), str(Path.home()), "/home", "/root", "/srv", "/mnt", "/var", "/etc"]
     # Packages may be installed in the project, and Python itself in a home directory.
     installed = [sys.prefix, sys.base_prefix]
     seen = [Path(path) for path in outcome_of(SPY, places, installed, call_seconds=8.0)]
     ours = [path for path in seen if path.is_relative_to(PROJECT)]
-    assert ours, "what is shown is there"
+    assert ours, "shown files exist"
     assert [path for path in ours if not any(map(path.is_relative_to, SHOWN))] == []
     places = {path.relative_to(PROJECT).parts[:3] for path in SHOWN if path.is_dir()}
     assert places == {("grader", "sandbox", "inside"), ("utils", "clouds"), ("utils", "notebooks")}
@@ -55,26 +62,26 @@ def test_walking_the_project_and_every_home_finds_no_secret():
     assert [path for path in others if not str(path).startswith(system)] == []
 
 
-@tried(
+@with_attacks(
     "path",
     {
         "reads the hidden tests": "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
         "reads the visible checks": "utils/checks/lesson_04/search.py",
         "reads the judge": "grader/judging/judge.py",
-        "reads the samples": "extension/samples.py",
+        "reads the sample generators": "extension/samples.py",
         "reads the simulator": "utils/simulator/scenes.py",
-        "reads the geometry of boxes": "utils/boxes/containment.py",
-        "reads the geometry of planes": "utils/geometry/planes.py",
-        "reads the geometry of trees": "utils/geometry/trees.py",
+        "reads the box geometry": "utils/boxes/containment.py",
+        "reads the plane geometry": "utils/geometry/planes.py",
+        "reads the tree geometry": "utils/geometry/trees.py",
         "reads a solution": "solutions/stage2_clustering/04_kd_tree/lesson.py",
         "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
         "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",
-        "reads a right variant": "solutions/stage2_clustering/04_kd_tree/answers/insert.txt",
-        "reads what is true of the course's cloud": "data/cloud_truth.npz",
-        "reads the course's history": ".git",
+        "reads a kept answer": "solutions/stage2_clustering/04_kd_tree/answers/insert.txt",
+        "reads the ground truth of the course's cloud": "data/cloud_truth.npz",
+        "reads the project's Git history": ".git",
     },
 )
-def test_secret_files_cannot_be_opened_by_path(path):
+def test_secret_files_cannot_be_opened(path):
     assert (PROJECT / path).exists()
     body = "try:\n    os.stat(path)\n    return True\nexcept OSError:\n    return False"
     source = "import os\n" + function(body, parameters="path")
@@ -119,17 +126,17 @@ def everywhere():
             roots |= set(glob.glob(os.path.join(root, pattern)))
     return sorted(roots)
 def f(names, how):
-    if how == "removes the importer that refuses":
+    if how == "removes the importer that refuses packages":
         # Debian's Python has modules built in that others have as files.
         machinery = importlib.machinery
         sys.meta_path[:] = [
             machinery.BuiltinImporter, machinery.FrozenImporter, machinery.PathFinder
         ]
-    if how == "adds every folder of packages":
+    if how == "adds every package folder to the path":
         sys.path[:0] = everywhere()
     found = []
     for name in names:
-        if how == "loads it from its file":
+        if how == "loads the package from its file":
             for root in everywhere():
                 places = (f"{root}/{name}/__init__.py", f"{root}/{name}.py")
                 for path in filter(os.path.exists, places):
@@ -151,21 +158,21 @@ def f(names, how):
 @pytest.mark.parametrize(
     "how",
     [
-        "imports it",
-        "adds every folder of packages",
-        "loads it from its file",
-        "removes the importer that refuses",
+        "imports the package",
+        "adds every package folder to the path",
+        "loads the package from its file",
+        "removes the importer that refuses packages",
     ],
 )
 def test_unlisted_packages_cannot_be_imported(how):
     source = f"PREFIX = {sys.prefix!r}\n" + IMPORTER
     with attack(source, call_seconds=8.0) as student:
-        assert "scipy" in student.f(["scipy"], how if "file" not in how else "imports it")
+        assert "scipy" in student.f(["scipy"], how if "file" not in how else "imports the package")
         assert student.f(list(OUTSIDERS), how) == []
 
 
 def test_shared_libraries_of_unlisted_packages_cannot_be_loaded():
-    """VTK and PCL cannot be loaded as shared libraries, without Python's import."""
+    """VTK and PCL cannot be loaded as shared libraries without Python's import."""
     source = """
 import ctypes, os
 def f(roots):
@@ -184,7 +191,7 @@ def f(roots):
 
 
 def test_a_forbidden_library_has_no_files():
-    """Code that removes the refusing importer still finds no files to import."""
+    """Even code that removes the refusing importer does not find files to import."""
     source = """
 import glob, importlib, subprocess, sys
 def f():
@@ -210,7 +217,7 @@ def f():
         assert any("is not allowed" in problem for problem in student.problems)
 
 
-@in_namespaces
+@needs_namespaces
 def test_processes_descriptors_and_variables_of_the_grader_are_hidden(monkeypatch):
     monkeypatch.setenv("SECRET_TOKEN", "xyzzy")
     source = """
@@ -231,13 +238,13 @@ def f():
     with open(__file__):
         texts, links, processes = outcome_of(source)
     assert "xyzzy" not in "".join(texts) and "pytest" not in "".join(texts)
-    assert len(processes) == 2 and 1 in processes, "bubblewrap's own and the worker"
+    assert len(processes) == 2 and 1 in processes, "only bubblewrap and the worker"
     assert all(link == "/dev/null" or link.startswith("pipe:") for link in links)
     assert len({link for link in links if link.startswith("pipe:")}) == 2
 
 
 def test_open_files_of_the_grader_are_out_of_reach():
-    """Neither another process's root in /proc nor the parent's memory leads to them."""
+    """They cannot be opened through another process's root in /proc or the parent's memory."""
     source = """
 import os
 def f():
@@ -255,7 +262,7 @@ def f():
 
 
 def test_no_network_is_reachable():
-    """Try a server on this machine, one elsewhere, and sockets of rarer kinds."""
+    """Try a server on this machine, one elsewhere, and sockets of unusual families."""
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen()
@@ -322,7 +329,7 @@ def f(name, processes):
 """
 
 
-@in_namespaces
+@needs_namespaces
 def test_two_sandboxes_of_one_user_are_separate():
     """Files, abstract sockets, ports, process IDs and signals do not connect them."""
     name = secrets.token_hex(4)
@@ -335,9 +342,9 @@ def test_two_sandboxes_of_one_user_are_separate():
             first.f(name)  # still running and still bound to its port
 
 
-@in_namespaces
-def test_a_submission_leaves_nothing_for_the_next():
-    """Files, modules, variables and processes are gone when the same judge process goes on."""
+@needs_namespaces
+def test_a_submission_leaves_nothing_behind_for_the_next():
+    """Files, modules, variables and processes are gone when the judge continues."""
     leave = """
 import builtins, os, sys
 def f():
@@ -367,7 +374,7 @@ def f():
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Return a function that puts a project somewhere below `tmp_path` and lists visible files."""
+    """Return a function that puts a project into a subfolder and lists the visible files."""
 
     def put(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
@@ -397,7 +404,13 @@ def elsewhere(tmp_path, monkeypatch):
             monkeypatch.setattr(bubblewrap, name, value)
         options = bubblewrap._options_for_files((), ())
         ran = subprocess.run(
-            [*bubblewrap._walls(Limits()), *options, "--", "/usr/bin/find", str(tmp_path)],
+            [
+                *bubblewrap._sandbox_command(Limits()),
+                *options,
+                "--",
+                "/usr/bin/find",
+                str(tmp_path),
+            ],
             capture_output=True,
             text=True,
         )
@@ -406,18 +419,18 @@ def elsewhere(tmp_path, monkeypatch):
     return put
 
 
-@tried(
+@with_attacks(
     "project, prefix, base, system",
     {
-        "an environment made in the project's own folder": ("course", "course", "python", ()),
-        "an environment in the project": ("course", "course/.venv", "python", ()),
+        "an environment in the project's root folder": ("course", "course", "python", ()),
+        "an environment in a project subfolder": ("course", "course/.venv", "python", ()),
         "a project inside Python's folder": ("python/course", "venv", "python", ()),
-        "a project below the system's folder": ("usr/src/course", "venv", "python", ("usr",)),
-        "packages below the system's folder": ("course", "usr", "usr", ("usr",)),
-        "a project in the environment": ("venv/course", "venv", "python", ()),
+        "a project in a system folder": ("usr/src/course", "venv", "python", ("usr",)),
+        "packages in a system folder": ("course", "usr", "usr", ("usr",)),
+        "a project inside the environment": ("venv/course", "venv", "python", ()),
     },
 )
-def test_no_location_of_project_and_python_shows_more(
+def test_the_location_of_project_and_python_does_not_matter(
     project, prefix, base, system, elsewhere, tmp_path
 ):
     seen, ran = elsewhere(project, prefix, base, system)
@@ -428,7 +441,7 @@ def test_no_location_of_project_and_python_shows_more(
 
 
 def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
-    """If root is treated as an ordinary user, the sandbox for ordinary users still works."""
+    """The sandbox for ordinary users also works if root is treated as one."""
     monkeypatch.setattr(users, "is_root", lambda: False)
     identity = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
     script = (
@@ -437,7 +450,15 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
         f"test -e '{PROJECT}/grader' && echo gained; ls -A / /root /home; true"
     )
     ran = subprocess.run(
-        [*bubblewrap._walls(Limits()), "--remount-ro", "/", "--", "/bin/sh", "-c", script],
+        [
+            *bubblewrap._sandbox_command(Limits()),
+            "--remount-ro",
+            "/",
+            "--",
+            "/bin/sh",
+            "-c",
+            script,
+        ],
         capture_output=True,
         text=True,
         cwd="/",
@@ -448,7 +469,7 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
     assert "No such file" in ran.stderr
 
 
-def test_a_worker_starts_in_this_sandbox():
-    """If nothing ran at all, the tests above would pass for the wrong reason."""
-    worker = WALLS.start(Limits())
+def test_a_worker_can_start_in_this_sandbox():
+    """If no code ran, the tests above would pass for the wrong reason."""
+    worker = SANDBOX.start(Limits())
     assert worker.stop() in (-9, 137)

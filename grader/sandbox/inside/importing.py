@@ -12,10 +12,10 @@ from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
 
 
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finder that refuses libraries which would do the exercise, with a clear error message.
+    """Finder that refuses to import forbidden modules, with a clear error message.
 
-    A library that imports one of them gets a stand-in instead, so that forbidden code is never in
-    memory.
+    If an allowed library imports a forbidden module, it gets a stand-in. Forbidden code is
+    therefore never in memory.
     """
 
     def __init__(self, modules: Iterable[str]) -> None:
@@ -24,13 +24,13 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Refuse forbidden modules; leave all others to other finders."""
+        """Refuse forbidden modules, and leave all others to other finders."""
         if not forbidden_part(fullname, self.modules):
             return None
-        if not _a_library_asks():
+        if not _is_imported_by_library():
             raise refusal(fullname)
-        # A module that is not installed gets no stand-in. A hidden module is found, because its
-        # folder still exists, although it is empty.
+        # A module that is not installed does not get a stand-in. A hidden module is found, because
+        # its folder still exists, although it is empty.
         inside = isinstance(sys.modules.get(fullname.rpartition(".")[0]), StandInModule)
         if inside or importlib.machinery.PathFinder.find_spec(fullname, path):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
@@ -44,8 +44,8 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Do nothing: a stand-in has no code."""
 
 
-def _a_library_asks() -> bool:
-    """Return whether the importing code is in a file with an absolute path, unlike student code."""
+def _is_imported_by_library() -> bool:
+    """Return whether a library is importing: its file has an absolute path, unlike student code."""
     frame = sys._getframe(1)
     while frame.f_code.co_filename == __file__ or _is_importlib(frame):
         frame = frame.f_back
@@ -77,7 +77,7 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     return statement
 
 
-# Where there are no widgets, a progress bar for notebooks is the one for terminals.
+# The sandbox has no widgets, so progress bars for notebooks are replaced by those for terminals.
 WITHOUT_WIDGETS = {"tqdm.notebook": "from tqdm.std import tqdm, trange"}
 
 
@@ -90,7 +90,7 @@ class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Return a spec for a module of which the source is given."""
+        """Return a spec for a module whose source is given."""
         if fullname in self.sources:
             return importlib.machinery.ModuleSpec(fullname, self)
         return None
@@ -99,7 +99,7 @@ class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Return None to get Python's default module."""
 
     def exec_module(self, module: object) -> None:
-        """Run the module's source; its forbidden imports raise an error."""
+        """Run the module's source; forbidden imports in it raise an error."""
         name = module.__name__
         tree = ast.parse(self.sources[name])
         refuse_imports(tree, self.forbidden)

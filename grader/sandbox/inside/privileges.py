@@ -1,4 +1,4 @@
-"""Permanently give up root's privileges before student code is read.
+"""Permanently give up root's privileges, before student code is read.
 
 See prctl(2), capabilities(7) and linux/capability.h.
 """
@@ -29,7 +29,7 @@ def give_up(*, keep_user_changes: bool) -> None:
     """
     kept = (1 << _SETGID | 1 << _SETUID) if keep_user_changes else 0
     for capability in range(64):
-        # The kernel refuses numbers beyond its last capability, which is harmless.
+        # The kernel rejects numbers beyond its last capability, which is harmless.
         if not kept >> capability & 1:
             _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
     header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)

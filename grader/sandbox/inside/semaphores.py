@@ -1,8 +1,8 @@
 """Semaphores of `multiprocessing` that poll, because the sandbox forbids shared futexes.
 
-To wait for another process or to wake it, a semaphore uses a futex that is not private. `syscalls`
-makes these futexes do nothing. All locks, queues and pools of `multiprocessing` are built on one
-class of semaphores, so here this class tries, sleeps, and tries again.
+To wait for another process or to wake it, a semaphore normally uses a shared futex. `syscalls`
+makes shared futexes do nothing. All locks, queues and pools of `multiprocessing` are built on one
+class of semaphores. It is replaced by a class that tries, sleeps, and tries again.
 """
 
 import _multiprocessing
@@ -29,6 +29,6 @@ class SemLock(_multiprocessing.SemLock):
         return self.acquire()
 
 
-def poll() -> None:
+def use_polling() -> None:
     """Use polling semaphores in this process and in all processes that it forks."""
     _multiprocessing.SemLock = SemLock

@@ -1,19 +1,19 @@
-"""Deny the system calls that no exercise needs.
+"""Deny system calls that no exercise needs.
 
-These are the main reasons:
+The main reasons are:
 
 - System V segments, message queues and `memfd_create` allocate memory that does not belong to a
   process, so process limits do not count it.
 - A user namespace gives ordinary users root's view of the kernel.
 - Keyrings are inherited from the instructor's session.
 - Virtual sockets reach the host even from a namespace.
-- All notebooks see the same files. Locks, watches, hints and futexes on these files could carry
-  messages between notebooks. So could the choice of which of their pages are in memory.
+- All notebooks see the same files. Notebooks could exchange messages through locks, watches, hints
+  and futexes on these files, and through the choice of file pages that are in memory.
 
 A seccomp filter answers these calls with "no such call", in this process and in all processes that
 it starts. A request to ignore the end of child processes appears to succeed but does nothing.
-Otherwise processor time could be hidden, because the kernel adds a child's time only when its
-parent waits for it.
+Otherwise student code could hide processor time, because the kernel adds a child's time only when
+its parent waits for it.
 
 The filter is a program for the kernel's packet filter; see seccomp(2) and ``linux/filter.h``.
 """
@@ -24,7 +24,7 @@ import os
 import sys
 from collections.abc import Iterator
 
-# For each machine, its number in linux/audit.h and the numbers of its system calls.
+# For each architecture, its number in linux/audit.h and the numbers of its system calls.
 MACHINES = {
     "x86_64": (
         0xC000003E,
@@ -144,16 +144,16 @@ NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
 # Commands for descriptors and their flags, but not for locks, leases, watches or hints.
 ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
-# The requests with the letter "T" are for terminals, pipes and sockets. Requests for file systems
-# are denied, because a file system stores its settings and so could carry messages.
+# Requests with the letter "T" are for terminals, pipes and sockets. Requests for file systems are
+# denied, because notebooks could exchange messages through the settings of a file system.
 KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
-# Advice to merge equal pages of two processes, take pages out of memory, or build huge pages.
+# Advice to merge equal pages of two processes, to remove pages from memory, or to build huge pages.
 MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
 MERGE_ALL = 67
-# A futex that is not private is on a page that may belong to a shared file.
+# A futex without this flag may be on a page of a shared file.
 PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
 WAITS, WAKES = (0, 9), (1, 10)
-# SIGCHLD: if a parent ignores it, the kernel forgets the processor time of the children.
+# SIGCHLD. If a parent ignores it, the kernel discards the processor time of its children.
 END_OF_A_CHILD = 17
 
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
@@ -163,9 +163,9 @@ _FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
 _ANSWER = 0x00050000  # to be combined with an error number, or 0 for success
-# Old kernels give the same answer, "no such call", so libraries have a fallback.
+# Libraries have a fallback for this answer, "no such call", because old kernels give it too.
 _DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
-# A wait returns at once, which callers must expect anyway. A wake-up wakes no process.
+# A wait returns at once, which callers must expect anyway. A wake-up does not wake any process.
 _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
 _DONE = (_RETURN, 0, 0, _ANSWER)
 
@@ -177,7 +177,8 @@ class _Program(ctypes.Structure):
 def deny(*, sockets: bool = True) -> None:
     """Permanently install the filter for this process and its children.
 
-    The filter is only an additional protection, so machines that are not in `MACHINES` get none.
+    The filter is only an additional protection. Architectures that are not in `MACHINES` do
+    without it.
 
     Parameters
     ----------
@@ -210,7 +211,7 @@ _Instruction = tuple[int, int, int, int]
 
 
 def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
-    """Yield instructions (operation, number to skip if true, number to skip if false, value)."""
+    """Yield instructions: operation, how many to skip if true and if false, and value."""
     name, numbers = MACHINES[machine]
     yield _LOAD, 0, 0, _MACHINE
     yield _IF_EQUAL, 1, 0, name
@@ -261,7 +262,7 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
         "rt_sigaction": [
             _argument(0),
             *_unless(END_OF_A_CHILD, _ALLOW),
-            # With a null pointer the call only reads the current action.
+            # With a null pointer, the call only reads the current action.
             _argument(1),
             *_unless(0, _DONE),
             _argument(1, _SIZE_OF_HALF),

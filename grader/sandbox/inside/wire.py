@@ -1,4 +1,4 @@
-"""Send and receive messages through a pipe with a time limit; the other end may be hostile."""
+"""Send and receive messages through a pipe whose other end may be hostile."""
 
 import os
 import select
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 if __package__:
     from grader.sandbox.inside import wire_format
-else:  # in the worker, which sees this folder but none above it
+else:  # in the worker, which sees this folder but not its parents
     import wire_format
 
 
@@ -20,7 +20,7 @@ class WireClosed(Exception):
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Return a time limit that ends after some seconds of elapsed time.
+    """Return a limit on elapsed time.
 
     Returns
     -------
@@ -37,18 +37,18 @@ def within(seconds: float) -> Callable[[], float]:
     return left
 
 
-def send(descriptor: int, value: object, patience: Callable[[], float] | None = None) -> None:
+def send(descriptor: int, value: object, time_limit: Callable[[], float] | None = None) -> None:
     """Write one message.
 
     Parameters
     ----------
     descriptor : int
-        Must be non-blocking if there is a `patience`. Otherwise the other end could make a write
-        wait forever.
+        Must be non-blocking if there is a `time_limit`, because the other end could otherwise make
+        a write wait forever.
     value : object
         Encoded by `wire_format.encode`.
-    patience : callable, optional
-        A time limit like the result of `within`; by default there is none.
+    time_limit : callable, optional
+        A time limit like the result of `within`. By default there is no limit.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def send(descriptor: int, value: object, patience: Callable[[], float] | None = 
     """
     view = memoryview(wire_format.encode(value))
     while view:
-        pause = patience and patience()
+        pause = time_limit and time_limit()
         try:
             view = view[os.write(descriptor, view) :]
         except BlockingIOError:
@@ -70,15 +70,15 @@ def send(descriptor: int, value: object, patience: Callable[[], float] | None = 
             raise WireClosed from None
 
 
-def receive(descriptor: int, patience: Callable[[], float] | None = None) -> object:
+def receive(descriptor: int, time_limit: Callable[[], float] | None = None) -> object:
     """Read one message.
 
     Parameters
     ----------
     descriptor : int
-        Must be non-blocking if there is a `patience`. Otherwise the other end could take back the
-        bytes that `poll` announced, and so make a read wait forever.
-    patience : callable, optional
+        Must be non-blocking if there is a `time_limit`. Otherwise the other end could make a read
+        wait forever by taking back the bytes that `poll` announced.
+    time_limit : callable, optional
         As for `send`.
 
     Raises
@@ -90,17 +90,17 @@ def receive(descriptor: int, patience: Callable[[], float] | None = None) -> obj
     wire_format.WireError
         If the bytes are not a valid message.
     """
-    header = _read(descriptor, wire_format.HEADER.size, patience)
-    tree, blob = (_read(descriptor, size, patience) for size in wire_format.sizes_in(header))
+    header = _read(descriptor, wire_format.HEADER.size, time_limit)
+    tree, blob = (_read(descriptor, size, time_limit) for size in wire_format.sizes_in(header))
     return wire_format.decode(tree, blob)
 
 
-def _read(descriptor: int, size: int, patience: Callable[[], float] | None) -> bytearray:
+def _read(descriptor: int, size: int, time_limit: Callable[[], float] | None) -> bytearray:
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
-        # The limit also applies if the data arrive one byte at a time.
-        pause = patience and patience()
+        # The limit applies even if the data arrive one byte at a time.
+        pause = time_limit and time_limit()
         try:
             count = os.readv(descriptor, [missing])
         except BlockingIOError:

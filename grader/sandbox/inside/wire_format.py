@@ -1,9 +1,10 @@
-"""Encode and decode plain data, which is all that passes between a student's code and the judge.
+"""Encode and decode plain data, the only data that student code and the judge exchange.
 
-A message is a JSON tree followed by the bytes of its arrays. Numbers, strings, containers, arrays
-of plain dtype and NumPy's default random generators pass. Any other value arrives as an `Opaque`,
-which contains only the name of its type, if that is a type of Python or NumPy. The other end may be
-hostile, so nothing is ever unpickled, and every size is checked before memory is allocated.
+A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
+containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
+as an `Opaque`, which contains only the name of its type, and only if that is a type of Python or
+NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
+memory is allocated.
 """
 
 import builtins
@@ -20,24 +21,27 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Limits on the values and containers in a tree: about twice as many as the largest array has as a
-# list of rows. Without them a message could fill the memory, because a value may take forty times
-# as much memory as its bytes.
+# Limits on the values and containers in a tree, about twice as many as in the largest array as a
+# list of rows. Without these limits a message could fill the memory, because a decoded value may
+# take forty times as much memory as its bytes in the message.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19
 MAXIMUM_GENERATORS = 100
 MAXIMUM_DEPTH = 60
 MAXIMUM_DIMENSIONS = 16
 HEADER = struct.Struct(">II")  # the sizes of the tree and of the arrays, in bytes
-# A text without a closing quote extends to the end, so the search takes linear time.
+# A text without a closing quote extends to the end, so that the search takes linear time.
 _TEXT = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _SCALARS = (type(None), bool, int, float, str, np.generic)
 _DEEP = "a very deeply nested value"
 _LONG = "an integer beyond 64 bits"
-_KEYS = "a {} of more than numbers and texts"
-_OWN = "an object of a class of its own"
-# Type names that messages may contain. Student code could hide the input of a hidden test in the
-# name of a class, so other names are left out.
+_NON_SCALAR_KEYS = {
+    "dict": "a dict with a key that is neither a number nor a string",
+    "set": "a set with an element that is neither a number nor a string",
+}
+_OWN = "an object of a custom class"
+# Type names that messages may contain. Other names are left out, because student code could hide
+# the input of a hidden test in the name of a class.
 _NAMES_OF_TYPES = {
     value.__name__
     for module in (builtins, types, np)
@@ -47,7 +51,7 @@ _NAMES_OF_TYPES = {
 _KNOWN = {
     *_NAMES_OF_TYPES,
     *(f"an array of {name}" for name in _NAMES_OF_TYPES),
-    *(_KEYS.format(name) for name in ("dict", "set")),
+    *_NON_SCALAR_KEYS.values(),
     _DEEP,
     _LONG,
 }
@@ -74,7 +78,7 @@ def encode(value: object) -> bytes:
     Parameters
     ----------
     value : object
-        Any value; parts that are not plain data become an `Opaque`.
+        Any value. Parts that are not plain data become an `Opaque`.
 
     Raises
     ------
@@ -83,7 +87,7 @@ def encode(value: object) -> bytes:
     """
     blob = bytearray()
     tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
-    if len(tree) > MAXIMUM_TREE or not _is_modest(tree):
+    if len(tree) > MAXIMUM_TREE or not _is_within_limits(tree):
         raise TooLarge
     return b"".join((HEADER.pack(len(tree), len(blob)), tree, blob))
 
@@ -118,17 +122,17 @@ def decode(tree: bytes, blob: bytes) -> object:
     Returns
     -------
     object
-        The value; its arrays are writable.
+        The value. Its arrays are writable.
 
     Raises
     ------
     WireError
         If the bytes are not a valid message within the limits.
     """
-    if not _is_modest(tree):
+    if not _is_within_limits(tree):
         raise WireError("more values than any answer has")
     try:
-        return _from_tree(json.loads(tree), _Rest(blob), 0)
+        return _from_tree(json.loads(tree), _Remainder(blob), 0)
     except WireError:
         raise
     except Exception as error:  # hostile bytes may make json or numpy raise anything
@@ -136,7 +140,7 @@ def decode(tree: bytes, blob: bytes) -> object:
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value can be sent; an object of a student's class stays in the sandbox."""
+    """Return whether a value can be sent, unlike objects of a student's class."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -181,7 +185,7 @@ def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -
     # judge would take hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"
     if not all(isinstance(key, _SCALARS) for key in value):
-        return {"opaque": _KEYS.format(name)}
+        return {"opaque": _NON_SCALAR_KEYS[name]}
     if name == "set":
         return {"set": [_to_tree(item, blob, depth + 1) for item in value]}
     return {
@@ -198,7 +202,7 @@ def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
     little = array.dtype.newbyteorder("<")
     if len(blob) + array.nbytes > MAXIMUM_ARRAYS:
         raise TooLarge
-    if little.str not in PLAIN_TYPES or not _is_possible(array.shape):
+    if little.str not in PLAIN_TYPES or not _is_possible_shape(array.shape):
         if array.dtype.kind in "OU" and array.size < 1_000_000:
             return _to_tree(array.tolist(), blob, depth + 1)
         return {"opaque": f"an array of {array.dtype.type.__name__}"}
@@ -206,7 +210,7 @@ def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
     return {"array": [little.str, list(array.shape)]}
 
 
-class _Rest:
+class _Remainder:
     """The part of a message that is not decoded yet."""
 
     def __init__(self, blob: bytes) -> None:
@@ -220,13 +224,13 @@ class _Rest:
         return taken
 
     def take_generator(self) -> None:
-        """Count a generator, which takes as long to create as a hundred numbers."""
+        """Count a generator, because creating one takes as long as creating a hundred numbers."""
         if not self.generators:
             raise WireError("more generators than any answer has")
         self.generators -= 1
 
 
-def _from_tree(tree: object, rest: _Rest, depth: int) -> object:
+def _from_tree(tree: object, rest: _Remainder, depth: int) -> object:
     if depth > MAXIMUM_DEPTH + 5:
         raise WireError("nested too deeply")
     if isinstance(tree, str):
@@ -257,19 +261,19 @@ def _from_tree(tree: object, rest: _Rest, depth: int) -> object:
     raise WireError("unknown kind of value")
 
 
-def _key_from_tree(tree: object, rest: _Rest, depth: int) -> object:
+def _key_from_tree(tree: object, rest: _Remainder, depth: int) -> object:
     key = _from_tree(tree, rest, depth + 1)
     if not isinstance(key, (*_SCALARS, Opaque)):
         raise WireError("unknown kind of key")
     return key
 
 
-def _array_from_tree(content: list, rest: _Rest) -> np.ndarray:
+def _array_from_tree(content: list, rest: _Remainder) -> np.ndarray:
     dtype, shape = content
     # Only the listed types are allowed, because NumPy parses many other strings as types.
     if dtype not in PLAIN_TYPES:
         raise WireError("array of unknown type")
-    if not isinstance(shape, list) or not _is_possible(shape):
+    if not isinstance(shape, list) or not _is_possible_shape(shape):
         raise WireError("array of impossible shape")
     dtype = np.dtype(dtype)
     return np.frombuffer(bytearray(rest.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
@@ -307,7 +311,7 @@ def _generator_from(content: object) -> np.random.Generator:
     return np.random.Generator(bits)
 
 
-def _is_possible(shape: Sequence[int]) -> bool:
+def _is_possible_shape(shape: Sequence[int]) -> bool:
     # Each length is checked, because an array with a length of 0 has no data and could state any
     # other lengths.
     return len(shape) <= MAXIMUM_DIMENSIONS and all(
@@ -315,7 +319,7 @@ def _is_possible(shape: Sequence[int]) -> bool:
     )
 
 
-def _is_modest(tree: bytes) -> bool:
+def _is_within_limits(tree: bytes) -> bool:
     """Return whether a tree is within the limits on values and containers.
 
     Commas and brackets inside strings do not count, because a notebook may contain a long table.
@@ -337,9 +341,10 @@ def _is_small(value: object) -> bool:
 
 
 def _is_flat(values: Sequence) -> bool:
-    """Return whether all values are floats, or all are small integers, which need no conversion.
+    """Return whether all values are floats, or all are small integers.
 
-    Most lists are like this, and converting their items one by one takes ten times as long.
+    Such values need no conversion. Most lists are flat, and converting their items one by one
+    takes ten times as long.
     """
     kinds = set(map(type, values))
     if kinds == {int}:

@@ -4,7 +4,7 @@ The process reads its limits and the notebook's code cells, and answers calls un
 It does not know any expected answer, score or secret. Student code can make it send anything, but
 the judge treats every reply as an answer and decides whether it is right.
 
-`grader.sandbox` runs it inside the sandbox: ``python -I -B worker.py READ WRITE``.
+`grader.sandbox` runs the process inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
 
 import ast
@@ -36,14 +36,14 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
-# Limit on the lines reported for an exception in functions that call each other.
+# Limit on the lines that are reported for an exception in nested calls.
 MOST_PLACES = 8
-# Limits on the data sent along with an attribute, which suit a tree whose nodes are small.
+# Limits on the data sent along with an attribute. They are large enough for a tree of small nodes.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
-# Names that are undefined because their import was refused, each with the refused module.
+# Names that are undefined because an import was refused, each with the refused module.
 _REFUSED: dict[str, str] = {}
-# Names that are undefined because a module is missing, each with Python's message about it.
+# Names that are undefined because a module is missing, each with Python's message.
 _ABSENT: dict[str, str] = {}
 
 
@@ -53,9 +53,9 @@ def main(read_end: int, write_end: int) -> None:
     prefer_for_oom_kill()
     change_user(rules["user"])
     set_limits(rules["limits"])
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # the next line makes it permanent
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # `syscalls.deny` makes this permanent
     syscalls.deny(sockets=rules.get("sockets", True))
-    semaphores.poll()
+    semaphores.use_polling()
     sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
     wire.send(write_end, "ready")
 
@@ -63,36 +63,39 @@ def main(read_end: int, write_end: int) -> None:
     sys.meta_path.insert(0, importing.SubmittedModules(importing.WITHOUT_WIDGETS, ()))
     sys.meta_path.append(importing.SubmittedModules(start["modules"], rules["forbidden"]))
     statements, problems = slicing.parse_notebook(start["cells"])
-    statements, own = with_given_code(statements, start["names"], start["given"])
+    statements, redefined = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
     # No student code has run yet, so these facts about the source can be trusted. An answer may be
     # a method of a class that the student wrote.
-    uses = {name: used_by((name, *own), start["names"], statements) for name in start["names"]}
-    lines = {name: slicing.lines_of((name, *own), statements) for name in start["names"]}
-    alone = {
-        name: slicing.places_of(definitions_of((name, *own), start["names"], statements))
+    uses = {
+        name: used_by((name, *redefined), start["names"], statements) for name in start["names"]
+    }
+    lines = {name: slicing.lines_of((name, *redefined), statements) for name in start["names"]}
+    own_lines = {
+        name: slicing.places_of(definitions_of((name, *redefined), start["names"], statements))
         for name in start["names"]
     }
-    edited_parts = (start["edited"], *own) if start["edited"] else ()
-    theirs = definitions_of(edited_parts, start["names"], statements)
-    # A helper may have passed its own checks, so its edits come last among equally likely ones.
-    own_first = sorted(theirs, key=lambda statement: start["edited"] not in statement.binds)
-    edits = edits_of(start["cells"], own_first)
-    told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
+    edited_parts = (start["edited"], *redefined) if start["edited"] else ()
+    definitions = definitions_of(edited_parts, start["names"], statements)
+    # Edits of helpers come last among equally likely ones, because helpers may have passed their
+    # own checks.
+    answer_first = sorted(definitions, key=lambda statement: start["edited"] not in statement.binds)
+    edits = edits_of(start["cells"], answer_first)
+    edit_rows = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
     read = {
         "problems": [*problems, *refusals],
         "uses": uses,
         "lines": lines,
-        "alone": alone,
-        "edits": told,
+        "own_lines": own_lines,
+        "edits": edit_rows,
     }
     wire.send(write_end, read)
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    add_missing_methods(own, start["given"]["source"], namespace)
-    missing = missing_from(namespace, start["names"], own)
+    add_missing_methods(redefined, start["given"]["source"], namespace)
+    missing = missing_from(namespace, start["names"], redefined)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
     while True:
@@ -100,14 +103,14 @@ def main(read_end: int, write_end: int) -> None:
             request = wire.receive(read_end)
         except wire.WireClosed:
             return
-        if "whole" in request:
-            # `exec`, `globals()` and the like bind names that are not visible in the source.
+        if "all_cells" in request:
+            # Code such as `exec` or `globals()` binds names that are not visible in the source.
             run(statements, namespace)
-            missing = missing_from(namespace, start["names"], own)
+            missing = missing_from(namespace, start["names"], redefined)
             wire.send(write_end, {"missing": missing})
         elif "edit" in request:
             objects.clear()
-            reply(write_end, request["id"], define(edits[request["edit"]], theirs, namespace))
+            reply(write_end, request["id"], define(edits[request["edit"]], definitions, namespace))
         else:
             reply(write_end, request["id"], answer(request, namespace, objects))
 
@@ -115,9 +118,9 @@ def main(read_end: int, write_end: int) -> None:
 def with_given_code(
     statements: list[slicing.Statement], names: list[str], given: dict
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
-    """Replace the notebook's versions of given code with the lesson's, except open names.
+    """Replace the notebook's versions of given code with the lesson's.
 
-    A redefinition of an open name stays if it is above the last check of these names.
+    A redefinition of an open name is kept if it is above the last check of these names.
 
     Parameters
     ----------
@@ -132,70 +135,75 @@ def with_given_code(
     Returns
     -------
     statements : list of slicing.Statement
-    own : frozenset of str
+    redefined : frozenset of str
         Open names that the notebook redefines.
     """
     released, _ = slicing.parse_notebook([given["source"]])
-    # An exception in the lesson's code must not be reported at a place in the notebook.
+    # Cell 0 prevents errors in the lesson's code from being reported at a place in the notebook.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
-    theirs, may_change = frozenset(given["names"]), frozenset(given["open"])
+    given_names, may_change = frozenset(given["names"]), frozenset(given["open"])
     ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]
     end = ends[0] or ends[1] or len(statements)
-    kept, own = _without_given(statements, released, theirs, may_change, end)
-    bound = theirs.union(*(statement.binds for statement in kept))
-    if not own and not bound.issuperset(names):
-        # The student may have written the missing answers in a class below its checks.
-        kept, own = _without_given(statements, released, theirs, may_change, len(statements))
-    if not own:
+    kept, redefined = _without_given(statements, released, given_names, may_change, end)
+    bound = given_names.union(*(statement.binds for statement in kept))
+    if not redefined and not bound.issuperset(names):
+        # The student may have written the missing answers in a class below the checks.
+        kept, redefined = _without_given(
+            statements, released, given_names, may_change, len(statements)
+        )
+    if not redefined:
         kept = [statement for statement in kept if statement.cell]
-    return [*released, *kept], own
+    return [*released, *kept], redefined
 
 
 def _without_given(
     statements: list[slicing.Statement],
     released: list[slicing.Statement],
-    theirs: frozenset[str],
+    given_names: frozenset[str],
     may_change: frozenset[str],
     end: int,
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
     """Return the statements without changes to given code, and the open names that they redefine.
 
-    Only redefinitions above the position `end` count. Unchanged given code stays in its place.
+    Redefinitions of open names are kept if they are above the position `end`. Unchanged given
+    code stays where it is.
     """
     as_released = {ast.dump(statement.node): statement for statement in released}
-    kept, own = [], set()
+    kept, redefined = [], set()
     for position, statement in enumerate(statements):
-        about = (statement.binds | statement.changes) & theirs
+        about = (statement.binds | statement.changes) & given_names
         same = as_released.get(ast.dump(statement.node)) if about else None
         if same:
             kept.append(same)
         elif about and about <= may_change and position < end:
             kept.append(statement)
-            own |= about
-        elif not statement.changes & theirs and not (statement.binds and statement.binds <= theirs):
+            redefined |= about
+        elif not statement.changes & given_names and not (
+            statement.binds and statement.binds <= given_names
+        ):
             kept.append(statement)
-    return kept, frozenset(own)
+    return kept, frozenset(redefined)
 
 
-def add_missing_methods(own: Iterable[str], source: str, namespace: dict) -> None:
+def add_missing_methods(redefined: Iterable[str], source: str, namespace: dict) -> None:
     """Add missing methods of the lesson's classes to the notebook's classes of the same names.
 
     Parameters
     ----------
-    own : iterable of str
+    redefined : iterable of str
         Names that the notebook redefines.
     source : str
         Source of the given code.
     namespace : dict
         Namespace of the notebook, in which these methods look up names.
     """
-    if not own:
+    if not redefined:
         return
     lessons = {}
-    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name may not be a class
+    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name is not a class
         for statement in slicing.parse_notebook([source])[0]:
             exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
-        for name in own:
+        for name in redefined:
             for member, value in vars(lessons[name]).items():
                 is_method = isinstance(value, types.FunctionType) and not member.startswith("_")
                 if is_method and not hasattr(namespace[name], member):
@@ -205,10 +213,10 @@ def add_missing_methods(own: Iterable[str], source: str, namespace: dict) -> Non
 def without_forbidden(
     statements: list[slicing.Statement], forbidden: Iterable[str]
 ) -> tuple[list[slicing.Statement], list[str]]:
-    """Leave out imports that the lesson forbids; also return a sentence for each cell with one.
+    """Remove forbidden imports; also return a sentence for each cell that contains one.
 
-    The names that such an import binds go into `_REFUSED`, for the message when one of them is
-    used. If the import is inside another statement, it becomes a statement that raises an error.
+    The names that such an import binds are recorded in `_REFUSED`, for the message when one of
+    them is used. An import inside another statement becomes a statement that raises an error.
     """
     kept, sentences = [], {}
     for statement in statements:
@@ -229,7 +237,7 @@ def without_forbidden(
 def used_by(
     parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[str]:
-    """Return the functions among `names` that the parts of an answer call, directly or not."""
+    """Return the functions among `names` that an answer calls, directly or indirectly."""
     needed = slicing.slice_for(parts, statements)
     bound = set().union(*(statement.binds for statement in needed))
     return [other for other in names if other in bound and other != parts[0]]
@@ -238,7 +246,7 @@ def used_by(
 def definitions_of(
     parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[slicing.Statement]:
-    """Return the statements that define an answer and the helpers that only this answer uses."""
+    """Return the statements that define an answer and its helpers, without other exercises."""
     others = frozenset(names) - frozenset(parts)
     kinds = (ast.FunctionDef, ast.ClassDef)
     return [
@@ -248,11 +256,11 @@ def definitions_of(
     ]
 
 
-def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict:
-    """Run the definitions of an answer again, one of them with an edit; return the reply."""
+def define(edit: Edit, definitions: list[slicing.Statement], namespace: dict) -> dict:
+    """Run the definitions of an answer again, with an edit in one of them; return the reply."""
     try:
         node = ast.parse(edit.statement).body[0]
-        for statement in theirs:
+        for statement in definitions:
             ends = statement.node.lineno <= edit.last and edit.first <= statement.node.end_lineno
             if statement.cell == edit.cell and ends:
                 statement = dataclasses.replace(statement, node=node)
@@ -262,9 +270,9 @@ def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict
     return {"result": None}
 
 
-def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list[str]:
-    """Return the names that a notebook does not define, not even as a method of its own class."""
-    classes = [namespace.get(name) for name in own]
+def missing_from(namespace: dict, names: list[str], redefined: frozenset[str]) -> list[str]:
+    """Return the names that a notebook defines neither as a function nor as a method."""
+    classes = [namespace.get(name) for name in redefined]
     return [
         name
         for name in names
@@ -273,7 +281,7 @@ def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list
 
 
 def prefer_for_oom_kill() -> None:
-    """Make Linux kill this process and not the grader when the machine runs out of memory."""
+    """Make Linux kill this process instead of the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
@@ -287,7 +295,7 @@ def change_user(user: int | None) -> None:
 
 
 def set_limits(limits: dict[str, int]) -> None:
-    """Set soft and hard resource limits; the hard limits cannot be raised again."""
+    """Set soft and hard resource limits, which cannot be raised again."""
     for name, value in limits.items():
         which = getattr(resource, name)
         allowed = resource.getrlimit(which)[1]
@@ -300,12 +308,12 @@ def make_namespace() -> dict:
     """Return the namespace of a new `__main__`, with an IPython stand-in that does nothing."""
     main_module = types.ModuleType("__main__")
     sys.modules["__main__"] = main_module
-    builtins.get_ipython = lambda: _Agreeable()
+    builtins.get_ipython = lambda: _StandIn()
     builtins.display = lambda *values, **options: None
     return main_module.__dict__
 
 
-class _Agreeable:
+class _StandIn:
     def __getattr__(self, name: str) -> Callable[..., None]:
         return lambda *values, **options: None
 
@@ -331,9 +339,10 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
 def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Carry out a request; return the result, or a description of the exception.
 
-    A request names a function of the notebook, or a method or attribute of an object. An earlier
-    reply has given the number of this object. Dots separate nested attributes. With `each` there
-    are several calls, and the result is a list. `seconds` limits their time, unless it is None.
+    A request names a function of the notebook, or a method or attribute of an object. Objects are
+    identified by the number in an earlier reply. Dots separate nested attributes. With `each`,
+    there are several calls, and the result is a list. `seconds` limits their time unless it is
+    None.
     """
     try:
         if request["object"] is None:
@@ -352,10 +361,10 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
         seen["nearby"] = nearby_attributes(request["object"], objects)
     if wire_format.is_plain(result):
         return {"result": result, **seen}
-    kept = held(result, objects)
+    stored = store_object(result, objects)
     if request["calls"]:
-        seen |= {"nearby": nearby_attributes(kept["object"], objects), "methods": methods(result)}
-    return {**kept, "callable": callable(result), **seen}
+        seen |= {"nearby": nearby_attributes(stored["object"], objects), "methods": methods(result)}
+    return {**stored, "callable": callable(result), **seen}
 
 
 class TookTooLong(BaseException):
@@ -366,8 +375,9 @@ class TookTooLong(BaseException):
 def interrupted_after(seconds: float | None) -> Iterator[None]:
     """Raise `TookTooLong` after some seconds of processor time.
 
-    The judge then need not replace the process. Code that catches the exception is interrupted
-    again. Code that sleeps uses no processor time, so only the judge's own limit ends it.
+    After that, the judge can continue to use the process. Code that catches the exception is
+    interrupted again. Code that sleeps does not use processor time, so only the judge's own limit
+    ends it.
     """
 
     def stop(*signal_and_frame: object) -> None:
@@ -385,8 +395,8 @@ def interrupted_after(seconds: float | None) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def held(value: object, objects: dict[int, object]) -> dict:
-    """Store an object; return the number by which later requests refer to it, and its type."""
+def store_object(value: object, objects: dict[int, object]) -> dict:
+    """Store an object; return the number that identifies it in later requests, and its type."""
     objects[len(objects)] = value
     return {"object": len(objects) - 1, "type": type(value).__name__}
 
@@ -394,9 +404,10 @@ def held(value: object, objects: dict[int, object]) -> dict:
 def nearby_attributes(number: int, objects: dict[int, object]) -> list:
     """Return the attributes of an object and of the objects that it refers to, within limits.
 
-    A caller that walks a tree then needs fewer requests. The result has two tables, each a list of
-    columns. The first table has small plain values: number of the object, name, value. The second
-    table has references to objects: number of the object, name, number and type of the value.
+    With these attributes, a caller that walks a tree needs fewer requests. The result has two
+    tables, each a list of columns. The first table contains small plain values: number of the
+    object, name, value. The second table contains references to objects: number of the object,
+    name, number and type of the value.
     """
     plain, others = [[], [], []], [[], [], [], []]
     waiting = [number]
@@ -410,10 +421,10 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
             elif wire_format.is_plain(value) or callable(value):
                 continue
             else:
-                kept = held(value, objects)
-                row, table = (number, str(name), *kept.values()), others
+                stored = store_object(value, objects)
+                row, table = (number, str(name), *stored.values()), others
                 if len(waiting) < MOST_OBJECTS:
-                    waiting.append(kept["object"])
+                    waiting.append(stored["object"])
             for column, content in zip(table, row, strict=True):
                 column.append(content)
     return [plain, others]
@@ -446,7 +457,7 @@ def observed(result: object, arguments: list) -> dict:
 
 
 def reply(write_end: int, number: int, content: dict) -> None:
-    """Send a reply, or the reason why it cannot be sent."""
+    """Send a reply, or an error message if the reply cannot be sent."""
     try:
         wire.send(write_end, {"id": number, **content})
     except wire.WireClosed:
@@ -469,14 +480,14 @@ def reply(write_end: int, number: int, content: dict) -> None:
 def describe(error: BaseException) -> dict:
     """Return plain data about an exception: type, message, and lines of the notebook.
 
-    `place` and `function` are the innermost line and function of the notebook in the traceback;
-    `through` has the lines of other functions that led there, the outermost first.
+    `place` and `function` are the innermost line and function of the notebook in the traceback.
+    `through` lists the lines of the calling functions, the outermost first.
     """
     places, function, trace = {}, None, error.__traceback__
     while trace is not None:
         code = trace.tb_frame.f_code
         if code.co_filename.startswith("code cell "):
-            places.pop(code, None)  # a recursive function counts once, with its last line
+            places.pop(code, None)  # a recursive function is listed once, with its last line
             places[code], function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
         trace = trace.tb_next
     *through, place = places.values() or [None]

@@ -1,8 +1,8 @@
 """The package that student code imports as `utils`: the names of `utils.in_sandbox`, and stand-ins.
 
-A notebook imports `check`, `plots` and more, and its functions may call them. The sandbox shows no
-plots, and checks run outside it. So every other name is a stand-in that accepts every call, does
-nothing, and does not solve an exercise.
+A notebook imports `check`, `plots` and more, and its functions may call them. The sandbox does not
+show plots, and checks run outside it. Every name that is not in `utils.in_sandbox` is therefore a
+stand-in, which accepts every call and does nothing.
 """
 
 from __future__ import annotations
@@ -25,36 +25,36 @@ from utils import in_sandbox  # noqa: E402
 _REAL = tuple(f"utils.{name}." for name in ("in_sandbox", "notebooks", *in_sandbox.PACKAGES))
 
 
-class Agreeable:
+class StandIn:
     """A stand-in that has every attribute and can be called, entered and iterated."""
 
-    def __getattr__(self, name: str) -> Agreeable:
+    def __getattr__(self, name: str) -> StandIn:
         if name.startswith("__"):
             raise AttributeError(name)
-        return Agreeable()
+        return StandIn()
 
-    def __call__(self, *arguments: object, **keywords: object) -> Agreeable:
+    def __call__(self, *arguments: object, **keywords: object) -> StandIn:
         """Return another stand-in."""
-        return Agreeable()
+        return StandIn()
 
     def __iter__(self) -> Iterator:
         return iter(())
 
-    def __getitem__(self, key: object) -> Agreeable:
-        return Agreeable()
+    def __getitem__(self, key: object) -> StandIn:
+        return StandIn()
 
     def __len__(self) -> int:
         return 0
 
-    def __enter__(self) -> Agreeable:
+    def __enter__(self) -> StandIn:
         return self
 
     def __exit__(self, *error: object) -> None:
         pass
 
 
-class _Everything(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finder for all modules of `utils` that are not real; it fills them with stand-ins."""
+class _StandInFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Finder for modules of `utils` that are not real; it fills them with stand-ins."""
 
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
@@ -69,17 +69,17 @@ class _Everything(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def exec_module(self, module: types.ModuleType) -> None:
         """Give the module a stand-in for every name."""
-        module.__getattr__ = _agree
+        module.__getattr__ = _stand_in
 
 
-def _agree(name: str) -> Agreeable:
+def _stand_in(name: str) -> StandIn:
     if name.startswith("__"):
         raise AttributeError(name)
-    return Agreeable()
+    return StandIn()
 
 
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
-    """Raise, because the sandbox has only one notebook."""
+    """Raise an error, because the sandbox has only one notebook."""
     raise FileNotFoundError(
         f"There is no notebook {str(name)!r} here. The judge sees only one notebook, so "
         "paste the functions that it needs into that notebook."
@@ -91,7 +91,7 @@ def __getattr__(name: str) -> object:
         return importlib.import_module(f"utils.{name}")
     if name in in_sandbox.__all__:
         return getattr(in_sandbox, name)
-    return _agree(name)
+    return _stand_in(name)
 
 
-sys.meta_path.insert(0, _Everything())
+sys.meta_path.insert(0, _StandInFinder())
