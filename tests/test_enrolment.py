@@ -198,7 +198,8 @@ def test_both_possible_owners_of_a_folder_are_named(course):
     hand_in(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     assert (
-        "It may be of yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right" in sentence
+        "It may belong to yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right"
+        in sentence
     )
 
 

@@ -128,7 +128,7 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
     verdicts = graded(course, sandbox, Deadly, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
     if status == FAILED:
-        assert "The process that judged ended (exit status 1)" in verdicts["poison"].faults[0]
+        assert "The judging process ended (exit status 1)" in verdicts["poison"].faults[0]
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
@@ -381,7 +381,7 @@ def test_a_starved_submission_is_judged_again_alone(prepared, monkeypatch):
 
 
 def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeypatch):
-    death = BrokenExecutor("The process that judged ended (signal 9).")
+    death = BrokenExecutor("The judging process ended (signal 9).")
     judge = FakeJudge(prepared, poison={1: death})
     verdicts = judge.grade(monkeypatch)
     assert judge.calls == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
@@ -504,7 +504,7 @@ class Dying(ThreadPoolExecutor):
         if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
             Dying.left -= 1
             future = Future()
-            future.set_exception(BrokenExecutor("The process that judged ended (signal 9)."))
+            future.set_exception(BrokenExecutor("The judging process ended (signal 9)."))
             return future
         return super().submit(function, *arguments)
 

@@ -191,7 +191,7 @@ def test_lateness_and_penalty_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the platform marks it late without a time",
+        "the learning platform marks it late but gives no time",
         "the table of times has no row for this student",
     ],
 )

@@ -182,7 +182,7 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
-    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.: name the id"):
+    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the id"):
         find_student(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
     with pytest.raises(UnknownStudent, match="^'nobody' has no folder in submitted/"):

@@ -80,8 +80,7 @@ class Pool(Executor):
         except (EOFError, OSError):
             process.end()
             raise BrokenExecutor(
-                f"The process that judged ended ({process.exit_description}). Is there enough "
-                "memory?"
+                f"The judging process ended ({process.exit_description}). Is there enough memory?"
             ) from None
         finally:
             timer.cancel()
