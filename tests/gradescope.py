@@ -152,7 +152,7 @@ def reads_secrets():
     roots = ("", "/proc/1/root", "/proc/self/cwd/../../..", "../../../..")
     return any(can(lambda: open(root + path).close()) for root in roots for path in SECRETS)
 
-def lists_what_is_handed_in():
+def lists_submitted_files():
     return any(can(lambda: os.listdir("/autograder/" + name)) for name in ("submission", "results"))
 
 def writes():
@@ -210,7 +210,7 @@ def stays():
             time.sleep(0.1)
     return False
 
-ATTACKS = (reads_secrets, lists_what_is_handed_in, writes, looks_into_the_judge,
+ATTACKS = (reads_secrets, lists_submitted_files, writes, looks_into_the_judge,
            imports_what_decides, calls_somebody, becomes_root, stops_others,
            finds_the_one_before, sees_what_is_in_variables, stays)
 gained = []

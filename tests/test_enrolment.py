@@ -143,7 +143,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
         "timestamp.txt",
     }
     stage = class_results(course).stage("yan", STAGE)
-    assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the latest submission
+    assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("belongs to yan (Yan Yip) in addition to the folder of that name.")
     before = inode(course, "yan")

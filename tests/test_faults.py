@@ -233,7 +233,7 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
 def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
     events = []
     graded(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
-    assert events[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
+    assert events[:2] == [(0, None), (0, f"the course's solution of {LESSON.name}")]
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("never asked",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = graded(course, sandbox, progress=lambda *news: events.append(news))
@@ -818,7 +818,7 @@ def test_files_that_are_not_judged_have_a_reason(course):
     assert set(reasons.values()) == {
         "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
         "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
-        "it is packed: python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
+        "it is a zip: run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
         "--stage stage3_obstacles --who 'my work=ada', and delete it",
         "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
         "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",

@@ -317,7 +317,7 @@ def set_time(submission):
         (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
         (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the late penalty differs"),
         (set_penalty(0.0), None),
-        (set_time, f"ada, {STAGE}: the gradebook has another submission time"),
+        (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],
 )
 def test_every_difference_is_named_and_corrected(entered, change, says):
@@ -504,7 +504,7 @@ def test_manual_marks_and_comments_are_never_removed(entered, given):
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(entered, [], ["stage1_ransac", STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
-    assert sentence.startswith(f"ada, {STAGE}: there is no submission any more")
+    assert sentence.startswith(f"ada, {STAGE}: the submission is gone")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
     assert {student for student, _ in marks(entered)} == {"ada"}  # bob is removed
     assert (entered.autograded / "ada" / STAGE).is_dir()
@@ -532,13 +532,13 @@ def set_due(course, hour):
 def test_late_students_lose_the_penalty_of_the_course(entered, seconds, lost):
     (entered.root / "nbgrader_config.py").write_text(LATE)
     path = entered.submitted / "ada" / STAGE / "timestamp.txt"
-    handed_in = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
-    path.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
+    submitted_at = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
+    path.write_text(f"{submitted_at + datetime.timedelta(hours=1)} CET\n")
     set_due(entered, "12")
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
     with gradebook.open_gradebook(entered) as book:
-        assert book.find_submission(STAGE, "ada").timestamp == handed_in
+        assert book.find_submission(STAGE, "ada").timestamp == submitted_at
         assert book.find_submission(STAGE, "bob").timestamp is None
     assert differences_in(entered) == []
     set_due(entered, "14")  # the due date moves

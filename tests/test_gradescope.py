@@ -180,7 +180,7 @@ def test_marks_that_cannot_be_exported_are_named(course):
     (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
         "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, and the "
-        "roster has none for them."
+        "roster has no address for this student."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
     (lost,) = write(course).lost

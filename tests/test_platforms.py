@@ -231,7 +231,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
     course.import_(exported.content)
     assert (7777, 42) not in course.scores
     assert exported.lost == (
-        "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777, and not their 9001.",
+        "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
     # If both are in the file, she gets her mark.

@@ -149,7 +149,7 @@ def test_students_with_the_same_name_are_shown_with_their_ids(tmp_path):
 
 def test_submission_times_are_in_the_courses_time_zone(tmp_path):
     submitted_at = datetime(2026, 7, 1, 22, 30, tzinfo=UTC)
-    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=submitted_at)
+    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, submitted_at=submitted_at)
     (tmp_path / "deadlines.toml").write_text('timezone = "Europe/Berlin"\n')
     page = report(tmp_path, [], class_of([result("ada", MARKED, 1.0)], [stage]))
     assert "submitted 02 July 2026, 00:30 CEST" in page
@@ -402,7 +402,7 @@ def test_the_page_without_names_contains_no_personal_data(tmp_path):
         stages.append(
             StageResult(
                 own["whostudent"], STAGE, MARKED, 20.0, 30.0,
-                handed_in=datetime(2031, 1, 1, tzinfo=UTC), undecided=own["undecidedtext"],
+                submitted_at=datetime(2031, 1, 1, tzinfo=UTC), undecided=own["undecidedtext"],
             )
         )  # fmt: skip
     named = report(

@@ -198,13 +198,13 @@ def test_times_and_late_penalties_of_a_stage(course):
         score=18.25,
         max_score=60,
         penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, at 10 % each
-        handed_in=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
+        submitted_at=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
         due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
         late=datetime.timedelta(hours=24, minutes=30),
     )
     assert stage.points == pytest.approx(14.6)
     on_time = class_results(course).stage("bob", STAGE)
-    assert (on_time.handed_in, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
+    assert (on_time.submitted_at, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
 
 
 def test_a_student_without_a_submission_has_a_due_date(course):
@@ -212,7 +212,7 @@ def test_a_student_without_a_submission_has_a_due_date(course):
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
     assert results.stage("fay", STAGE).due == datetime.datetime(2026, 3, 4, 12, tzinfo=datetime.UTC)
-    assert results.stage("fay", STAGE).handed_in is None
+    assert results.stage("fay", STAGE).submitted_at is None
 
 
 @pytest.mark.parametrize(
