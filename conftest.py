@@ -15,7 +15,7 @@ import pytest
 from grader.course.lessons import Lesson, every_lesson
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.course_lessons import COURSE
-from tests.prerequisites import RECORDINGS, demand_walls
+from tests.prerequisites import RECORDINGS, demand_sandbox
 
 MEMORY = Path("/dev/shm")
 ENOUGH = 2**31  # bytes
@@ -86,7 +86,7 @@ def pytest_xdist_auto_num_workers():
 def sandbox():
     """Sandbox that runs code in tests: bubblewrap, or a plain process if it is not available."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
-        return demand_walls()
+        return demand_sandbox()
     try:
         return choose_sandbox()
     except SandboxUnavailable:

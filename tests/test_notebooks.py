@@ -8,7 +8,7 @@ import nbformat
 import pytest
 
 from grader.course import recorded_answers
-from tests.notebook_runs import errors_beside_checks, errors_of, outputs_of, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, outputs_of, run, written
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +34,7 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
 
 def test_untouched_notebook_runs_to_its_end(lesson):
     notebook = run(nbformat.read(lesson.released, as_version=4), lesson.released.parent)
-    assert errors_beside_checks(notebook) == []
+    assert errors_outside_checks(notebook) == []
     assert written(notebook, "stderr") == ""
     code = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.strip()]
     assert all(cell.execution_count for cell in code)

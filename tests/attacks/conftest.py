@@ -9,13 +9,13 @@ from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
 from grader.sandbox import Limits
 from tests.attacks.attack import SEED, SHORT, WALLS
-from tests.prerequisites import demand_walls
+from tests.prerequisites import demand_sandbox
 
 
 @pytest.fixture(scope="session", autouse=True)
 def walls():
     """Return the sandbox that the attacks run in, or skip them all without one."""
-    return demand_walls(WALLS.name)
+    return demand_sandbox(WALLS.name)
 
 
 @pytest.fixture(scope="session")

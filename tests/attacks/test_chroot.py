@@ -18,7 +18,7 @@ from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SHORT, function, tried
-from tests.prerequisites import PATIENCE, ROOT, demand_walls
+from tests.prerequisites import PATIENCE, ROOT, demand_sandbox
 
 pytestmark = pytest.mark.slow
 
@@ -29,7 +29,7 @@ def walls():
         pytest.skip(ROOT)
     if chroot.path_in_own_folders():
         pytest.skip("a course outside /tmp and /var/tmp, with its Python: clone it elsewhere")
-    return demand_walls("chroot")
+    return demand_sandbox("chroot")
 
 
 def attack(source, **limits):

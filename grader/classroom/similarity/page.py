@@ -97,7 +97,7 @@ def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bo
 def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterator[str]:
     """Yield sentences about the similarity, and about how unusual it is in this class."""
     counts = [
-        f"{len(alike)} of {student}'s {steps} steps"
+        f"{len(alike)} of {steps} steps in {student}'s answer"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
     ]
     yield f"{counts[0]} and {counts[1]} are alike. {_equality_sentence(one, other)}"
