@@ -333,7 +333,7 @@ def test_a_submission_replaced_after_judging_is_not_entered(
 
 
 @pytest.mark.slow
-def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_course):
+def test_nbgrader_does_not_enter_a_submission_replaced_after_judging(judged_course):
     with (judged_course.root / "nbgrader_config.py").open("a", encoding="utf-8") as file:
         file.write(JUDGE_AND_REPLACE)
     with gradebook.open_gradebook(judged_course) as book:
@@ -390,7 +390,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
 
 @pytest.mark.death
 @pytest.mark.slow
-def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
+def test_a_run_killed_in_the_middle_loses_nothing(course, sandbox):
     for number in range(8):
         path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
@@ -416,7 +416,7 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
 
 
 @pytest.mark.slow
-def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
+def test_plain_nbgrader_still_grades_with_the_visible_checks(course):
     """Without the course's plugin, the graded cells are ordinary tests of nbgrader."""
     import nbclient
     import nbformat

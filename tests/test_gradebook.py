@@ -417,9 +417,7 @@ EXTRA_CELLS = {
         *("one more source", "one more points", "one more solution"),
     ],
 )
-def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
-    course, monkeypatch, what
-):
+def test_only_lessons_that_differ_from_the_release_are_registered_again(course, monkeypatch, what):
     registered(course)
     saved = []
     original = registration.SaveCells.preprocess

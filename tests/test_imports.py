@@ -53,7 +53,7 @@ def test_modules_without_pictures_load_no_heavy_package(module):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("module", WITH_PICTURES)
-def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
+def test_plotting_modules_load_no_heavy_package_except_matplotlib(module):
     assert loaded_with(module) & HEAVY == {"matplotlib"}
 
 

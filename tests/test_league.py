@@ -113,7 +113,7 @@ def test_a_folder_name_that_is_not_text_has_a_pseudonym():
 # One drive in the sandbox -------------------------------------------------------------------
 
 
-def test_a_drive_in_the_sandbox_is_the_same(sandbox):
+def test_a_drive_in_the_sandbox_equals_one_in_this_process(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
     with StudentProxy(program, sandbox) as student:
         driven = drive_in_sandbox(BLOCKED, student, seconds=5.0, sensor=FEW)
@@ -268,7 +268,7 @@ def cheap_points(street, boxes):
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
-def test_cheap_detectors_earn_nothing_to_speak_of(name):
+def test_cheap_detectors_earn_hardly_any_points(name):
     """True boxes earn about 100 points; the next test compares all cheap detectors with them."""
     assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
 

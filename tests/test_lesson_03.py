@@ -47,7 +47,7 @@ def right_answer_to(exercise):
         ("point_plane_distance", "a list back"),
     ],
 )
-def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, tmp_path):
+def test_a_right_loop_earns_everything_with_wrong_helpers(helper, name, sandbox, tmp_path):
     lesson = find_lesson("03_ransac_plane")
     answers = {
         exercise: right_answer_to(exercise)

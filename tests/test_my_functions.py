@@ -324,7 +324,7 @@ def test_exercises_of_solved_lessons_work(lesson):
     ] == []
 
 
-def test_a_function_is_printed_with_all_that_it_calls(folder, capfd):
+def test_a_function_is_printed_with_everything_that_it_calls(folder, capfd):
     """The printed code runs by itself, and printing does not run the notebook."""
     write(
         folder / "06_low.ipynb",

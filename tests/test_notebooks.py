@@ -13,7 +13,7 @@ from tests.notebook_runs import errors_of, errors_outside_checks, outputs_of, ru
 pytestmark = pytest.mark.slow
 
 
-def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path):
+def test_a_solved_notebook_runs_and_agrees_with_the_stored_answers(lesson, tmp_path):
     notebook = nbformat.read(lesson.solved, as_version=4)
     recorded_answers.add_recorder(notebook, lesson, tmp_path / "answers.json")
     run(notebook, lesson.released.parent)
@@ -32,7 +32,7 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
     assert changed == [], f"Run: python -m grader.course.recorded_answers {lesson.number}"
 
 
-def test_untouched_notebook_runs_to_its_end(lesson):
+def test_an_untouched_notebook_runs_to_the_end(lesson):
     notebook = run(nbformat.read(lesson.released, as_version=4), lesson.released.parent)
     assert errors_outside_checks(notebook) == []
     assert written(notebook, "stderr") == ""

@@ -61,7 +61,7 @@ def judged(lesson_name, answers, folder, sandbox):
 
 
 @pytest.mark.parametrize("lesson_name", ANSWERS)
-def test_a_right_answer_by_an_installed_package_is_right_for_check_and_judge(
+def test_check_and_judge_accept_a_right_answer_that_uses_an_installed_package(
     lesson_name, tmp_path, sandbox, monkeypatch
 ):
     name, source = ANSWERS[lesson_name]
@@ -113,7 +113,7 @@ def defined(source, monkeypatch):
 
 
 @pytest.mark.parametrize("source", [IMPORTED, INSIDE, BY_NAME])
-def test_check_says_before_any_row_what_the_judge_does_not_have(
+def test_check_names_a_package_that_the_judge_lacks_before_any_row(
     source, foreign, monkeypatch, capsys
 ):
     with pytest.raises(ChecksFailed):
@@ -165,7 +165,7 @@ def test_a_missing_progress_bar_is_one_edit_away_from_a_right_answer(tmp_path, s
     assert (result.score, result.slip is not None) == (6, True)
 
 
-def test_what_check_takes_for_available_can_be_imported_where_notebooks_are_judged(sandbox):
+def test_packages_that_check_accepts_can_be_imported_by_the_judge(sandbox):
     names = sorted(static_analysis._AVAILABLE - {*sys.stdlib_module_names, "", "builtins", "utils"})
     source = (
         "import importlib\n"

@@ -204,7 +204,7 @@ def test_clouds_of_every_size_are_drawn(figure, cloud, capfd):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", [*ON_CLOUDS, *SMALL])
-def test_draws_into_given_axes_and_returns_them(figure, capfd):
+def test_every_figure_uses_and_returns_the_given_axes(figure, capfd):
     _, (axes, other) = plt.subplots(1, 2, figsize=(8.5, 4))
     draw = SMALL.get(figure)
     open_figures = plt.get_fignums()
@@ -229,7 +229,7 @@ def test_small_figures_open_one_new_figure(figure):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ROWS)
-def test_rows_of_panels(figure):
+def test_a_row_of_panels_has_one_axes_per_panel(figure):
     draw, count = ROWS[figure]
     axes = draw(title="A title")
     assert len(axes) == count

@@ -270,7 +270,7 @@ SOME = ("cut off after the answers", "answers in text cells", "a format of old",
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOME)
-def test_the_judge_gives_full_marks_to_a_damaged_file(name, sandbox):
+def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, sandbox):
     change, says = EARNS_EVERYTHING[name]
     verdict = judge_files(
         SubmittedFiles("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
@@ -408,7 +408,7 @@ def test_prepared_notebooks_are_immutable():
         ([text(GROUND + "\n" + VOXELS), code(VOXELS)], ["code", "code"]),
     ],
 )
-def test_which_text_cells_are_treated_as_code(cells, kinds):
+def test_only_text_cells_with_needed_answers_are_treated_as_code(cells, kinds):
     prepared = from_cells(*cells)
     assert [cell.kind for cell in prepared.cells] == kinds
     assert prepared.code == tuple(cell.source for cell in prepared.cells if cell.kind not in TEXT)
@@ -442,7 +442,7 @@ TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
         ([code(GROUND.format(3)), text(TWO), tagged(text(TWO), "voxel_grid")], "3", "2"),
     ],
 )
-def test_a_text_cell_with_a_function_that_another_cell_defines(cells, ground, voxels, turned_round):
+def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxels, turned_round):
     if turned_round:  # the order of definitions within a cell says nothing
         swapped = VOXELS.format(2) + "\n" + GROUND.format(1)
         cells = [{**cell, "source": cell["source"].replace(TWO, swapped)} for cell in cells]
@@ -472,7 +472,7 @@ def test_a_text_cell_with_a_function_that_another_cell_defines(cells, ground, vo
         (["x = 1", text(TWO), "voxel_grid(x)", GROUND], ["x = 1", TWO, "voxel_grid(x)", GROUND]),
     ],
 )
-def test_where_a_text_cell_is_moved_if_code_defines_its_function(cells, order):
+def test_a_text_cell_is_moved_above_the_code_that_defines_its_function(cells, order):
     prepared = from_cells(*(code(cell) if isinstance(cell, str) else cell for cell in cells))
     assert list(prepared.code) == order
 
@@ -499,7 +499,7 @@ def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
     )
 
 
-def test_a_text_cell_with_all_functions():
+def test_a_text_cell_with_all_functions_is_judged_as_code():
     prepared = from_cells(text(TWO))
     assert prepared.code == (TWO,)
     assert prepared.notes == (
@@ -522,7 +522,7 @@ def stub_of(name):
     return code("".join(cell_of(json.loads(LESSON.released.read_text()), name)["source"]))
 
 
-def test_stubs_are_left_out_only_below_an_answer():
+def test_stubs_are_omitted_only_below_an_answer():
     ground, voxels, left = stub_of("filter_ground"), stub_of("voxel_grid"), "# Left out"
     answer, second_answer = code(GROUND.format(1)), code(GROUND.format(2))
     for cells, expected in (
@@ -541,7 +541,7 @@ def test_stubs_are_left_out_only_below_an_answer():
         assert not last.startswith(left) and "filter_ground" in last
 
 
-def test_which_cell_is_shown_for_an_exercise():
+def test_the_cell_that_counts_is_shown_for_an_exercise():
     other = code("x = 1")
     for cells, index in (
         ([code(GROUND), other, code(GROUND), other], 2),
@@ -568,7 +568,7 @@ def test_which_cell_is_shown_for_an_exercise():
         ("filter_ground(cloud)", False),
     ],
 )
-def test_which_source_defines_an_exercise(source, written):
+def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, written):
     assert ("filter_ground" in from_cells(code(source)).graded) == written
 
 

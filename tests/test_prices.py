@@ -31,7 +31,7 @@ def test_a_price_on_the_page_is_fair(case):
 
 @pytest.mark.proof
 @pytest.mark.parametrize("case", CASES)
-def test_the_page_tells_what_the_judge_gives(case):
+def test_the_page_has_the_points_that_the_judge_gives(case):
     exercise, slip = CASES[case]
     price, told = price_of((exercise, slip)), PRICES[exercise][slip.title]
     assert price.kept == pytest.approx(told.kept, abs=TOLERANCE)

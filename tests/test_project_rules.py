@@ -106,7 +106,7 @@ def test_tests_that_only_make_proof_runs_in_full_exist(request):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("processes", [0, 2])
-def test_a_test_that_stands_still_is_named(processes, tmp_path):
+def test_a_hanging_test_is_named(processes, tmp_path):
     """The run also ends; `make test` uses the same settings with a longer timeout."""
     (tmp_path / "test_still.py").write_text(
         "import threading, pytest\n"

@@ -311,7 +311,7 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
     assert passing(student) == [0, 3]
 
 
-def test_interrupted_calls_hang_and_raised_exceptions_do_not():
+def test_interrupted_calls_count_as_hanging_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
     assert repair._hangs(StudentError("f", name)) and repair._hangs(StudentStopped("It is gone."))
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
@@ -368,12 +368,12 @@ def test_raising_lines_include_the_line_of_the_call():
         (0.05, 176),  # 16 s are over after 160 edits, which is seen after 16 more
     ],
 )
-def test_the_likeliest_edits_all_get_their_turn(passing, seconds, tried):
+def test_edits_are_tried_until_the_time_is_over(passing, seconds, tried):
     student = Edited(["abxy"] * 401, seconds)  # plus the same time in the judge
     assert passing(student) == [] and student.tried == tried
 
 
-def test_where_a_mark_cannot_change_only_the_first_seconds_count(passing, monkeypatch):
+def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
     student = Edited(["abxy"] * 401, 0.01)
     passing(student, likeliest=0)
     assert student.tried == 112  # 0.02 s for each of 100 edits, which is seen after some more
@@ -637,7 +637,7 @@ def test_a_mistake_without_a_player_explains_nothing(explains):
 @pytest.mark.slow
 @pytest.mark.xdist_group("10_accelerated_clustering")  # the scenes take seconds to make
 @pytest.mark.parametrize("step", [4, 1], ids=["some", "all"])
-def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
+def test_every_known_mistake_runs_within_seconds(step):
     """The judge itself runs the mistake, even on dense clouds of 20 000 points."""
     exercise = "euclidean_clustering_accelerated"
     lesson = lesson_of(exercise)

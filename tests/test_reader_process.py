@@ -195,7 +195,7 @@ def test_a_busy_machine_has_enough_time():
     assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
-def test_which_exit_codes_mean_too_costly():
+def test_exit_codes_of_exceeded_limits_mean_too_costly():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
         assert reader_process._excess(code, b"") == ""
     assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"

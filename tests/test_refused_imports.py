@@ -212,7 +212,7 @@ def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", INDIRECT_IMPORTS)
-def test_what_a_library_holds_is_refused_in_05(way, sandbox, tmp_path, capsys):
+def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_path, capsys):
     """Both the first `check`, during which libraries are imported, and the next one refuse it."""
     source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
@@ -278,7 +278,7 @@ NOTED_CHANGES = {
 
 @pytest.mark.parametrize("lesson_name, name", [FIVE, TEN])
 @pytest.mark.parametrize("change", NOTED_CHANGES)
-def test_what_costs_no_points_is_a_note(lesson_name, name, change, capsys):
+def test_deviations_that_cost_no_points_are_notes(lesson_name, name, change, capsys):
     source, titles = NOTED_CHANGES[change]
     space = {"right": getattr(load_reference(lesson_name), name), "__name__": "__main__"}
     exec(source.replace("NAME", name), space)

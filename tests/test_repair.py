@@ -102,14 +102,14 @@ def test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks(sandbox):
     assert line.score == sum(test.score for test in line.tests) < 3
 
 
-def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
+def test_a_slip_in_the_students_own_helper_is_a_slip(sandbox):
     _, exercises = judge_with(sandbox, line_through=BAD_HELPER)
     assert exercises["line_through"].score == 3.0
     # The helper may be repaired by a quarter turn in either direction.
     assert exercises["line_through"].slip.before in BAD_HELPER[: BAD_HELPER.index("def line")]
 
 
-def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
+def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypatch):
     """Calls that hang are interrupted, and the process goes on."""
     started, tried = [], []
     start, hold_with = type(sandbox).start, repair._FailedChecks.pass_with
@@ -130,7 +130,7 @@ def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
     assert len(tried) > 10 and len(started) < 10 + len(tried) / 4
 
 
-def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):
+def test_the_caller_of_a_wrong_function_can_also_be_repaired(sandbox):
     """The search uses a right helper instead of the wrong one."""
     wrong = solution_of("ransac_line").replace("max_iterations)", "max_iterations - 1)", 1)
     assert wrong != solution_of("ransac_line")

@@ -117,7 +117,7 @@ STOP = StudentStopped("it did not answer")
         (STOP, STOP, None, None),
     ],
 )
-def test_which_of_three_tries_counts(first, once_more, with_right, counts):
+def test_a_check_with_inconsistent_tries_fails(first, once_more, with_right, counts):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
     assert error_carried_forward.decisive_outcome(*tries).failure is counts
@@ -125,7 +125,7 @@ def test_which_of_three_tries_counts(first, once_more, with_right, counts):
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
-def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
+def test_a_random_answer_gains_nothing_from_a_wrong_helper(chance, stops):
     """An answer that stops its process in any of the tries gains nothing either."""
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
@@ -193,7 +193,7 @@ def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
-def test_each_exercise_is_rerun_on_its_own(monkeypatch):
+def test_each_exercise_is_run_again_separately(monkeypatch):
     """If an exercise cannot be carried forward, later ones still can."""
     plane = find_lesson("03_ransac_plane")
     names = [exercise.name for exercise in plane.machine_graded]
@@ -266,7 +266,7 @@ def submitted_files(tmp_path):
         ({"fingerprint": ""}, False),
     ],
 )
-def test_which_verdicts_on_disk_are_valid(submitted_files, change, believed):
+def test_only_matching_and_reliable_verdicts_on_disk_are_valid(submitted_files, change, believed):
     course, submission, verdict = submitted_files
     write_verdict(dataclasses.replace(verdict, **change), submission.verdict_path(course))
     assert (grade.stored_verdict(course, submission, 1) is not None) == believed
@@ -276,7 +276,7 @@ def test_which_verdicts_on_disk_are_valid(submitted_files, change, believed):
 
 
 @pytest.mark.parametrize("hour", [12, 13])
-def test_another_time_of_submission_is_a_difference(submitted_files, hour):
+def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     course, submission, verdict = submitted_files
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")

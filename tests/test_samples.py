@@ -108,7 +108,7 @@ def test_one_point_is_a_cluster_and_no_points_are_no_cluster():
 
 
 @pytest.mark.parametrize("columns", [3, 4])
-def test_no_two_points_are_left_at_the_threshold(columns):
+def test_no_two_points_remain_at_the_threshold(columns):
     cloud = np.random.default_rng(9).uniform(0, 4, (400, columns))
     cloud[:, 3:] *= 100
     kept = samples.without_ties(cloud, 0.8, 5e-3)
@@ -127,7 +127,7 @@ def test_the_margin_is_a_millimetre_unless_said_otherwise():
 
 
 @pytest.mark.parametrize("columns", [3, 4])
-def test_centroids_of_voxels(columns):
+def test_centroids_of_voxels_agree_with_a_loop(columns):
     cloud = np.random.default_rng(4).uniform(-1, 1, (150, columns))
     voxels = samples.voxel_centroids(cloud, 0.5)
     cells = np.floor(cloud[:, :3] / 0.5)
@@ -144,7 +144,7 @@ def test_centroids_of_voxels(columns):
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
 
 
-def test_a_patch_of_the_course_cloud():
+def test_a_patch_contains_rows_of_the_course_cloud():
     cloud = samples.course_cloud()
     assert np.array_equal(cloud, np.loadtxt(PROJECT / "data" / "cloud.txt"))
     patch = samples.patch_of_course_cloud(5, 700)
@@ -160,7 +160,7 @@ def test_a_patch_of_the_course_cloud():
         assert not kept.flags.writeable
 
 
-def test_obstacles_of_a_street():
+def test_obstacles_are_near_rows_of_the_street_above_the_road():
     street = samples.fresh_street(8)
     assert samples.fresh_street(8) is street
     assert street.ndim == 2 and street.shape[1] == 4 and not street.flags.writeable

@@ -82,7 +82,7 @@ def test_detected_boxes_outside_the_region_are_ignored():
     assert score_card([found], [frame], EVERYWHERE)["precision"].values == (1, 1, 1)
 
 
-def test_a_card_without_objects_and_detections():
+def test_a_card_may_have_no_objects_and_detections():
     nothing = np.empty((0, 8, 3))
     card = score_card([nothing, nothing], [frame_of(car(5)), frame_of()], EVERYWHERE)
     assert card["recall"].values == (0, 0, 0) and card["precision"].values == (1, 1, 1)

@@ -55,7 +55,7 @@ def share_of(exercise, slip):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ALL)
-def test_a_slip_earns_what_a_teacher_would_give(case):
+def test_a_slip_earns_the_share_that_a_teacher_would_give(case):
     exercise, slip = ALL[case]
     share, failed = share_of(exercise, slip)
     assert failed

@@ -59,14 +59,14 @@ def test_each_lesson_has_one_small_notebook(written):
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
-def test_the_same_bytes_again(written, tmp_path):
+def test_notebooks_written_again_have_the_same_bytes(written, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
     for path in tmp_path.iterdir():
         assert path.read_bytes() == (written / path.name).read_bytes()
 
 
-def test_each_has_the_checks_of_its_lesson_and_the_rules(written):
+def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written):
     for path in written.iterdir():
         names = unpacked(path.read_bytes())
         mine = {name for name in names if name.startswith("utils/checks/lesson_")}

@@ -177,7 +177,7 @@ def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_a_lesson_without_submissions_is_left_out(course):
+def test_a_lesson_without_submissions_is_omitted(course):
     shutil.rmtree(course.submitted / "ada" / STAGE)
     enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}

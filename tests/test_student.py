@@ -43,7 +43,7 @@ def student(sandbox):
         yield proxy
 
 
-def test_attributes_and_methods_of_a_remote_object(student):
+def test_attributes_and_methods_of_a_remote_object_can_be_used(student):
     tree = student.KdTree()
     assert tree.root is None
     assert tree.search([0, 0], 1.0) == []
@@ -141,7 +141,7 @@ def test_a_path_of_attributes_is_one_request(student):
     assert student._calls <= asked + 4
 
 
-def test_calls_and_attribute_paths_on_local_objects():
+def test_calls_and_attribute_paths_work_on_local_objects():
     class Local:
         def __init__(self):
             self.seen = []

@@ -161,7 +161,7 @@ def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
     assert diagnose("another", lambda x: x) is None
 
 
-def test_a_mistake_needs_two_cases_and_no_rival(exercise):
+def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
     squared = Mistake("It is squared.", lambda right, x: x**2)
     rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
     mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
@@ -358,7 +358,7 @@ def busy_for(seconds):
         pass
 
 
-def test_without_threads_python_watches_the_clock(monkeypatch):
+def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     start = time.monotonic()
     with pytest.raises(TimeUp), limited(0.1):
@@ -464,7 +464,7 @@ def test_a_refused_module_is_the_only_message(capsys):
     assert "[passed]" not in shown
 
 
-def test_odd_functions_are_searched_without_harm():
+def test_unusual_functions_are_searched_without_an_error():
     for odd in (len, print, np.sqrt, math.sqrt, dict, SimpleNamespace(), 7, builtins):
         assert refused_modules(odd, "lesson_05") == []
         assert functions_used(odd) == {}
@@ -506,7 +506,7 @@ def test_failures_fixed_by_one_edit_have_one_cause():
         assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())
 
 
-def test_where_nothing_else_failed_a_precondition_is_told_itself():
+def test_a_precondition_is_shown_if_no_other_check_fails():
     def sorts_and_collects(cloud):
         good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)
         return np.unique(cloud[good], axis=0)

@@ -143,7 +143,7 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_few_lose_more_than_three_fifths_for_one_edit(sandbox):
+def test_few_answers_lose_more_than_three_fifths_for_one_edit(sandbox):
     """Judge a fixed sample of edits of each solution in the sandbox, and search for the slips."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)

@@ -106,7 +106,7 @@ def test_an_invalid_partner_starts_a_new_track():
     assert tracker.update(boxes_at((0, 0))).tolist() == [2]
 
 
-def test_functions_that_are_still_stubs_are_left_out():
+def test_functions_that_are_still_stubs_are_not_called():
     def coast(missed, partners, patience):
         raise NotImplementedError
 

@@ -78,7 +78,7 @@ def is_plain(value):
 
 
 @given(VALUES)
-def test_plain_data_cross_unchanged(value):
+def test_plain_data_crosses_unchanged(value):
     assert same(there_and_back(value), value)
 
 
@@ -227,19 +227,19 @@ JSON = st.recursive(
 
 
 @given(st.binary(max_size=200), st.binary(max_size=50))
-def test_any_bytes(tree, blob):
+def test_any_bytes_are_decoded_or_refused(tree, blob):
     decodes_or_refuses(tree, blob)
 
 
 @pytest.mark.slow
 @given(JSON, st.binary(max_size=100))
 @settings(max_examples=200)
-def test_any_json(tree, blob):
+def test_any_json_is_decoded_or_refused(tree, blob):
     decodes_or_refuses(json.dumps(tree).encode(), blob)
 
 
 @given(VALUES, st.data())
-def test_a_message_with_bytes_changed(value, data):
+def test_a_message_with_changed_bytes_is_decoded_or_refused(value, data):
     tree, blob = map(bytearray, parts(wire_format.encode(value)))
     for part in (tree, blob):
         if part:
@@ -406,14 +406,14 @@ def test_half_a_message_times_out(pipe):
         wire.receive(pipe[0], soon())
 
 
-def test_the_limit_holds_while_data_trickle_in(pipe):
+def test_the_time_limit_applies_while_data_trickles_in(pipe):
     """A reader that always finds more data must still watch the clock."""
     os.write(pipe[1], wire_format.encode("here in full, and too late"))
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], wire.within(-1))
 
 
-def test_withdrawn_data_do_not_block_the_reader(pipe, monkeypatch):
+def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
     """The writer may read its own data back after `poll` has reported them."""
     wait, calls = wire._wait, []
 
