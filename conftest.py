@@ -192,12 +192,12 @@ A_FEW_OF_MANY = {
     "test_everything_that_a_lesson_allows_can_be_imported": (),
     "test_right_classes_earn_everything_in_the_judge": (
         "private helpers that call each other-in the cell",
-        "a nested class for nodes, which do the work-beside",
+        "a nested class for nodes, which do the work-in a new",
         "a subclass of the lesson's class-in the cell",
-        "methods hung on later-in the place",
+        "methods attached later-instead",
     ),
     "test_right_classes_pass_in_the_notebook": (
-        "private helpers that call each other-in the place",
+        "private helpers that call each other-instead",
         "data classes with a count and a cached property-in the cell",
     ),
     "test_a_verdict_adds_up": ("08",),

@@ -1,4 +1,4 @@
-"""A class, from submissions to nbgrader's gradebook and feedback."""
+"""A class is graded, from submissions to nbgrader's gradebook and feedback."""
 
 import json
 import os
@@ -42,7 +42,7 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
-# Replace the file of a submission after it has been judged.
+# Replaces the file of a submission after it has been judged.
 JUDGE_AND_REPLACE = """
 from grader.lms import nbgrader_plugin
 right = nbgrader_plugin.current_verdict
@@ -56,7 +56,7 @@ nbgrader_plugin.current_verdict = judge_and_replace
 
 
 def answer(*wrong):
-    """Return a notebook of lesson 06 that answers the exercises in `wrong` wrongly."""
+    """Return a notebook of lesson 06 with wrong answers to the exercises in `wrong`."""
     return fill_in(
         LESSON,
         {
@@ -71,11 +71,11 @@ def answer(*wrong):
 
 
 def quiet(done, total, what):
-    """Report no progress."""
+    """Ignore the progress."""
 
 
 def rehearsed(course, lesson, seed=SEED):
-    """Store a record that a lesson's own solution has been judged, because judging it is slow."""
+    """Store a record that a lesson's solution has been judged, because judging it is slow."""
     path, key = record_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
 
@@ -348,7 +348,7 @@ def test_nbgrader_does_not_enter_a_submission_replaced_after_judging(judged_cour
 
 @pytest.mark.slow
 def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
-    """Copies have the text that the judge read, even if it replaced bytes."""
+    """Copies have the text that the judge read, even if the judge replaced invalid bytes."""
     folder = judged_course.submitted / "half" / LESSON.stage
     (folder / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (folder / "seen.txt").write_bytes(b"\xfc")
@@ -519,7 +519,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    # Twelve students include one of each kind, which the stage with the fewest notebooks tests.
+    # Twelve students include one of each kind; that is tested with the stage with fewest notebooks.
     "stage, students",
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )

@@ -1,4 +1,4 @@
-"""Marks for Gradescope: the exported autograder, run in the same way as by Gradescope."""
+"""The autograder exported for Gradescope delivers the right marks when Gradescope runs it."""
 
 import dataclasses
 import io
@@ -42,7 +42,7 @@ def course(tmp_path):
 def judge(course):
     checks = (
         CheckResult("a", "A road is ground", False, 0.0, 10.0, "Yours: 1\nExpected: 2", True),
-        CheckResult("b", "A hidden road", False, 0.0, 10.0, "A wall is no road.", False),
+        CheckResult("b", "A hidden road", False, 0.0, 10.0, "A wall is not a road.", False),
         CheckResult("c", "Nothing changes", True, 10.0, 10.0, "", True),
     )
     exercise = ExerciseResult("filter_ground", 10.0, 30.0, checks)
@@ -74,7 +74,7 @@ def write(course, people=(ANNA, BO), **settings):
 def run(tmp_path, course):
     """Return a function that runs an exported autograder on a student's folder.
 
-    The result is what Gradescope would read, or the error message if the autograder fails.
+    The result is the content that Gradescope reads, or the error message of the autograder.
     """
 
     def run_autograder(exported, student, email):

@@ -1,4 +1,4 @@
-"""Lesson 03: a right RANSAC loop that calls a wrong exercise, and figures of planes."""
+"""In lesson 03, a right RANSAC loop keeps its points with wrong helpers; planes are drawn."""
 
 import matplotlib.pyplot as plt
 import numpy as np

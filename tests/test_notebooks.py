@@ -1,7 +1,7 @@
-"""Every solved notebook runs to its end, and so does every untouched one.
+"""All solved and all untouched notebooks run to the end.
 
-test_build.py shows that both are the same up to the first stub. From there on, an untouched
-notebook uses stored answers, which must agree with the answers of the solved notebook.
+test_build.py shows that both are the same up to the first stub. After it, an untouched notebook
+uses stored answers, which must agree with the answers in the solved notebook.
 """
 
 import nbformat

@@ -1,4 +1,4 @@
-"""Packages in answers: the judge has what `check` accepts, and both say the same about the rest."""
+"""`check` accepts only packages that the judge has, and both say the same about other packages."""
 
 import importlib
 import sys
@@ -80,7 +80,7 @@ def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sa
 
 @pytest.fixture
 def foreign(tmp_path, monkeypatch):
-    """Install a package in this Python that the judge does not have."""
+    """Install a package that the judge does not have into this Python."""
     folder = tmp_path / "site-packages"
     folder.mkdir()
     (folder / "foreign_bars.py").write_text("def bar(values):\n    return values\n")
@@ -102,7 +102,7 @@ NOT_NEEDED = f"import foreign_bars\n{BODY.replace('bar(', '(')}"
 
 
 def defined(source, monkeypatch):
-    """Return the function as a cell defines it, whose source Python can find."""
+    """Return the function as defined in a cell, so that Python can find its source."""
     namespace = {"__name__": "__main__"}
     lines = source.splitlines(keepends=True)
     monkeypatch.setitem(
@@ -153,7 +153,7 @@ def filter_ground(cloud, ground_level=-1.2):
 def test_the_judge_names_the_missing_module_as_the_cause(source, tmp_path, sandbox):
     verdict, results = judged("06_filter_ground", {"filter_ground": source}, tmp_path, sandbox)
     result = results["filter_ground"]
-    assert result.score in (0, 6), "a call that can be left out is one slip"
+    assert result.score in (0, 6), "a call that can be deleted is one slip"
     assert "ModuleNotFoundError" in result.cause and ABSENT in result.cause
     assert "is it spelt" not in result.cause
     assert any("no module named 'foreign_bars'" in problem for problem in verdict.problems)

@@ -1,4 +1,4 @@
-"""Every figure is rendered, for clouds of every size and for typical wrong arguments."""
+"""Every figure is drawn for clouds of every size, and refuses typical wrong arguments."""
 
 import io
 import subprocess
@@ -67,7 +67,7 @@ CLOUDS = {
 
 
 def _blocks(cloud):
-    """Return a label from 0 to 399 for each point; labels repeat in a grid of 2 m cells."""
+    """Return a label from 0 to 399 for each point; the labels repeat in a grid of 2 m cells."""
     place = np.floor(np.nan_to_num(cloud[:, :2], posinf=0) / 2.0).astype(int) % 20
     return place @ [20, 1]
 
@@ -177,7 +177,7 @@ def strict_warnings():
 
 
 def png(axes):
-    """Return a figure as the bytes of a PNG file, rendered the way a notebook does it."""
+    """Return a figure as the bytes of a PNG file, rendered as in a notebook."""
     file = io.BytesIO()
     axes.figure.savefig(file, format="png", bbox_inches="tight")
     return file.getvalue()
@@ -494,7 +494,7 @@ def test_dark_styles_do_not_change_figures():
 
 
 def test_interactive_mode_set_at_the_first_figure_is_kept(monkeypatch):
-    # Jupyter turns on interactive mode at that moment, and without it later figures stay hidden.
+    # Jupyter turns on interactive mode at that moment; without it, later figures are not shown.
     def subplots(*arguments, subplots=plt.subplots, **options):
         matplotlib.interactive(True)
         return subplots(*arguments, **options)
@@ -512,7 +512,7 @@ def test_figures_are_opaque():
 
 
 def contrast(first, second):
-    """Return the contrast ratio of two colours as defined by WCAG 2."""
+    """Return the contrast ratio of two colours as defined in WCAG 2."""
     luminances = []
     for colour in (first, second):
         channels = np.array(matplotlib.colors.to_rgb(colour))

@@ -1,4 +1,4 @@
-"""Scenes in 3D: cameras, layers, the pictures of both renderers, and the interactive view."""
+"""3D scenes work: cameras, layers, the pictures of both renderers, and the interactive view."""
 
 import base64
 import itertools
@@ -83,8 +83,8 @@ def test_a_camera_sees_its_target_in_the_middle_and_left_on_the_left(name):
     seen = camera.seen(camera.target)
     np.testing.assert_allclose(camera.placed(seen, SIZE), (120, 68), atol=1e-9)
     side = {"Side": (-1, 0, 0)}.get(name, (0, 1, 0))  # towards the left of the picture
-    beside = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
-    assert beside[0] < 120
+    neighbour = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
+    assert neighbour[0] < 120
 
 
 def test_a_camera_is_found_in_any_case_and_an_unknown_one_is_reported():

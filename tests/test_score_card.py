@@ -1,4 +1,4 @@
-"""The score card, compared with hand counts, `score_boxes` and other estimates of its errors."""
+"""The score card agrees with counts by hand, `score_boxes` and other estimates of the errors."""
 
 from types import SimpleNamespace
 
@@ -34,7 +34,7 @@ def shifted(box, by):
 
 def test_hits_are_counted_at_three_overlaps_and_by_distance():
     near, middling, far = car(5), car(15, 9), car(30, -9)
-    # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that overlaps no object.
+    # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that does not overlap any object.
     found = np.array([shifted(near, 0.5), shifted(middling, 1), shifted(far, 2), shifted(far, 12)])
     card = score_card([found], [frame_of(near, middling, far)], EVERYWHERE, "Three cars")
     assert card["recall"].values == pytest.approx((1, 2 / 3, 1 / 3))

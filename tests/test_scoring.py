@@ -1,4 +1,4 @@
-"""Overlaps, matching and scores, compared with polygon clipping, brute force and hand counts."""
+"""Overlaps, matching and scores agree with polygon clipping, brute force and counts by hand."""
 
 from itertools import permutations
 
@@ -198,7 +198,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 
 
 def tracked(truth, found):
-    """Return a frame, given the x of the true and of the found boxes by label."""
+    """Return a frame, given the x of true and of detected boxes by label."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
         tuple(found),

@@ -24,7 +24,7 @@ def sliced(text, *names):
 
 
 class Agreeable:
-    """An IPython stand-in that does nothing, like the one in the sandbox."""
+    """A stand-in for IPython that does nothing, like the one in the sandbox."""
 
     def __getattr__(self, name):
         return lambda *values, **options: None

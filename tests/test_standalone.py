@@ -1,4 +1,4 @@
-"""Standalone notebooks, which need no other file."""
+"""Standalone notebooks need no other file."""
 
 import base64
 import hashlib
@@ -100,7 +100,7 @@ def run_setup(folder, cell):
 
 
 def run_python(folder, program):
-    """Run a program through standard input, because it is too long for a command line."""
+    """Run a program from standard input, because it is too long for a command line."""
     return subprocess.run(
         [sys.executable, "-"], input=program, cwd=folder, capture_output=True, text=True
     )
@@ -151,14 +151,14 @@ def test_a_standalone_submission_is_judged_like_any_other(sandbox):
 @pytest.mark.parametrize(
     "hidden",
     [
-        lambda setup: f"{standalone.TITLE}\n# (The tools of the course, packed.)",
+        lambda setup: f"{standalone.TITLE}\n# (The packed tools of the course.)",
         lambda setup: setup + "\n",
         lambda setup: setup.replace("packed = ", "packed  = "),
         lambda setup: standalone.setup_cell("07_filter_by_distance"),
     ],
 )
 def test_judged_code_is_always_shown_to_the_instructor(hidden):
-    """Only an exact copy of the course's tools is left out of the instructor's copy."""
+    """The instructor's copy omits only an exact copy of the course's tools."""
     setup = standalone.setup_cell(LESSON.name)
     source = hidden(setup) + "\ndef filter_ground(cloud): return 'code that nobody sees'"
     notebook = json.loads(standalone.make_standalone(LESSON.released.read_bytes()))

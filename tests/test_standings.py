@@ -1,4 +1,4 @@
-"""Statuses of submissions (missing, zero, excused, waiting), lateness, and the roster."""
+"""Each submission has the right standing (missing, excused, waiting or marked) and lateness."""
 
 import datetime
 import shutil
@@ -25,9 +25,9 @@ from tests.test_gradebook import (
     GROUND,
     LATE,
     STAGE,
-    hand_in,
     make_course,
     quiet,
+    submit,
     verdicts,
 )
 
@@ -58,14 +58,14 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Return a course with two lessons from Ada, one with 0 points, and one lesson from Bob."""
+    """Return a course with two lessons by Ada, one of which has 0 points, and one by Bob."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def standing(course):
-    """Return the standing and score of each notebook, by student and number of the lesson."""
+    """Return the standing and score of each notebook by student and number of the lesson."""
     results = class_results(course)
     return {
         (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
@@ -139,8 +139,8 @@ def test_a_submission_that_needs_manual_grading_waits(course):
 
 
 def test_a_submission_that_is_not_in_the_gradebook_waits(course):
-    hand_in(course, "bob", GROUND)
-    hand_in(course, "cleo", DISTANCE)
+    submit(course, "bob", GROUND)
+    submit(course, "cleo", DISTANCE)
     assert standing(course)["bob", "06"] == (WAITING, None)
     (course.root / "roster.csv").write_text("id\nbob\ncleo\n")
     assert standing(course)["cleo", "06"] == (MISSING, None)
@@ -197,7 +197,7 @@ def test_times_and_late_penalties_of_a_stage(course):
         MARKED,
         score=18.25,
         max_score=60,
-        penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, at 10 % each
+        penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, with 10 % for each
         submitted_at=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
         due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
         late=datetime.timedelta(hours=24, minutes=30),

@@ -1,4 +1,4 @@
-"""The submission time, known or unknown, of a student with one or two folders."""
+"""The submission time of a student with one or two folders is known or undecided."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Return two folders of one student, whose ID has two spellings; each has a notebook."""
+    """Return two folders of one student, whose ID has two spellings; each folder has a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")
