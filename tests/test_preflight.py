@@ -140,8 +140,8 @@ def big_outputs(notebook):
     notebook["cells"][1]["outputs"] = [junk]
 
 
-# Changes that can happen to a file, by name. Each has words that a note to the student must contain,
-# or no words if the file needs no note.
+# Changes that can happen to a file, by name. Each has words that a note to the student must
+# contain, or no words if the file needs no note.
 EARNS_EVERYTHING = {
     "nothing at all": (lambda notebook: None, ""),
     "a byte order mark": (lambda notebook: b"\xef\xbb\xbf" + json.dumps(notebook).encode(), ""),
