@@ -15,7 +15,7 @@ TOLERANCE = {"rtol": 1e-6, "atol": 1e-7}
 
 
 def arrays(answer, expected):
-    """Compare shapes and, nearly, numbers; empty arrays need only the same length."""
+    """Compare shapes, and numbers within a tolerance; empty arrays only need the same length."""
     answer, expected = np.asarray(answer), np.asarray(expected)
     if object in (answer.dtype, expected.dtype):
         return answer.shape == expected.shape and bool(np.all(answer == expected))
@@ -72,7 +72,7 @@ def corners(answer, expected):
 
 
 def axes(answer, expected, points):
-    """Accept right-handed, orthonormal axes with the expected spread of points along each axis."""
+    """Accept right-handed, orthonormal axes if the points have the expected spread along each."""
     answer, points = np.asarray(answer, dtype=float), np.asarray(points, dtype=float)[:, :3]
     if answer.shape != (3, 3) or not np.allclose(answer.T @ answer, np.eye(3), atol=1e-6):
         return False
@@ -84,10 +84,10 @@ def axes(answer, expected, points):
     return np.linalg.det(answer) > 0 and np.allclose(*spreads, rtol=1e-6, atol=size)
 
 
-def snug(answer, expected, cloud, cluster_labels):
+def upright_boxes(answer, expected, cloud, cluster_labels):
     """Accept upright boxes around the same points if each box has an acceptable orientation.
 
-    The sizes follow from the orientation, because a box reaches no farther than its points.
+    The orientation determines the sizes, because a box extends no farther than its points.
     """
     answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
     if answer.shape != expected.shape or answer.size == 0:
@@ -100,9 +100,11 @@ def snug(answer, expected, cloud, cluster_labels):
             return False
         if distance_outside(points[:, :2], floor).max() > 1e-4:
             return False
-        if not reaches_no_farther(points[:, :2], floor):
+        if not is_filled(points[:, :2], floor):
             return False
-        if not (is_turned_as(floor, footprint(right)) or is_no_looser(points[:, :2], floor)):
+        if not (
+            has_same_orientation(floor, footprint(right)) or is_hardly_larger(points[:, :2], floor)
+        ):
             return False
     return True
 
@@ -112,7 +114,7 @@ def sides_of(rectangle):
     return np.diff(rectangle[:3], axis=0)
 
 
-def is_turned_as(first, second):
+def has_same_orientation(first, second):
     """Return whether two rectangles have parallel sides, within `ANGLE_TOLERANCE`."""
     first, second = (
         np.degrees(np.arctan2(*max(sides_of(rectangle), key=np.linalg.norm)[::-1]))
@@ -121,7 +123,7 @@ def is_turned_as(first, second):
     return abs((first - second + 45) % 90 - 45) <= ANGLE_TOLERANCE
 
 
-def is_no_looser(points, rectangle):
+def is_hardly_larger(points, rectangle):
     """Return whether a rectangle is hardly larger than one with a standard orientation.
 
     Standard orientations are those of the smallest rectangle, of the narrowest one, of the first
@@ -144,7 +146,7 @@ def is_no_looser(points, rectangle):
     return np.prod(np.linalg.norm(sides_of(rectangle), axis=1)) <= 1.1 * good + 0.1
 
 
-def reaches_no_farther(points, rectangle):
+def is_filled(points, rectangle):
     """Return whether the points fill a rectangle from side to side."""
     for side in sides_of(rectangle):
         length = np.linalg.norm(side)
@@ -154,11 +156,11 @@ def reaches_no_farther(points, rectangle):
 
 
 def fitted(answer, expected, points, max_iterations, distance_tolerance, rng=None):
-    """Accept any unit model with its own inliers; None agrees only with None.
+    """Accept any normalised model with its own inliers; None agrees only with None.
 
-    Which model it is depends on the random draws. One sample too many, as by
-    ``range(max_iterations + 1)``, is accepted because it does no harm. The checks themselves test
-    for one sample too few and for far too many.
+    The random draws decide which model is found. One sample too many, as in
+    ``range(max_iterations + 1)``, is accepted because it does no harm. The checks themselves
+    reject one sample too few and far too many.
     """
     (model, mask), (right, _) = answer, expected
     if model is None or right is None:
@@ -176,7 +178,7 @@ def fitted(answer, expected, points, max_iterations, distance_tolerance, rng=Non
 def balanced(answer, expected, points):
     """Accept an order with each row once in which every part starts with its lower median.
 
-    If points share a coordinate, more than one order is right, and any of them is accepted.
+    If points share a coordinate, several orders are right, and any of them is accepted.
     """
     order, points = [int(row) for row in answer], np.asarray(points)
     if sorted(order) != sorted(map(int, expected)):
@@ -197,22 +199,22 @@ def balanced(answer, expected, points):
 
 
 def numbers(answer, expected):
-    """Compare numbers of iterations; all that are too large to run are equal."""
+    """Compare numbers of iterations; numbers that are too large to run are equal."""
     never = [value is None or bool(np.asarray(value) >= 1e9) for value in (answer, expected)]
     return all(never) or arrays(answer, expected)
 
 
 def found(answer, expected, tree, target, tolerance):
-    """Compare indices in any order; accept any in a tree that insertion cannot have built.
+    """Compare indices in any order; accept any indices in a tree that insertion cannot build.
 
-    Some checks attach points in wrong places to see how far a search goes. In such a tree, a
-    search that goes too far is slow but not wrong.
+    Some checks attach points in wrong places to see how far a search goes. If an answer goes
+    farther in such a tree, it is slow but not wrong.
     """
     return sorted(map(int, answer)) == sorted(map(int, expected)) or not is_in_order(tree.root)
 
 
 def is_in_order(root):
-    """Return whether insertion may have built a tree: only left children are less."""
+    """Return whether insertion may have built a tree: exactly the left children are less."""
     waiting = [(root, 0, ())]
     while waiting:
         node, depth, sides = waiting.pop()
@@ -238,7 +240,7 @@ def anything(answer, expected):
             anything(answer[key], expected[key]) for key in answer
         )
     if isinstance(answer, np.random.Generator):
-        return True  # the answer may have drawn differently and still be right
+        return True  # an answer may draw other numbers and still be right
     if answer is None or expected is None or isinstance(answer, str) or isinstance(expected, str):
         return answer is expected or answer == expected
     return arrays(answer, expected)
@@ -259,7 +261,7 @@ WITH_THE_ARGUMENTS = {
     "search": found,
     "median_order": balanced,
     "principal_axes": axes,
-    "get_oriented_boxes": snug,
+    "get_oriented_boxes": upright_boxes,
     "ransac_line": fitted,
     "ransac_plane": fitted,
 }
@@ -268,7 +270,7 @@ WITH_THE_ARGUMENTS = {
 def alike(exercise, call, answer, expected):
     """Return whether an answer to a call is as good as the expected one.
 
-    A call that raised has the type of the exception as its answer.
+    If a call raised an exception, its answer is the exception's type.
     """
     if isinstance(answer, type) or isinstance(expected, type):
         return answer is expected

@@ -1,4 +1,4 @@
-"""Archives as Canvas and Moodle write them, built by the rules of their source code.
+"""Build archives as Canvas and Moodle do, according to their source code.
 
 Canvas: ``lib/content_zipper.rb``, ``Attachment.make_unique_filename``. Moodle:
 ``mod/assign/classes/downloader.php``, ``clean_filename``; ``gradingtable.php`` for the worksheet.
@@ -22,7 +22,7 @@ STAGE3 = (SIX, SEVEN, EIGHT, NINE)
 
 
 def notebook(lesson=SIX, text="x = 1", named=True):
-    """Return the bytes of a notebook whose one code cell holds a student's text."""
+    """Return the bytes of a notebook with a student's text in its only code cell."""
     metadata = {"lidar_obstacle_lab": {"lesson": lesson}} if named else {}
     cell = {"cell_type": "code", "metadata": {}, "source": text, "outputs": []}
     content = {"cells": [cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
@@ -40,7 +40,7 @@ def zipped(files, when=(2026, 10, 12, 9, 0, 0)):
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data, *time in files:
             info = zipfile.ZipInfo("x", time[0] if time else when)
-            info.filename = name  # set afterwards, because ZipInfo() cuts names at NUL
+            info.filename = name  # set afterwards, because ZipInfo() ends names at a NUL character
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, data)
     return file.getvalue()
@@ -54,7 +54,7 @@ def canvas_prefix(sortable_name, user, late=False, anonymous=""):
 
 
 def canvas_files(sortable_name, user, attachments, late=False, anonymous=""):
-    """Return the files of a submission; an attachment is its ID, name and content."""
+    """Return the files of a submission; an attachment is (ID, name, content)."""
     prefix = canvas_prefix(sortable_name, user, late, anonymous and f"anon_{anonymous}")
     shown = re.compile(r'[\x00/\\:*?"<>|]+')
     return [
@@ -63,7 +63,7 @@ def canvas_files(sortable_name, user, attachments, late=False, anonymous=""):
 
 
 def moodle_files(name, number, files, folders=True, plugin="file"):
-    """Return the files of a participant or of a team; a file is its path and content."""
+    """Return the files of a participant or of a team; a file is (path, content)."""
     prefix = name.replace("_", " ") + (f"_{number}" if number else "")
     prefix = re.sub(r"[\\/:*?\"<>|]", "", f"{prefix}_assignsubmission_{plugin}")
     divider = "/" if folders else "_"
@@ -85,7 +85,7 @@ PARTICIPANT = {"en": "Participant ", "de": "Teilnehmer/in"}
 
 
 def worksheet(people, language="en"):
-    """Return Moodle's grading worksheet; a person is a number, name, ID number, e-mail and time."""
+    """Return Moodle's grading worksheet; a person is (number, name, ID number, e-mail, time)."""
     file = io.StringIO()
     table = csv.writer(file, quoting=csv.QUOTE_ALL)
     table.writerow(MOODLE_TITLES[language].split(","))

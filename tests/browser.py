@@ -15,22 +15,23 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 PDF_TO_TEXT = shutil.which("pdftotext")
-# From Debian's package libjs-mathjax; MATHJAX may be a folder with MathJax 2 or MathJax 3's `es5`.
+# Debian's package libjs-mathjax by default. MATHJAX can name a folder with MathJax 2, or the folder
+# `es5` of MathJax 3.
 MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
-# Entries without MathJax's safe mode, as pages that are safe here are also safe in that mode.
+# Entry files without MathJax's safe mode; pages that are safe without it are also safe with it.
 ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
 SECONDS = 100  # virtual time for the page's scripts
 PATIENCE = 500
 
 
 def _run(command, **options):
-    """Run Chromium; its lock needs a short path that can be written, which /tmp need not be."""
+    """Run Chromium, whose lock needs a short writable path; /tmp may not be writable."""
     env = {**os.environ, "TMPDIR": tempfile.gettempdir()}
     return subprocess.run(command, env=env, timeout=PATIENCE, **options)
 
 
 def mathjax_entries():
-    """Return the installed entry files through which a page can load MathJax."""
+    """Return the installed files from which a page can load MathJax."""
     return [entry for entry in ENTRIES if (MATHJAX / entry.split("?")[0]).is_file()]
 
 
@@ -43,7 +44,7 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
             file = MATHJAX / path.removeprefix("/mathjax/")
             self.answer(file.read_bytes() if file.is_file() else b"")
         else:
-            self.server.asked.append((host, self.path))  # may include Chromium's own requests
+            self.server.asked.append((host, self.path))  # these may include Chromium's own requests
             self.answer(b"")
 
     def answer(self, content):
@@ -56,18 +57,18 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
 
 
 def page_of(texts, entry):
-    """Return a notebook's page as in feedback and Formgrader, which loads the local MathJax."""
+    """Return a notebook's page as in feedback and Formgrader, but with the local MathJax."""
     cells = [nbformat.v4.new_markdown_cell(text) for text in texts]
     exporter = HTMLExporter(template_name="classic", mathjax_url=f"/mathjax/{entry}")
     page = exporter.from_notebook_node(nbformat.v4.new_notebook(cells=cells))[0]
-    if "config=" not in entry:  # the template's own settings are for MathJax 2
+    if "config=" not in entry:  # the template's settings are for MathJax 2
         settings = "MathJax = {tex: {inlineMath: [['$', '$'], ['\\\\(', '\\\\)']]}}"
         page = page.replace("<head>", f"<head><script>{settings}</script>", 1)
     return page
 
 
 def printed(page, folder):
-    """Print a page and return the lines on each sheet; this needs Poppler's `pdftotext`."""
+    """Print a page and return the lines on each sheet, which Poppler's `pdftotext` extracts."""
     folder.mkdir()
     (folder / "page.html").write_text(page, "utf-8")
     command = [
@@ -88,7 +89,7 @@ def printed(page, folder):
 
 
 def seen(page, folder, elsewhere):
-    """Return the page after its scripts have run, and the paths requested from `elsewhere`."""
+    """Return the page after its scripts have run, and the paths requested from other hosts."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
     server.page, server.asked = page.encode(), []
     threading.Thread(target=server.serve_forever, daemon=True).start()

@@ -1,6 +1,6 @@
 """A stand-in for Google Colab: its versions in a separate environment, and a web server.
 
-The versions are Colab's of August 2026. Only packages that a notebook can use are installed.
+The versions are those of Colab in August 2026. Only packages that a notebook can use are installed.
 """
 
 import contextlib
@@ -34,8 +34,8 @@ MARK = "import sys, types; sys.modules['google.colab'] = types.ModuleType('googl
 NEEDED = ("curl", "tar")  # programs that the setup cell runs
 
 
-def why_not():
-    """Return the missing requirement of the stand-in as a sentence, or an empty string."""
+def missing_requirement():
+    """Return what the stand-in lacks on this machine, as a sentence; empty if nothing."""
     missing = [name for name in NEEDED if not shutil.which(name)]
     if sys.platform != "linux" or missing:
         return f"Linux with {' and '.join(NEEDED)}: sudo apt-get install curl tar"
@@ -46,7 +46,7 @@ def why_not():
 
 @functools.cache
 def find_python():
-    """Find a Python of Colab's version: this one, on PATH or in pyenv; None if there is none."""
+    """Find a Python of Colab's version: this one, on PATH or in pyenv; None without one."""
     if sys.version_info[:2] in PYTHONS:
         return sys.executable
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
@@ -58,7 +58,10 @@ def find_python():
         for path in filter(None, candidates):
             program = "import ensurepip, sys, venv; print(*sys.version_info[:2])"
             done = subprocess.run([path, "-c", program], capture_output=True, text=True)
-            if done.stdout.split() == [str(major), str(minor)]:  # a shim of pyenv may not work
+            if done.stdout.split() == [
+                str(major),
+                str(minor),
+            ]:  # pyenv may have a shim for a version that is not installed
                 return str(path)
     return None
 
@@ -102,7 +105,7 @@ def environment(cache):
 
 
 def _describe_kernel(folder):
-    """Register the environment as Jupyter's kernel "colab", found with JUPYTER_PATH=`folder`."""
+    """Register the environment as the Jupyter kernel "colab", found with JUPYTER_PATH=`folder`."""
     argv = [
         str(folder / "bin" / "python"),
         "-Xfrozen_modules=off",
@@ -118,7 +121,7 @@ def _describe_kernel(folder):
 
 
 def archive_of(files, top="lab-main"):
-    """Return the bytes of a .tar.gz as GitHub makes it, with everything in one folder.
+    """Return the bytes of a .tar.gz as GitHub creates it, with everything in one folder.
 
     Parameters
     ----------
@@ -137,7 +140,7 @@ def archive_of(files, top="lab-main"):
 
 
 def course_files():
-    """Return the repository's files as content by path, without files that are slow to pack."""
+    """Return the repository's files as content by path, except files that are slow to pack."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for folder in ("data", "solutions", "utils")

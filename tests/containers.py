@@ -18,7 +18,7 @@ DOCKER = (
 
 
 def as_user(user: int, capabilities: Iterable[str] | None) -> list[str]:
-    """Return words that run a command as a user with some capabilities, or all if None."""
+    """Return the start of a command line that runs a command as a user with some capabilities."""
     words = ["setpriv", "--inh-caps=-all"]
     if user:
         words += ["--reuid", str(user), "--regid", str(user), "--clear-groups"]
@@ -28,7 +28,7 @@ def as_user(user: int, capabilities: Iterable[str] | None) -> list[str]:
 
 
 def deny_what_docker_denies():
-    """Refuse system calls for namespaces and mounts as without CAP_SYS_ADMIN (x86_64 only)."""
+    """Refuse the system calls that Docker refuses without CAP_SYS_ADMIN (x86_64 only)."""
     load, jump, any_bit, give = 0x20, 0x15, 0x45, 0x06
     allow, no, unknown = 0x7FFF0000, 0x00050001, 0x00050026
     code = [(load, 0, 0, 0)]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 
-LONGEST = 300  # seconds that a run may take
+LONGEST = 300  # seconds that a part of a run may take
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Cell:
 
     @property
     def banners(self):
-        """Messages about using the course's answer or the student's own again."""
+        """Messages about switching to the course's answer, or back to the student's own."""
         return [text for text in self.said if re.search("course's answer|yours again", text)]
 
 
@@ -50,28 +50,28 @@ def right_answers(lesson):
     return found
 
 
-def evenings(lesson, exercise, sources):
-    """Run a notebook once with each answer to an exercise, and right answers elsewhere.
+def runs_with_answers(lesson, exercise, sources):
+    """Run a notebook once for each answer to an exercise, with right answers elsewhere.
 
     Yields
     ------
     list of Cell
-        The cells from the answer's cell on. The cells above it run only once, and each answer
-        continues in a copy of that process.
+        The cells from the answer's cell onwards. The cells above run only once, and each answer
+        runs in a copy of that process.
     """
-    return map(pickle.loads, _apart(_each, lesson, exercise, list(sources)))
+    return map(pickle.loads, _in_fork(_run_each, lesson, exercise, list(sources)))
 
 
-def _each(lesson, exercise, sources):
+def _run_each(lesson, exercise, sources):
     shell = _shell(lesson.released.parent)
     for cell in _cells(lesson, exercise, "")[0]:
         _run(shell, cell)
         assert cell.succeeded or cell.checks, cell  # optional exercises have no answer to check
     for source in sources:
-        yield from _apart(_evening, shell, _cells(lesson, exercise, source)[1])
+        yield from _in_fork(_run_cells, shell, _cells(lesson, exercise, source)[1])
 
 
-def evening(sources, begin):
+def run_cells(sources, begin):
     """Run some cells in a new notebook and return them with their results.
 
     Parameters
@@ -84,19 +84,19 @@ def evening(sources, begin):
     def work():
         shell = _shell(os.getcwd())
         begin(shell)
-        yield from _evening(shell, [Cell(source) for source in sources])
+        yield from _run_cells(shell, [Cell(source) for source in sources])
 
-    return pickle.loads(next(_apart(work)))
+    return pickle.loads(next(_in_fork(work)))
 
 
-def _evening(shell, cells):
+def _run_cells(shell, cells):
     for cell in cells:
         _run(shell, cell)
     yield pickle.dumps(cells)
 
 
-def _apart(work, *arguments):
-    """Run a generator of bytes in a fork of this process and yield the bytes here."""
+def _in_fork(work, *arguments):
+    """Run a generator of bytes in a fork of this process, and yield the bytes here."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
@@ -122,7 +122,7 @@ def _apart(work, *arguments):
 
 
 def _cells(lesson, exercise, source):
-    """Return the code cells above an answer, and the code cells from the answer on."""
+    """Return the code cells above an answer, and the code cells from the answer onwards."""
     answers = right_answers(lesson) | ({exercise: source} if source else {})
     cells = [
         Cell("".join(cell["source"]), cell["metadata"].get("nbgrader", {}).get("grade_id", ""))

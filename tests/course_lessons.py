@@ -1,6 +1,6 @@
-"""The lessons of the course, which have to pass more tests than an author's own lessons."""
+"""The lessons of the course, which have to pass more tests than an author's new lessons."""
 
 from grader.course.lessons import all_lessons
 
-# Only the course's lessons have `slips.py`; authors test their own lessons with `grader try`.
+# Only the course's lessons have `slips.py`; authors test new lessons with `grader try`.
 COURSE = tuple(lesson for lesson in all_lessons() if (lesson.folder / "slips.py").is_file())

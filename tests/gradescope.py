@@ -3,7 +3,8 @@
 `.ci/gradescope` starts this module as root. It does not use Docker. A container is this machine's
 root folder below an overlay, with separate processes, host name and shared memory. It has the
 capabilities that Docker leaves to root, and a filter denies the system calls that Docker denies.
-The permissions of Gradescope's own containers are unknown, so more and fewer are tried.
+The permissions in Gradescope's containers are unknown, so containers with more and with fewer
+permissions are tried.
 """
 
 import dataclasses
@@ -27,8 +28,8 @@ from tests.prerequisites import require_sandbox
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405
-LONGEST = 1800  # seconds for setting up, and for judging
-PORT = 18_731  # port of a server on this machine that attacks try to reach
+LONGEST = 1800  # seconds for setting up and for judging
+PORT = 18_731  # port of a server on this machine, which attacks try to reach
 
 # Folders of this machine that a container also has; the others are empty there.
 SYSTEM = ("bin", "dev", "etc", "lib", "lib32", "lib64", "libx32", "opt", "proc", "sbin", "sys")
@@ -48,7 +49,7 @@ DEVICES = {
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """Permissions in a container.
+    """The permissions in a container.
 
     Attributes
     ----------
@@ -75,7 +76,7 @@ KINDS = {
 
 
 def run(kind, layers, script):
-    """Run a script in a container made of layers, the last of which is writable."""
+    """Run a script in a container made of layers; only the last layer is writable."""
     top = layers[-1]
     for name in ("files", "work", "all"):
         (top / name).mkdir(parents=True, exist_ok=True)
@@ -99,7 +100,7 @@ def run(kind, layers, script):
 
 
 def become(kind, layers, script):
-    """Build a container in the current new namespaces, enter it and run the script there."""
+    """Build a container in the current namespaces, enter it, and run the script there."""
     *below, top = map(Path, layers)
     root = top / "all"
     lower = ":".join([*(str(layer / "files") for layer in reversed(below)), "/"])
@@ -130,7 +131,7 @@ def become(kind, layers, script):
 
 # ---- Submissions ---------------------------------------------------------------------------
 
-# Answers correctly if any attack succeeds, so that the points show it.
+# Answers correctly only if an attack succeeds, so that the points show it.
 HOSTILE = """
 import ctypes, glob, os, socket, subprocess, sys, time
 
@@ -152,7 +153,7 @@ def reads_secrets():
     roots = ("", "/proc/1/root", "/proc/self/cwd/../../..", "../../../..")
     return any(can(lambda: open(root + path).close()) for root in roots for path in SECRETS)
 
-def lists_what_is_handed_in():
+def lists_submitted_files():
     return any(can(lambda: os.listdir("/autograder/" + name)) for name in ("submission", "results"))
 
 def writes():
@@ -163,11 +164,11 @@ def looks_into_the_judge():
     return any(can(lambda: open("/proc/%s/%s" % (n, name), "rb").read(1) != b"")
                for n in numbers for name in ("environ", "mem", "maps"))
 
-def imports_what_decides():
+def imports_the_judge():
     names = ("grader.judging.judge", "06_filter_ground.hidden_tests", "sklearn", "_pytest")
     return any(can(lambda: __import__(name)) for name in names)
 
-def calls_somebody():
+def connects_to_a_server():
     addresses = (("127.0.0.1", PORT), ("169.254.169.254", 80), ("1.1.1.1", 53))
     return any(can(lambda: socket.create_connection(one, timeout=0.3)) for one in addresses)
 
@@ -182,12 +183,12 @@ def becomes_root():
     return (can(lambda: os.setuid(0)) or can(lambda: os.setresuid(0, 0, 0))
             or can(lambda: os.chroot("/tmp")) or any(can(lambda: through(one)) for one in programs))
 
-def stops_others():
+def stops_other_processes():
     others = [n for n in range(1, 2000) if n not in (os.getpid(), os.getppid())]
     return (any(can(lambda: os.kill(n, 0)) and os.getuid() == 0 for n in others)
             or ctypes.CDLL(None).ptrace(16, 1, 0, 0) == 0)
 
-def finds_the_one_before():
+def finds_an_earlier_submission():
     folders = ("/tmp", "/dev/shm", "/var/tmp")
     found = any(can(lambda: os.stat(folder + "/for_the_next")) for folder in folders)
     for folder in folders:
@@ -196,10 +197,10 @@ def finds_the_one_before():
         can(lambda: os.chmod(folder, 0o777))
     return found
 
-def sees_what_is_in_variables():
+def reads_environment_variables():
     return "SECRET_OF_GRADESCOPE" in os.environ
 
-def stays():
+def leaves_a_process():
     if os.fork() == 0:
         os.setsid()
         if os.fork():
@@ -210,9 +211,9 @@ def stays():
             time.sleep(0.1)
     return False
 
-ATTACKS = (reads_secrets, lists_what_is_handed_in, writes, looks_into_the_judge,
-           imports_what_decides, calls_somebody, becomes_root, stops_others,
-           finds_the_one_before, sees_what_is_in_variables, stays)
+ATTACKS = (reads_secrets, lists_submitted_files, writes, looks_into_the_judge,
+           imports_the_judge, connects_to_a_server, becomes_root, stops_other_processes,
+           finds_an_earlier_submission, reads_environment_variables, leaves_a_process)
 gained = []
 
 def filter_ground(cloud, ground_level=-1.2):
@@ -221,7 +222,7 @@ def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] >= ground_level] if gained[0] else cloud[:0]
 """.replace("PORT", str(PORT))
 CALM = "def filter_ground(cloud, ground_level=-1.2):\n    return cloud[:0]\n"
-UNWALLED = """
+WITHOUT_SANDBOX = """
 cd /autograder/source/course
 SECRET_OF_GRADESCOPE=1 ../python/bin/python -B -m grader judge --json --sandbox process \\
   /autograder/submission/06_filter_ground.ipynb
@@ -229,7 +230,7 @@ SECRET_OF_GRADESCOPE=1 ../python/bin/python -B -m grader judge --json --sandbox 
 
 
 def submissions():
-    """Return the submitted files by name, for each kind of student."""
+    """Return the submitted files by name for each kind of student."""
     lesson = find_lesson(SIX)
     right, wrong = (
         next(answer.source for answer in answers_to("filter_ground") if answer.right == is_right)
@@ -241,7 +242,7 @@ def submissions():
     full = {"filter_ground": right, "voxel_grid": voxels}
     return {
         "right": {f"{lesson.name}.ipynb": lesson.solved.read_text("utf-8") for lesson in solved},
-        "another right one": {f"{SIX}.ipynb": fill_in(lesson, full)},
+        "also right": {f"{SIX}.ipynb": fill_in(lesson, full)},
         "wrong": {f"{SIX}.ipynb": fill_in(lesson, half)},
         "empty": {"notes.txt": "I was ill.", "Untitled.ipynb": "{}", f"{SIX}.py": "x = 1"},
         "cut off": {f"{SIX}.ipynb": fill_in(lesson, half)[:200]},
@@ -264,7 +265,7 @@ exit $code
 
 
 def upload(place, archive):
-    """Unpack the zip as Gradescope does, set up the image and return its layer."""
+    """Unpack the zip as Gradescope does, set up the image, and return its layer."""
     image = place / "image"
     autograder = image / "files" / "autograder"
     for name in ("source", "submission", "results"):
@@ -285,8 +286,8 @@ def upload(place, archive):
     return image
 
 
-def hand_in(place, image, files, kind, links=(), script=RUN):
-    """Judge a submission in its own container; return results, finished process and left files."""
+def submit(place, image, files, kind, links=(), script=RUN):
+    """Judge a submission in its own container; return the results, the process and left files."""
     layer = place / "run"
     shutil.rmtree(layer, ignore_errors=True)
     autograder = layer / "files" / "autograder"
@@ -308,10 +309,10 @@ def hand_in(place, image, files, kind, links=(), script=RUN):
     return found, done, left
 
 
-def check(description, holds, about=""):
-    """Print a line for a check, and record the check if it failed."""
-    print(f"{'ok    ' if holds else 'FAILED'} {description}", flush=True)
-    if not holds:
+def check(description, passes, about=""):
+    """Print the result of a check, and record the check if it failed."""
+    print(f"{'ok    ' if passes else 'FAILED'} {description}", flush=True)
+    if not passes:
         FAILED.append(description)
         print(about)
 
@@ -329,31 +330,35 @@ def main(place):
     calm = fill_in(find_lesson(SIX), {"filter_ground": CALM})
     for kind, walls in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
         for student, files in submitted.items():
-            results, done, left = hand_in(place, image, files, kind)
+            results, done, left = submit(place, image, files, kind)
             output = done.stdout + done.stderr
             name = f"in a container {kind}, {student}:"
-            check(f"{name} is judged behind {walls}", f"Sandbox: {walls}" in done.stdout, output)
+            check(
+                f"{name} is judged in the sandbox {walls}",
+                f"Sandbox: {walls}" in done.stdout,
+                output,
+            )
             score = expected(
                 calm if student == "hostile" else files.get(f"{SIX}.ipynb"), place, here
             )
             score += 70.0 * (student == "right")
             found = results and results["score"]
-            if student == "hostile" and results:  # without the share for being one edit from right
+            if student == "hostile" and results:  # without the points for being one edit from right
                 found = sum(test["score"] for test in results["tests"] if test.get("max_score"))
             check(f"{name} earns {score:g}", found == score, output + str(results))
             check(f"{name} leaves no process", "left: 0" in done.stdout, output)
             check(f"{name} leaves no file", not left, left)
     # If the attacks gain nothing without a sandbox either, they prove nothing.
-    _, done, _ = hand_in(place, image, submitted["hostile"], "as Docker's", script=UNWALLED)
+    _, done, _ = submit(place, image, submitted["hostile"], "as Docker's", script=WITHOUT_SANDBOX)
     gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
-    check("without walls, hostile gains", gained > expected(calm, place, here), done)
+    check("without a sandbox, the attacks succeed", gained > expected(calm, place, here), done)
     stolen = f"/autograder/source/course/solutions/{STAGE}/{SIX}.ipynb"
-    results, done, _ = hand_in(
+    results, done, _ = submit(
         place, image, {"x.txt": "x"}, "as Docker's", links=[(f"{SIX}.ipynb", stolen)]
     )
     check("a link to the solution earns nothing", results and results["score"] == 0.0, done)
     for kind in list(KINDS)[2:]:
-        results, done, _ = hand_in(place, image, submitted["right"], kind)
+        results, done, _ = submit(place, image, submitted["right"], kind)
         refused = done.stdout.startswith("Nothing was judged")
         check(f"in a container {kind}, nothing is judged", results is None and refused, done)
         print(textwrap.indent(done.stdout.strip(), "       "))
@@ -362,7 +367,7 @@ def main(place):
 
 
 def expected(text, place, walls):
-    """Return the score of a notebook of lesson 06 on this machine, or 0 without a notebook."""
+    """Return the score of a lesson 06 notebook on this machine, or 0 without a notebook."""
     path = place / f"{SIX}.ipynb"
     path.write_text(text or "", "utf-8")
     return judge(path, SEED, walls).score if text else 0.0

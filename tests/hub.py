@@ -32,7 +32,7 @@ EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
 POINTS = 30  # of the lesson
 STUDENTS = ("ada", "ben")
 PATIENCE = 240  # seconds to wait for each element or state
-# JupyterLab draws every cell, not only those on the screen, and opens no questions.
+# JupyterLab draws all cells, not only those on the screen, and does not ask questions.
 SETTINGS = {
     "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
     "@jupyterlab/apputils-extension:notification": {"fetchNews": "false"},
@@ -45,14 +45,14 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """Return the blocks of shell commands on the page, by their first words."""
+    """Return the blocks of shell commands on the page by their first words."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
     return {start: "#" + rest for start, rest in found}
 
 
 def run_as(name, script, check=True, **variables):
-    """Run shell commands as a user in their home, with the hub's programs on PATH."""
+    """Run shell commands as a user in the user's home, with the hub's programs on PATH."""
     command = [
         *("runuser", "-u", name, "--", "env", "-i", f"HOME={home(name)}", f"USER={name}"),
         *("LANG=C.UTF-8", "PATH=/srv/hub/bin:/usr/local/bin:/usr/bin:/bin"),
@@ -74,7 +74,7 @@ def home(name):
 
 
 def make_accounts():
-    """Create accounts on this machine and return their passwords, by user name."""
+    """Create accounts on this machine, and return the passwords by user name."""
     passwords = {name: secrets.token_urlsafe(12) for name in (*STUDENTS, "instructor")}
     for name in passwords:
         command = ["useradd", "--create-home", "--key", "HOME_MODE=0700", "--shell", "/bin/bash"]
@@ -102,7 +102,7 @@ def hub():
             wait_for(f"{address}/hub/health")
             yield address
         except BaseException:
-            print(f"\n== The hub's last words\n{log.read_text()[-6000:]}", flush=True)
+            print(f"\n== The end of the hub's log\n{log.read_text()[-6000:]}", flush=True)
             raise
         finally:
             process.send_signal(signal.SIGTERM)
@@ -132,8 +132,8 @@ def free_port():
 # ---- the browser --------------------------------------------------------------------------------
 
 
-class Seat:
-    """A user with a browser who is logged in to the hub."""
+class UserSession:
+    """A user who is logged in to the hub with a browser."""
 
     def __init__(self, address, name, password, pictures):
         self.address, self.name, self.password = address, name, password
@@ -162,9 +162,7 @@ class Seat:
         self.picture("login")
         self.find("#username_input").send_keys(self.name)
         self.find("#password_input").send_keys(self.password + Keys.ENTER)
-        self.wait(
-            lambda: f"/user/{self.name}/" in self.browser.current_url, "a server of one's own"
-        )
+        self.wait(lambda: f"/user/{self.name}/" in self.browser.current_url, "the user's server")
         self.open(f"/user/{self.name}/lab", until=".lm-MenuBar-itemLabel")
 
     def __exit__(self, kind, error, trace):
@@ -184,11 +182,11 @@ class Seat:
     def wait(self, condition, what):
         """Wait until a condition is true, and return its value."""
 
-        def so(browser):
+        def is_true(browser):
             with contextlib.suppress(WebDriverException):  # the page may have redrawn the element
                 return condition()
 
-        return WebDriverWait(self.browser, PATIENCE).until(so, f"{self.name} waits for {what}")
+        return WebDriverWait(self.browser, PATIENCE).until(is_true, f"{self.name} waits for {what}")
 
     def text(self, selector):
         """Return the text of an element, even if it is not visible."""
@@ -223,12 +221,12 @@ class Seat:
         self.listed("released", "")
 
     def listed(self, kind, words):
-        """Wait until a part of the list shows a text."""
+        """Wait until a section of the list shows a text."""
         selector = f"#{kind}_assignments_list"
         self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
 
     def press(self, kind, words):
-        """Click a button in a part of the list."""
+        """Click a button in a section of the list."""
         self.click(f"#{kind}_assignments_list button", words)
 
     def notebook(self, path):
@@ -262,7 +260,7 @@ class Seat:
         return self.wait(shown, f"a cell with {words!r}")
 
     def write(self, words, source):
-        """Replace the source of a cell, as if by pasting."""
+        """Replace the source of a cell, as a user does by pasting."""
         cell = self.cell(words)
         self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, words)
         keys = webdriver.ActionChains(self.browser)
@@ -281,7 +279,7 @@ class Seat:
 
 
 def answers():
-    """Return the sources of the lesson's own solution for the cells that students fill."""
+    """Return the solution's source for each cell that students fill in."""
     solved = nbformat.read(PROJECT / "solutions" / STAGE / f"{LESSON}.ipynb", as_version=4)
     graded = [cell for cell in solved.cells if "nbgrader" in cell.metadata]
     cells = {cell.metadata.nbgrader.grade_id: cell.source for cell in graded}
@@ -289,56 +287,56 @@ def answers():
     return {name: marks.sub("", cells[name]).rstrip() for name in EXERCISES}
 
 
-def work(seat, written):
+def work(session, written):
     """Fetch the stage, run the first cell, write the answers, run all cells and submit."""
     path = f"{STAGE}/{LESSON}.ipynb"
-    seat.assignments()
-    seat.listed("released", STAGE)
-    seat.press("released", "Fetch")
-    seat.listed("fetched", STAGE)
-    seat.picture("fetched")
-    seat.notebook(path)
-    seat.cell("Run this cell first").click()
-    seat.choose("Run", "Run Selected Cell")
+    session.assignments()
+    session.listed("released", STAGE)
+    session.press("released", "Fetch")
+    session.listed("fetched", STAGE)
+    session.picture("fetched")
+    session.notebook(path)
+    session.cell("Run this cell first").click()
+    session.choose("Run", "Run Selected Cell")
     message = "Everything this notebook needs is here."
-    seat.wait(lambda: message in seat.text(".jp-Notebook .jp-OutputArea"), message)
-    seat.idle()
-    seat.picture("first_cell")
+    session.wait(lambda: message in session.text(".jp-Notebook .jp-OutputArea"), message)
+    session.idle()
+    session.picture("first_cell")
     for name, source in written.items():
-        seat.write(f"def {name}(", source)
+        session.write(f"def {name}(", source)
     if written:
-        seat.choose("Run", "Run All Cells")
-        seat.wait(
-            lambda: seat.browser.find_elements(By.CSS_SELECTOR, ".jp-OutputArea img"), "a plot"
+        session.choose("Run", "Run All Cells")
+        session.wait(
+            lambda: session.browser.find_elements(By.CSS_SELECTOR, ".jp-OutputArea img"), "a plot"
         )
-        seat.idle()
-        seat.cell(f"check({EXERCISES[0]})")
-        seat.picture("checked")
+        session.idle()
+        session.cell(f"check({EXERCISES[0]})")
+        session.picture("checked")
     written_last = [source.splitlines()[-1].strip() for source in written.values()]
-    seat.saved(path, (message, *written_last))
-    seat.assignments()
-    seat.press("fetched", "Submit")
-    seat.listed("submitted", STAGE)
-    seat.picture("submitted")
+    session.saved(path, (message, *written_last))
+    session.assignments()
+    session.press("fetched", "Submit")
+    session.listed("submitted", STAGE)
+    session.picture("submitted")
 
 
-def look_at_feedback(seat):
+def look_at_feedback(session):
     """Fetch the feedback from the list, open the lesson's page and return its text."""
-    seat.assignments()
-    seat.listed("submitted", STAGE)
-    seat.press("submitted", "Fetch Feedback")
-    seat.listed("submitted", "(view feedback)")
-    seat.picture("feedback_listed")
-    pages = list(Path(f"/home/{seat.name}/{STAGE}/feedback").glob(f"*/{LESSON}.html"))
+    session.assignments()
+    session.listed("submitted", STAGE)
+    session.press("submitted", "Fetch Feedback")
+    session.listed("submitted", "(view feedback)")
+    session.picture("feedback_listed")
+    pages = list(Path(f"/home/{session.name}/{STAGE}/feedback").glob(f"*/{LESSON}.html"))
     assert len(pages) == 1, pages
-    page = pages[0].relative_to(f"/home/{seat.name}")
-    seat.open(f"/user/{seat.name}/files/{page}", until="#toc, body h1, body h4")
-    seat.picture("feedback")
-    return seat.text("body")
+    page = pages[0].relative_to(f"/home/{session.name}")
+    session.open(f"/user/{session.name}/files/{page}", until="#toc, body h1, body h4")
+    session.picture("feedback")
+    return session.text("body")
 
 
-def look_around():
-    """Assert that secret files are readable for the instructor but not for a student."""
+def test_permissions():
+    """Assert that the instructor can read secret files and a student cannot."""
     secret = [
         f"cat {COURSE}/.course_seed",
         f"cat {COURSE}/gradebook.db",
@@ -357,7 +355,7 @@ def look_around():
 
 
 def scores():
-    """Return the points in nbgrader's gradebook, by (student, lesson)."""
+    """Return the points in nbgrader's gradebook by (student, lesson)."""
     query = """
         SELECT submitted_assignment.student_id, notebook.name, SUM(grade.auto_score)
         FROM grade JOIN submitted_notebook ON grade.notebook_id = submitted_notebook.id
@@ -369,8 +367,8 @@ def scores():
         return {(student, lesson): points for student, lesson, points in book.execute(query)}
 
 
-def play(pictures):
-    """Play the whole scenario, from an empty machine to the feedback."""
+def run_scenario(pictures):
+    """Run the whole scenario, from an empty machine to the feedback."""
     steps = blocks()
     passwords = make_accounts()
     run_as("root", steps["As root"])
@@ -381,29 +379,29 @@ def play(pictures):
     settings.write_text(json.dumps(SETTINGS), "utf-8")
     with hub() as address:
 
-        def seat(name):
-            return Seat(address, name, passwords[name], pictures)
+        def session(name):
+            return UserSession(address, name, passwords[name], pictures)
 
-        with seat("ada") as ada:
+        with session("ada") as ada:
             work(ada, answers())
-        with seat("ben") as ben:
+        with session("ben") as ben:
             work(ben, {})
         run_as("instructor", steps["Collect"])
-        look_around()
+        test_permissions()
         found = scores()
         assert found["ada", LESSON] == POINTS, found
         assert found["ben", LESSON] == 0, found
-        with seat("instructor") as instructor:
+        with session("instructor") as instructor:
             instructor.open("/user/instructor/formgrader", until="a[href*=manage_submissions], h1")
             instructor.wait(lambda: STAGE in instructor.text("body"), STAGE)
             instructor.picture("formgrader")
-        with seat("ada") as ada:
+        with session("ada") as ada:
             assert f"{POINTS}.0 / {POINTS}.0" in look_at_feedback(ada)
-        with seat("ben") as ben:
+        with session("ben") as ben:
             assert f"0.0 / {POINTS}.0" in look_at_feedback(ben)
-    print(f"\nAll of it works. What they saw is in {pictures}")
+    print(f"\nEverything works. The screenshots are in {pictures}")
 
 
 if __name__ == "__main__":
     os.umask(0o022)
-    play(Path(sys.argv[1]))
+    run_scenario(Path(sys.argv[1]))

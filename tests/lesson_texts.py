@@ -1,4 +1,4 @@
-"""A lesson as seen by a student who follows its hints: functions, variables and printed text."""
+"""Run lessons as a student who follows the hints: functions, variables and printed text."""
 
 import contextlib
 import io
@@ -18,33 +18,33 @@ FOLLOWED = "the hints followed to the letter"
 
 
 def source_of(exercise, variant=FOLLOWED):
-    """Return the source of the kept answer with a certain name."""
+    """Return the source of the kept answer with this name."""
     return next(answer.source for answer in answers_to(exercise) if answer.name == variant)
 
 
 def taught(exercise, variant=FOLLOWED):
-    """Return the function to which the hints lead, or another kept answer."""
+    """Return the function that results from following the hints, or another kept answer."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
 def names_of(name, *wanted, **variants):
-    """Run the statements of a lesson that some names need, and return all names they define.
+    """Run the statements of a lesson that define some names, and return all defined names.
 
     Parameters
     ----------
     name : str
         Name of the lesson, such as "06_filter_ground".
     *wanted : str
-        Needed variables and functions.
+        Variables and functions that are needed.
     **variants : str
         Names of kept answers, for exercises that should not follow the hints.
 
     Returns
     -------
     dict
-        All names that the statements define.
+        All names that the statements define, with their values.
     """
     lesson, namespace = find_lesson(name), {"__name__": name, "np": np}
     statements, problems = slicing.parse_notebook([lesson.source.read_text("utf-8")])
@@ -60,7 +60,7 @@ def names_of(name, *wanted, **variants):
 
 
 @dataclass(frozen=True)
-class Told:
+class LessonRun:
     """The variables of a finished lesson, and its printed text."""
 
     names: dict
@@ -73,7 +73,7 @@ class Told:
         return [float(number) for number in re.findall(r"-?\d+(?:\.\d+)?", rest)]
 
 
-def tell(name):
+def run_lesson(name):
     """Run a whole lesson in this process, with answers that follow the hints.
 
     Parameters
@@ -93,4 +93,4 @@ def tell(name):
             source = source_of(grading["grade_id"]) if grading.get("solution") else cell.source
             exec(compile(source, name, "exec"), names)
             plt.close("all")
-    return Told(names, text.getvalue())
+    return LessonRun(names, text.getvalue())

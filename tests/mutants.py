@@ -1,14 +1,14 @@
-"""Mutation tests: make one small change to grading code, and expect the nearest tests to fail.
+"""Mutation tests: make one small change in the grader's code, and expect a near test to fail.
 
-    make mutants                              # everything; goes on where it was stopped
-    .venv/bin/python tests/mutants.py points  # the modules with this in their path
+    make mutants                              # all modules; continues where it was stopped
+    .venv/bin/python tests/mutants.py points  # only modules with "points" in their path
 
-The changes ("mutants") are made by cosmic-ray. Each is applied in memory, in a fork of a process
+cosmic-ray makes the changes ("mutants"). Each is applied in memory, in a fork of a process
 that has collected the tests. A changed function gets new code, and only tests that enter it run,
-starting with short tests that have noticed many mutants. If more than functions change, all modules
-are imported again, and all tests run until one fails. The outcomes are kept in ``.pytest_cache``.
-A survivor is tried again in the next run, as there may be new tests; delete the file to try all.
-Survivors whose change cannot be noticed are listed in ``mutants.txt``, with the reason.
+starting with short tests that have detected many mutants. If anything else changes, all modules are
+imported again, and all tests run until one fails. The outcomes are kept in ``.pytest_cache``. A
+surviving mutant is tried again in the next run, as there may be new tests; delete the file to try
+all mutants. ``mutants.txt`` lists mutants that no test could detect, with the reason.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ COSMIC_RAY = Path(sys.prefix, "cosmic-ray", "bin", "python")
 RESULTS = PROJECT / ".pytest_cache" / "d" / "mutants.jsonl"
 EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 
-# The nearest tests of each module, nearest first. Slow tests are left out, and tests that need a
-# sandbox come last, because a second for each of two thousand mutants is half an hour.
+# The nearest tests of each module, nearest first. Slow tests are omitted, and tests that need a
+# sandbox come last, because one second for each of two thousand mutants is half an hour.
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
     "grader/judging/hidden_tests.py": ("test_runner.py", "test_samples.py"),
@@ -84,8 +84,8 @@ TESTS = {
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_grading_by_roster.py"),
 }
 
-# Prints all changed versions of the module on standard input, each as a line of JSON. A binary
-# operator is replaced with only three of the eleven others, drawn at random.
+# Reads a module from standard input and prints all changed versions, each as a line of JSON. A
+# binary operator is replaced with only three of the eleven others, which are drawn at random.
 CHANGES = """
 import collections, json, random, sys
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -108,10 +108,10 @@ for ways in places.values():
 
 
 DEAD = ("killed", "stopped")
-PATIENCE = 4  # factor for the time limit of the second try, after a first one was stopped
-# Not 0, because a mutant may end its process with status 0.
+PATIENCE = 4  # factor for the time limit of the second try, after the first one was stopped
+# The status is not 0, because a mutant may end its process with status 0.
 SURVIVED = 57
-NOTICED_BY = "noticed"  # file with the name of the test that noticed the change
+DETECTED_BY = "noticed"  # file with the name of the test that detected the change
 
 
 @dataclass(frozen=True)
@@ -135,15 +135,15 @@ class Mutant:
 
     @property
     def digest(self) -> str:
-        """The key of the mutant in `RESULTS`."""
+        """The mutant's key in `RESULTS`."""
         return hashlib.sha256(f"{self.module} {self.source}".encode()).hexdigest()
 
     def __str__(self) -> str:
         return f"{self.module}\n- {self.before}\n+ {self.after}".rstrip()
 
 
-class _Bare(ast.NodeTransformer):
-    """Remove annotations, which no module of the project evaluates."""
+class _AnnotationRemover(ast.NodeTransformer):
+    """Removes annotations, which no module of the project evaluates."""
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:  # noqa: N802
         node.annotation = ast.Constant(None)
@@ -159,12 +159,12 @@ class _Bare(ast.NodeTransformer):
 
 
 def meaning(source: str) -> str:
-    """Return the syntax tree of a program as text, without annotations and comments."""
-    return ast.dump(_Bare().visit(ast.parse(source)))
+    """Return the syntax tree of a program as text, without annotations or comments."""
+    return ast.dump(_AnnotationRemover().visit(ast.parse(source)))
 
 
 def mutants_of(module: str) -> Iterator[Mutant]:
-    """Yield the mutants of a module that compile and differ from it in more than annotations."""
+    """Yield the mutants of a module that compile and differ not only in annotations."""
     source = (PROJECT / module).read_text("utf-8")
     done = subprocess.run(
         [COSMIC_RAY, "-c", CHANGES], input=source, stdout=subprocess.PIPE, text=True, check=True
@@ -180,7 +180,7 @@ def mutants_of(module: str) -> Iterator[Mutant]:
 
 
 def _difference(source: str, changed: str) -> tuple[str, str]:
-    """Return the lines of each source that are not in the other, as single lines."""
+    """Return the lines of each source that the other does not have, joined into one line."""
     lines = [text.splitlines() for text in (source, changed)]
     before, after = [], []
     for kind, a, b, c, d in difflib.SequenceMatcher(None, *lines, False).get_opcodes():
@@ -190,8 +190,8 @@ def _difference(source: str, changed: str) -> tuple[str, str]:
     return tuple(" ".join(" ".join(part).split()) for part in (before, after))
 
 
-class _Changed(importlib.machinery.SourceFileLoader):
-    """A loader that loads a mutant instead of its module."""
+class _MutantLoader(importlib.machinery.SourceFileLoader):
+    """An import loader that loads a mutant instead of its module."""
 
     def __init__(self, mutant: Mutant) -> None:
         self.mutant = mutant
@@ -200,13 +200,13 @@ class _Changed(importlib.machinery.SourceFileLoader):
     def find_spec(
         self, name: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Return the mutant's spec if its name is requested, as a finder on `sys.meta_path`."""
+        """Return the mutant's spec if its module is imported, as a finder on `sys.meta_path`."""
         if name != self.name:
             return None
         return importlib.util.spec_from_file_location(name, self.path, loader=self)
 
     def get_code(self, name: str) -> object:
-        """Compile the mutant, as cached bytecode belongs to the file on disk."""
+        """Compile the mutant, because the cached bytecode belongs to the file on disk."""
         return compile(self.mutant.source, self.path, "exec", dont_inherit=True)
 
 
@@ -215,7 +215,7 @@ def _module_name(path: str) -> str:
 
 
 def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
-    """Yield (name, code) of each function in a module or class, and the rest with an empty name."""
+    """Yield (name, code) for each function in a module or class, and ("", code) for the rest."""
     rest = []
     for part in code.co_consts:
         if not isinstance(part, CodeType) or "<" in part.co_name:
@@ -228,7 +228,7 @@ def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
 
 
 def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
-    """Return the functions that a mutant changes, by name; None if more than functions change."""
+    """Return the functions that a mutant changes, by name; None if anything else changes."""
     sources = (PROJECT / mutant.module).read_text("utf-8"), mutant.source
     path = str(PROJECT / mutant.module)
     before, after = (list(_parts(compile(text, path, "exec", 0, True))) for text in sources)
@@ -244,7 +244,7 @@ def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
 
 
 def become(module: str, now: list[FunctionType], functions: dict[str, CodeType]) -> None:
-    """Give the functions of a module their code in a mutant, and clear the module's caches."""
+    """Give the functions of a module the code of a mutant, and clear the module's caches."""
     for function in now:
         function.__code__ = functions.get(function.__qualname__, function.__code__)
     for known in vars(sys.modules[_module_name(module)]).values():
@@ -253,7 +253,7 @@ def become(module: str, now: list[FunctionType], functions: dict[str, CodeType])
 
 
 def functions_of(module: str) -> list[FunctionType]:
-    """Return all existing functions of a module, including the decorated ones."""
+    """Return all functions of a module that exist in memory, including decorated ones."""
     functions = (object_ for object_ in gc.get_objects() if isinstance(object_, FunctionType))
     path = str(PROJECT / module)
     return [function for function in functions if function.__code__.co_filename == path]
@@ -268,12 +268,12 @@ def forget_ours() -> None:
 
 @dataclass(frozen=True)
 class Run:
-    """The run of a test with unchanged modules.
+    """A run of a test with unchanged modules.
 
     Attributes
     ----------
     seconds, wall : float
-        Time of the processor and of the clock.
+        Processor time and elapsed time.
     entered : frozenset of (str, str)
         File and name of each of the grader's functions that ran in the test's own process.
     """
@@ -283,8 +283,8 @@ class Run:
     entered: frozenset[tuple[str, str]]
 
 
-class Trying:
-    """A plugin of pytest that collects the tests of a module once and runs them on mutants.
+class MutantRunner:
+    """A pytest plugin that collects the tests of a module once and runs them on mutants.
 
     Parameters
     ----------
@@ -296,35 +296,37 @@ class Trying:
         Called with each mutant and its outcome.
     """
 
-    runs: ClassVar[dict[str, Run]] = {}  # by test; shared, as a test can be near several modules
+    runs: ClassVar[
+        dict[str, Run]
+    ] = {}  # by test; shared, because a test can be near several modules
 
     def __init__(
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
     ) -> None:
         self.module, self.mutants, self.folder, self.report = module, mutants, folder, report
         self.functions: list[FunctionType] = []
-        self.noticed: Counter[str] = Counter()  # number of noticed mutants, by test
+        self.detected: Counter[str] = Counter()  # number of detected mutants by test
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Run all tests in forks, and none in this process."""
-        gc.unfreeze()  # otherwise functions that were frozen for another module are not found
+        """Run all tests in forks, and none of them in this process."""
+        gc.unfreeze()  # otherwise functions that were frozen for another module would not be found
         self.functions = functions_of(self.module)
-        gc.freeze()  # looking through all objects in a fork would copy them
+        gc.freeze()  # otherwise garbage collection in a fork would copy all objects
         if new := [item for item in session.items if item.nodeid not in self.runs]:
             self.runs.update(self._in_a_fork(new))
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
             with contextlib.suppress(FileNotFoundError):
-                self.noticed[Path(self.folder, mutant.digest, NOTICED_BY).read_text("utf-8")] += 1
+                self.detected[Path(self.folder, mutant.digest, DETECTED_BY).read_text("utf-8")] += 1
             self.report(mutant, outcome)
         return True
 
     def _in_a_fork(self, items: list[pytest.Item]) -> dict[str, Run]:
-        """Run the tests on the unchanged modules, where all of them must pass."""
+        """Run the tests on the unchanged modules, with which all of them must pass."""
         path = Path(self.folder, "runs")
         process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
             said = path.read_text("utf-8") if path.is_file() else "They were stopped."
-            sys.exit(f"{self.module}: the nearest tests fail on the module as it is.\n{said}")
+            sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{said}")
         found = json.loads(path.read_text("utf-8"))
         return {
             name: Run(seconds, wall, frozenset(map(tuple, entered)))
@@ -342,7 +344,7 @@ class Trying:
             entered.clear()
             begun, clock = time.process_time(), time.monotonic()
             sys.settrace(enter)
-            # Without a next item, shared fixtures end here and are counted again in the next test.
+            # Without a next item, shared fixtures end here, and the next test counts them again.
             item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
             sys.settrace(None)
             took = time.process_time() - begun, time.monotonic() - clock
@@ -356,63 +358,64 @@ class Trying:
     def _begin(self, session: pytest.Session, mutant: Mutant, patience: int) -> tuple[int, float]:
         """Start a process that tries a mutant; return its process ID and its limit in seconds.
 
-        Only tests that enter changed functions can notice the mutant. If functions run only in
-        other processes, no test is known to enter them, and all tests run.
+        Only tests that enter changed functions can detect the mutant. If functions run only in
+        other processes, no test is known to enter them, so all tests run.
         """
-        functions, items = changed_functions(mutant), self._likeliest_first(session.items)
+        functions, items = changed_functions(mutant), self._most_likely_first(session.items)
         changed = {(str(PROJECT / self.module), name) for name in functions or ()}
         items = [item for item in items if self.runs[item.nodeid].entered & changed] or items
         seconds = 3 + 3 * sum(self.runs[item.nodeid].seconds for item in items)
         wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
-        work = functools.partial(self._ask_anew, mutant)
+        work = functools.partial(self._run_with_new_imports, mutant)
         if functions and {*functions} <= {function.__qualname__ for function in self.functions}:
-            work = functools.partial(self._ask, items, functions)
+            work = functools.partial(self._run, items, functions)
         folder = f"{self.folder}/{mutant.digest}"
         return begin(work, patience * seconds, folder), patience * wall
 
-    def _likeliest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
-        """Sort the tests by their chance to notice, file by file to keep shared fixtures."""
+    def _most_likely_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
+        """Sort tests by their chance to detect a mutant, file by file to keep shared fixtures."""
         takes = {
-            item: self.runs[item.nodeid].seconds / (1 + self.noticed[item.nodeid]) for item in items
+            item: self.runs[item.nodeid].seconds / (1 + self.detected[item.nodeid])
+            for item in items
         }
         files = {item.path: takes[item] for item in sorted(items, key=takes.get, reverse=True)}
         return sorted(items, key=lambda item: (files[item.path], item.path, takes[item]))
 
-    def _ask(self, items: list[pytest.Item], functions: dict[str, CodeType]) -> int:
+    def _run(self, items: list[pytest.Item], functions: dict[str, CodeType]) -> int:
         become(self.module, self.functions, functions)
         return first_failure(items)
 
-    def _ask_anew(self, mutant: Mutant) -> int:
+    def _run_with_new_imports(self, mutant: Mutant) -> int:
         """Import the project's modules again and run the tests."""
         forget_ours()
-        sys.meta_path.insert(0, _Changed(mutant))
-        run_tests(self.module, _Anew(self._likeliest_first))
+        sys.meta_path.insert(0, _MutantLoader(mutant))
+        run_tests(self.module, _RunAndExit(self._most_likely_first))
         return 1  # the plugin ends the process, so the tests could not be collected
 
 
-class _Anew:
-    """A plugin of pytest that runs tests in a given order and then ends the process."""
+class _RunAndExit:
+    """A pytest plugin that runs tests in a given order and then ends the process."""
 
     def __init__(self, order: Callable[[list[pytest.Item]], list[pytest.Item]]) -> None:
         self.order = order
 
     def pytest_runtestloop(self, session: pytest.Session) -> None:
-        """End the process without pytest's clean-up, which is slower than most tests."""
+        """Run the tests and end the process without pytest's clean-up, which is slow."""
         os._exit(first_failure(self.order(session.items)) or SURVIVED)
 
 
 def first_failure(items: list[pytest.Item]) -> int:
-    """Run tests until one fails and write its name to a file; return the number of failures."""
+    """Run tests until one fails, and write its name to a file; return the number of failures."""
     for item, after in zip(items, [*items[1:], None], strict=True):
         item.ihook.pytest_runtest_protocol(item=item, nextitem=after)
         if failed := item.session.testsfailed:
-            Path(os.environ["PYTEST_DEBUG_TEMPROOT"], NOTICED_BY).write_text(item.nodeid, "utf-8")
+            Path(os.environ["PYTEST_DEBUG_TEMPROOT"], DETECTED_BY).write_text(item.nodeid, "utf-8")
             return failed
     return 0
 
 
 def run_tests(module: str, plugin: object) -> int:
-    """Let pytest collect the nearest tests of a module, and return its exit code."""
+    """Run pytest on the nearest tests of a module with a plugin, and return the exit code."""
     options = ("-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider")
     options += ("-p", "no:terminal", "-m", "not slow and not proof and not colab")
     return pytest.main([*(f"tests/{name}" for name in TESTS[module]), *options], [plugin])
@@ -442,9 +445,9 @@ def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
 def try_all(
     mutants: list[Mutant], begin_one: Callable[[Mutant, int], tuple[int, float]]
 ) -> Iterator[tuple[Mutant, str]]:
-    """Try mutants in parallel; yield each with its outcome as soon as that is known.
+    """Try mutants in parallel; yield each with its outcome as soon as it is known.
 
-    A stopped mutant is tried again with a longer limit, as other work may have taken its time.
+    A stopped mutant is tried again with a longer limit, because other work may have slowed it.
     """
     waiting, running = [(mutant, 1) for mutant in mutants[::-1]], {}
     while waiting or running:
@@ -489,9 +492,9 @@ def equivalent() -> set[str]:
 
 
 def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
-    """Try the mutants of a module that were not noticed before; return all outcomes.
+    """Try the mutants of a module that were not detected before; return all outcomes.
 
-    The order is random, so the mutants of an interrupted run are a fair sample.
+    The order is random, so an interrupted run has tried a fair sample of the mutants.
     """
     mutants, known = list(mutants_of(module)), known_results()
     random.Random(1).shuffle(mutants)
@@ -512,19 +515,19 @@ def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
                     print(mutant, flush=True)
                 ended[mutant] = outcome
 
-            if code := run_tests(module, Trying(module, waiting, folder, report)):
+            if code := run_tests(module, MutantRunner(module, waiting, folder, report)):
                 sys.exit(int(code))
     return ended
 
 
 def main(wanted: list[str]) -> int:
-    """Try the mutants of some modules and print the survivors that are not known as equivalent.
+    """Try the mutants of some modules, and print the survivors that are not listed as equivalent.
 
-    Stopped mutants are printed as well, because either the mutant or a busy machine hung the tests.
+    Stopped mutants are also printed, because the cause may be the mutant or a busy machine.
     """
     os.chdir(PROJECT)
     sys.path.insert(0, str(PROJECT))
-    # A fork of a process with threads of OpenMP hangs.
+    # A fork of a process with OpenMP threads hangs.
     os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     hypothesis.settings.register_profile(
         "mutants",
@@ -546,7 +549,7 @@ def main(wanted: list[str]) -> int:
             survived += ended["survived"]
             stopped += [mutant for mutant, outcome in outcomes.items() if outcome == "stopped"]
     if stopped:
-        print("\nTheir tests stood still, and were stopped by a clock, twice:", *stopped, sep="\n")
+        print("\nTheir tests reached the time limit twice:", *stopped, sep="\n")
     return min(survived, 1)
 
 

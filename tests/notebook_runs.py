@@ -5,7 +5,7 @@ from pathlib import Path
 
 import nbclient
 
-LONGEST_CELL = 120  # seconds; a whole notebook should take 30
+LONGEST_CELL = 120  # seconds; a whole notebook should take about 30
 
 
 def run(notebook, folder, **settings):
@@ -53,8 +53,8 @@ def errors_of(notebook):
     ]
 
 
-def errors_beside_checks(notebook):
-    """Return the errors of cells other than checks, which may fail without stopping the run."""
+def errors_outside_checks(notebook):
+    """Return the errors in cells other than checks; only checks may fail."""
     return [
         (number, error)
         for number, error in errors_of(notebook)

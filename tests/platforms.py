@@ -2,7 +2,7 @@
 
 The models repeat the rules of `gradebook_exporter.rb`, `gradebook_importer.rb`,
 `assignfeedback_offline` and `csv_import_reader` in Python. They share no code with the exporters,
-so a harmful file does the same harm here as on the real platform.
+so a harmful file has the same effect here as on the real platform.
 """
 
 import csv
@@ -16,7 +16,7 @@ NEVER = 0
 @dataclass
 class CanvasStudent:
     id: int
-    name: str  # as Canvas sorts it: "Last, First"
+    name: str  # in Canvas's order: "Last, First"
     sis_id: str = ""
     login: str = ""
     section: str = "A"

@@ -20,7 +20,7 @@ def server():
     Raises
     ------
     NotInstalled
-        There are no programs of PostgreSQL on this machine.
+        If this machine has no PostgreSQL programs.
     """
     programs = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
     if not programs:

@@ -1,4 +1,4 @@
-"""Requirements of tests: a test is skipped without them, or fails if CI demands them."""
+"""Requirements of tests; without one, a test is skipped, or fails if CI demands it."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 from grader.sandbox import Sandbox, SandboxUnavailable, bwrap, choose_sandbox
 
-# Reasons to skip, each with the missing program and how to get it. `make test` prints them last.
+# Reasons to skip a test: what is missing, and how to get it. `make test` prints them at the end.
 RECORDINGS = "recorded scans: REAL_CLOUDS=FOLDER make test"
 CHROMIUM = "Chromium: sudo apt-get install chromium"
 MATHJAX = "Chromium and MathJax: sudo apt-get install chromium libjs-mathjax"
@@ -21,7 +21,7 @@ ROOT = "root: sudo make test"
 PATIENCE = 300
 
 
-def not_here(reason: object) -> NoReturn:
+def skip_or_fail(reason: object) -> NoReturn:
     """Skip the test, or fail it if the environment has ``REQUIRE_SANDBOX=1``."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
         pytest.fail(f"REQUIRE_SANDBOX=1, but: {reason}", pytrace=False)
@@ -34,7 +34,7 @@ def require_sandbox(name: str = "bubblewrap") -> Sandbox:
         return choose_sandbox(name)
     except SandboxUnavailable as reason:
         # The rest of the message is advice for graders.
-        not_here(f"a sandbox: {str(reason).partition(' Student code')[0]}")
+        skip_or_fail(f"a sandbox: {str(reason).partition(' Student code')[0]}")
 
 
 def without_bubblewrap(folder: Path) -> dict[str, str]:

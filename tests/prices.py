@@ -1,8 +1,8 @@
-"""Judge the likely slips of every exercise, and write what each keeps into `docs/prices.md`.
+"""Judge the likely slips in every exercise, and write the points they keep to `docs/prices.md`.
 
-``python -m tests.prices`` writes the page. It takes about ten minutes on two cores. Each slip of
-`slips.py` is put into the lesson's solution, and the whole notebook is judged with seed 1, the
-search for an edit included. `tests/test_prices.py` compares the page with new verdicts.
+``python -m tests.prices`` writes the page, which takes about ten minutes on two cores. Each slip in
+`slips.py` is put into the lesson's solution, and the whole notebook is judged with seed 1,
+including the search for an edit. `tests/test_prices.py` compares the page with new verdicts.
 """
 
 import ast
@@ -25,7 +25,7 @@ from tests.test_slips import TABLES, solution_of
 
 PAGE = PROJECT / "docs" / "prices.md"
 SEED, WORKERS = 1, 2
-PIPE = r"\|"  # in the cell of a table
+PIPE = r"\|"  # in a table cell
 _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
 # Prices of slips
@@ -46,7 +46,7 @@ notebook with seed 1, which takes about ten minutes on two cores.
 
 @dataclass(frozen=True)
 class Price:
-    """What a slip keeps, as fractions of the exercise's points."""
+    """The fractions of an exercise's points that a slip keeps."""
 
     checks: float
     kept: float
@@ -60,7 +60,7 @@ def all_slips() -> Iterator[tuple[str, Slip]]:
 
 
 def notebook_with(lesson: Lesson, exercise: str, source: str) -> str:
-    """Return the solved notebook of a lesson with another source of one function, as JSON."""
+    """Return a lesson's solved notebook, with one function replaced, as JSON."""
     notebook, replaced = json.loads(lesson.solved.read_text("utf-8")), 0
     for cell in notebook["cells"]:
         text = "".join(cell["source"])
@@ -90,7 +90,7 @@ def price_of(case: tuple[str, Slip]) -> Price:
 
 
 def read_page() -> dict[str, dict[str, Price]]:
-    """Return the prices on the page, by exercise and title."""
+    """Return the prices on the page by exercise and title."""
     prices = {}
     for part in PAGE.read_text("utf-8").split("\n### ")[1:]:
         exercise = part.split("`")[1]
@@ -107,7 +107,7 @@ def page(prices: dict[tuple[str, str], Price]) -> str:
     Parameters
     ----------
     prices : dict
-        By exercise and title of the slip.
+        Prices by exercise and title of the slip.
     """
     parts = [_TOP]
     for name, table in TABLES.items():
@@ -130,7 +130,7 @@ def _percent(share: float) -> str:
 
 
 def main() -> None:
-    """Judge every slip and write the page."""
+    """Judge all slips and write the page."""
     cases, prices = list(all_slips()), {}
     with ProcessPoolExecutor(WORKERS) as pool:
         for number, (case, price) in enumerate(zip(cases, pool.map(price_of, cases), strict=True)):

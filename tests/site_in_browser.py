@@ -2,9 +2,10 @@
 
     python -m tests.site_in_browser SITE AXE.js PICTURES
 
-Every page is opened in four views. No page may load from another host, scroll sideways, have broken
-pictures, be too heavy before scrolling, or have faults that axe-core finds. Then the script acts as
-a reader: it searches, guesses, moves a slider and chooses the dark theme, also without a server.
+Every page is opened in four views. No page may load anything from another host, scroll sideways,
+have broken pictures, be too heavy before scrolling, or have faults that axe-core finds. Then the
+script acts as a reader: it searches, guesses, moves a slider and chooses the dark theme. It does
+this with a server and without one.
 """
 
 import functools
@@ -54,7 +55,7 @@ class _Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 def browser():
-    """Start Chromium, which can reach no host except this machine."""
+    """Start Chromium so that it can reach only this machine."""
     options = webdriver.ChromeOptions()
     for switch in SWITCHES:
         options.add_argument(switch)
@@ -77,7 +78,7 @@ def view(driver, width, theme):
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
-def asked(driver):
+def requested(driver):
     """Return the addresses and total bytes of all requests since the last call."""
     addresses, weight = [], 0
     for entry in driver.get_log("performance"):
@@ -89,8 +90,8 @@ def asked(driver):
     return addresses, weight
 
 
-def elsewhere(addresses):
-    """Return the addresses of other hosts."""
+def on_other_hosts(addresses):
+    """Return the addresses that are on other hosts."""
     return [
         address
         for address in addresses
@@ -103,32 +104,32 @@ def faults_of_page(driver, address, axe):
     """Yield the faults of a page in the current view."""
     driver.execute_cdp_cmd("Network.enable", {})
     driver.execute_cdp_cmd("Network.setCacheDisabled", {"cacheDisabled": True})
-    asked(driver)
+    requested(driver)
     driver.get(address)
     driver.execute_async_script(SETTLED)
-    addresses, weight = asked(driver)
+    addresses, weight = requested(driver)
     if weight > HEAVIEST:
-        yield f"{weight:,} bytes before somebody scrolls"
-    for other in elsewhere(addresses):
-        yield f"asks {other}"
+        yield f"{weight:,} bytes before scrolling"
+    for other in on_other_hosts(addresses):
+        yield f"requests {other}"
     across = driver.execute_script(
         "return document.documentElement.scrollWidth - document.documentElement.clientWidth"
     )
     if across > 0:
-        yield f"moves {across} pixels sideways"
+        yield f"scrolls {across} pixels sideways"
     driver.execute_script(SHOW_ALL)
     driver.execute_script("window.scrollTo(0, document.body.scrollHeight)")
     driver.execute_async_script(SETTLED)
     for picture in driver.execute_script(BROKEN):
-        yield f"has a picture that is not there: {picture}"
-    for other in elsewhere(asked(driver)[0]):
-        yield f"asks {other}"
+        yield f"has a broken picture: {picture}"
+    for other in on_other_hosts(requested(driver)[0]):
+        yield f"requests {other}"
     driver.execute_script(axe)
     yield from driver.execute_async_script(AXE)
 
 
 def found_by(driver, root, words):
-    """Return (address, text) of each result that a search shows."""
+    """Return (address, text) for each result that a search shows."""
     driver.get(f"{root}search.html?q={'+'.join(words.split())}")
     WebDriverWait(driver, PATIENCE).until(
         lambda page: page.find_elements(By.CSS_SELECTOR, "#search-results ul.sections li")
@@ -141,13 +142,13 @@ def found_by(driver, root, words):
 
 
 def faults_of_reading(driver, root):
-    """Yield the actions of a reader that do not work."""
+    """Yield a sentence for each action of a reader that does not work."""
     view(driver, 1200, "light")
     hits = found_by(driver, root, "why not a smaller threshold")
     if not any("05_euclidean_clustering.html#" in link for link, _ in hits):
         yield f"a search for a smaller threshold finds only {hits}"
     if not any("lorry" in line for _, line in found_by(driver, root, "lorry sofa")):
-        yield "a search shows no line of what it finds"
+        yield "a search does not show the text that it finds"
 
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
     driver.execute_async_script(SETTLED)
@@ -157,7 +158,7 @@ def faults_of_reading(driver, root):
     driver.get(driver.current_url)
     yours = "return document.querySelector('details.answer .yours').textContent"
     if "41" not in driver.execute_script(yours):
-        yield "a guess is not kept until its answer"
+        yield "a guess is not shown with the answer"
 
     chosen = driver.find_element(By.CSS_SELECTOR, ".positions input:checked")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", chosen)
@@ -169,7 +170,7 @@ def faults_of_reading(driver, root):
     chosen.send_keys(Keys.ARROW_RIGHT)
     after = driver.execute_script(seen, chosen)
     if sum(before) != 1 or sum(after) != 1 or before == after:
-        yield f"an arrow moves no slider: {before}, {after}"
+        yield f"an arrow key does not move the slider: {before}, {after}"
 
     driver.execute_script("window.scrollTo(0, 0)")
     driver.find_element(By.CSS_SELECTOR, ".theme-switch-button").click()
@@ -179,7 +180,7 @@ def faults_of_reading(driver, root):
 
 
 def main(site, axe, pictures):
-    """Print each fault as soon as it is found, and return all of them."""
+    """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
     handler = functools.partial(_Quiet, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
@@ -201,7 +202,7 @@ def main(site, axe, pictures):
                     print(found[-1], flush=True)
                 driver.execute_script("window.scrollTo(0, 0)")
                 driver.save_screenshot(str(pictures / f"{width}_{Path(name).stem}.png"))
-            print(f"{len(names)} pages seen at {width} pixels, {theme}", flush=True)
+            print(f"{len(names)} pages checked at {width} pixels, {theme}", flush=True)
         for place in (root, f"{site.resolve().as_uri()}/"):
             for fault in faults_of_reading(driver, place):
                 found.append(f"{place}: {fault}")
@@ -215,5 +216,5 @@ def main(site, axe, pictures):
 if __name__ == "__main__":
     place, script, folder = sys.argv[1:]
     wrong = main(Path(place), Path(script).read_text("utf-8"), Path(folder))
-    print(f"{len(wrong)} faults" if wrong else "Nothing is wrong.")
+    print(f"{len(wrong)} faults" if wrong else "No faults.")
     sys.exit(bool(wrong))

@@ -1,8 +1,8 @@
-"""Types for the ten likeliest slips in each exercise, with the points a teacher would allow.
+"""Types for the ten most likely slips in each exercise, with the points a teacher would allow.
 
-Each lesson has a module with a table ``SLIPS`` by exercise. A slip is one change of the lesson's
-own solution. `tests/test_slips.py` makes the change, runs all checks, and compares the remaining
-points with the limits of the slip's harm.
+Each lesson has a module with a table ``SLIPS`` by exercise. A slip is one change to the lesson's
+solution. `tests/test_slips.py` makes the change, runs all checks, and compares the remaining points
+with the limits of the slip's harm.
 """
 
 from dataclasses import dataclass
@@ -17,34 +17,34 @@ class Harm:
     most: float
 
 
-# The result is nonsense for its users: outliers for inliers, no d, or exchanged axes.
+# The result is useless: outliers instead of inliers, a plane without d, or exchanged axes.
 USELESS = Harm("useless", 0.0, 0.5)
-# The result is right for some inputs but wrong for others that every user meets.
+# The result is right for some inputs but wrong for others that every user has.
 PARTLY = Harm("partly", 0.1, 0.85)
-# A caller would fix the result easily, or hardly ever meet the fault.
+# A caller could easily correct the result, or would hardly ever see the fault.
 SMALL = Harm("small", 0.6, 0.97)
-# The method that the lesson teaches is not there.
+# The method that the lesson teaches is missing.
 MISSING = Harm("missing", 0.0, 0.5)
-# The lesson gives this code as the idea that fails, or it ignores its input.
+# The lesson shows this code as an idea that fails, or the code ignores its input.
 NAIVE = Harm("naive", 0.0, 0.1)
 
 
-# Stands for the whole body of the function.
+# The whole body of the function.
 BODY = "    ### BEGIN SOLUTION\n"
 
 
 @dataclass(frozen=True)
 class Slip:
-    """One change of a solution.
+    """One change to a solution.
 
     Attributes
     ----------
     title : str
         Description of the slip in a few words.
     old, new : str
-        Text that occurs once in the solution's function, or `BODY`, and its replacement.
+        A text that occurs once in the solution's function, or `BODY`; and its replacement.
     harm : Harm
-        Effect of the slip.
+        The effect of the slip.
     """
 
     title: str

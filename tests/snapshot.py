@@ -1,12 +1,12 @@
-"""Do two checkouts say the same about every kept answer? Verdicts, messages, titles and hints.
+"""Compare what two checkouts say about every kept answer: verdicts, messages, titles and hints.
 
     python tests/snapshot.py write before.json        # in one checkout
     python tests/snapshot.py write after.json         # in the other
     python tests/snapshot.py compare before.json after.json
 
-Names of an exercise, of several or of a lesson behind the file write only those. What draws at
-random says something else each time: with ``before.json`` written twice, `compare` takes both and
-leaves out what these two disagree about. Points may differ by a rounding.
+Names of exercises or lessons after the file limit the output. Some answers draw random numbers,
+so their output differs from run to run. To exclude them, write ``before.json`` twice under two
+names, and give both to `compare`. Points may differ by a rounding error.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from grader.sandbox import Limits, choose_sandbox  # noqa: E402
 
 SEED = 20_170_405
 LIMITS = Limits(call_seconds=3)
-SECONDS = 4  # time limit of one check in a notebook
+SECONDS = 4  # time limit for one check in a notebook
 ROUNDING = 0.02
 
 
@@ -45,8 +45,8 @@ def answers(wanted: list[str]) -> list[tuple[str, str, int]]:
     ]
 
 
-def tell(lesson_name: str, exercise: str, number: int) -> dict:
-    """Return the output of judge and `check` for one answer; the other exercises are right."""
+def output_for(lesson_name: str, exercise: str, number: int) -> dict:
+    """Return the output of the judge and `check` for one answer; the other answers are right."""
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     chosen = {
         other.name: next(answer.source for answer in answers_to(other.name) if answer.right)
@@ -56,10 +56,10 @@ def tell(lesson_name: str, exercise: str, number: int) -> dict:
     submission = SubmittedFiles(f"{lesson.name}.ipynb", notebook.encode())
     verdict = judge_files(submission, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
     del verdict["seconds"]
-    return {"verdict": verdict, "check": told_in_notebook(lesson, exercise, notebook)}
+    return {"verdict": verdict, "check": notebook_output(lesson, exercise, notebook)}
 
 
-def told_in_notebook(lesson: object, exercise: str, notebook: str) -> str:
+def notebook_output(lesson: object, exercise: str, notebook: str) -> str:
     """Return the text that `check` prints about an exercise."""
     from tests.students import answers_in
     from utils.checks import check, core
@@ -79,10 +79,10 @@ def told_in_notebook(lesson: object, exercise: str, notebook: str) -> str:
 
 
 def write(path: Path, wanted: list[str]) -> None:
-    """Write the output for all kept answers to a file."""
+    """Write the output for all kept answers, or for the wanted ones, to a file."""
     found, jobs = {}, answers(wanted)
     with Pool(os.cpu_count() or 1) as pool:
-        futures = {job: pool.submit(tell, *job) for job in jobs}
+        futures = {job: pool.submit(output_for, *job) for job in jobs}
         for done, (job, future) in enumerate(futures.items(), start=1):
             try:
                 output = future.result()
@@ -109,7 +109,7 @@ def same(before: object, after: object) -> bool:
 
 
 def differences(before: object, after: object, where: str = "") -> list[str]:
-    """Return the places where two outputs differ, as lines to print."""
+    """Return the places where two outputs differ, as texts to print."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [*before, *(key for key in after if key not in before)]
         return [
@@ -126,12 +126,12 @@ def differences(before: object, after: object, where: str = "") -> list[str]:
 
 
 def compare(paths: list[Path]) -> int:
-    """Print how the last file differs from the first, and return the number of such answers."""
+    """Print how the last file differs from the first; return the number of different answers."""
     *before, after = (json.loads(path.read_text("utf-8")) for path in paths)
     odd = 0
     for name in sorted({*before[0], *after}):
         if any(not same(before[0].get(name), again.get(name)) for again in before[1:]):
-            print(f"{name}: says something else each time")
+            print(f"{name}: the output is different in each run")
             continue
         lines = differences(before[0].get(name), after.get(name))
         odd += bool(lines)
@@ -145,7 +145,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=["write", "compare"])
     parser.add_argument(
-        "files", nargs="+", help="files of snapshots; behind the one to write, names"
+        "files",
+        nargs="+",
+        help="snapshot files; for write, one file and names of exercises or lessons",
     )
     options = parser.parse_args()
     if options.what == "write":

@@ -1,4 +1,4 @@
-"""Student stand-ins that run in this process, as a sandbox is too slow for many calls."""
+"""Stand-ins for students that run in this process, because a sandbox is too slow for many calls."""
 
 import copy
 from types import SimpleNamespace
@@ -7,19 +7,19 @@ from grader.judging.judge import given_code
 from utils.notebooks import slicing
 
 
-def walled(function):
-    """Wrap a function as for the judge, so that it gets copies of its arguments."""
+def with_copied_arguments(function):
+    """Wrap a function so that it gets copies of its arguments, as from the judge."""
 
-    def ask(*arguments, **keywords):
+    def call(*arguments, **keywords):
         given, named = copy.deepcopy((arguments, keywords))
         return function(*given, **named)
 
-    return ask
+    return call
 
 
 def student_with(lesson, answers):
     """Return a stand-in for a `StudentProxy` whose notebook contains some answers."""
-    names = {name: walled(function) for name, function in answers.items()}
+    names = {name: with_copied_arguments(function) for name, function in answers.items()}
     if "KdTree" in lesson.names:
         space = dict(answers)
         exec(given_code(lesson), space)

@@ -1,9 +1,9 @@
 """Survey all answers that are one edit away from a right answer, and the points they lose.
 
-``python -m tests.survey [EXERCISE ...]`` prints a table. It has the number of such answers, the
-number that are equivalent to the solution, and the others that lose nothing. A sample of the wrong
-answers is judged in the sandbox, including the search for slips. Without arguments, only the
-solutions are edited; for the named exercises, all right answers are.
+``python -m tests.survey [EXERCISE ...]`` prints a table. For each exercise it shows how many such
+answers there are, how many are equivalent to a right answer, and which others lose no points. A
+sample of the wrong answers is judged in the sandbox, including the search for slips. Without
+arguments, only the solutions are edited; for named exercises, all right answers are edited.
 """
 
 import ast
@@ -49,9 +49,9 @@ from utils.remote_objects import Remote
 
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that distinguish two answers
 CALLS = 1000
-SECONDS = 0.5  # processor time for a question, added to four times that of a right answer
-AGES = 600  # seconds for a right answer
-SAMPLE = 6  # number of wrong answers of each exercise to judge in the sandbox
+SECONDS = 0.5  # processor time for a check, in addition to four times that of a right answer
+AGES = 600  # seconds that a right answer may take
+SAMPLE = 6  # number of wrong answers to judge in the sandbox for each exercise
 MOST = 0.6  # of an exercise's points, for one edit
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
@@ -75,21 +75,21 @@ class Answer:
     theirs: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
-        """Compile the statements, with an edit of one of them if there is one."""
+        """Compile the statements, with an edit to one of them if an edit is given."""
         texts = [
-            edit.statement if edit and holds(statement, edit) else ast.unparse(statement.node)
+            edit.statement if edit and contains(statement, edit) else ast.unparse(statement.node)
             for statement in self.theirs
         ]
         return compile("\n".join(texts), ANSWER, "exec")
 
     def function(self, code):
-        """Return the function that some code defines in a notebook with everything else."""
+        """Return the function that some code defines in a notebook that is otherwise right."""
         space = dict(getattr(load_reference(self.lesson.name), self.exercise).__globals__)
         exec(code, space)
         return space[self.exercise]
 
 
-def holds(statement, edit):
+def contains(statement, edit):
     return statement.cell == edit.cell and (
         statement.node.lineno <= edit.last and edit.first <= statement.node.end_lineno
     )
@@ -127,7 +127,7 @@ def answers_in_notebooks(exercise):
 
 
 def right_functions(exercise):
-    """Yield the right kept answers that are functions, as classes only run in the sandbox."""
+    """Yield the right kept answers that are functions; classes only run in the sandbox."""
     for variant in answers_to(exercise):
         if variant.right and any(
             exercise in statement.binds for statement in statements_of(variant)
@@ -140,7 +140,7 @@ def statements_of(variant):
 
 
 def answer_in(lesson, exercise, name, content, own=()):
-    """Return the answer in a notebook, including the answer's own versions of other exercises.
+    """Return the answer in a notebook, including functions of other exercises that it redefines.
 
     For example, a function for planes may define its own `plane_through` that returns an array.
     """
@@ -157,7 +157,7 @@ def answer_in(lesson, exercise, name, content, own=()):
 
 
 def mutants_of(answer):
-    """Yield the mutants of an answer, without those that compile to the same code."""
+    """Yield the mutants of an answer, except those that compile to the same code."""
     kinds = (ast.FunctionDef, ast.ClassDef)
     seen = {key_of(answer.code())}
     definitions = [statement for statement in answer.theirs if isinstance(statement.node, kinds)]
@@ -178,7 +178,7 @@ def key_of(code):
     return code.co_code, code.co_names, code.co_varnames, code.co_exceptiontable, *inner
 
 
-# ---- checks in this process, as the sandbox is too slow for so many answers ---------------------
+# ---- checks in this process, because the sandbox is too slow for so many answers ----------------
 
 
 class TakesTooLong(BaseException):
@@ -193,7 +193,9 @@ def within(seconds):
         raise TakesTooLong
 
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)  # repeats for code that catches everything
+    signal.setitimer(
+        signal.ITIMER_PROF, seconds, 0.1
+    )  # repeats, because some code catches every exception
     try:
         yield
     finally:
@@ -201,8 +203,8 @@ def within(seconds):
         signal.signal(signal.SIGPROF, before)
 
 
-class Beyond(Remote):
-    """A stand-in for a remote function, which gets copies of its arguments but runs here."""
+class LocalRemote(Remote):
+    """A stand-in for a remote function: it gets copies of its arguments but runs here."""
 
     def __init__(self, function):
         self.function, self.__name__ = function, getattr(function, "__name__", "")
@@ -221,11 +223,8 @@ class Beyond(Remote):
         return call_each(self.function, calls)
 
 
-def is_ours(failure):
-    """Return whether a failure comes from the grader, and from neither a check nor an answer.
-
-    The judge reports it as its own fault, so it costs no points.
-    """
+def is_graders_fault(failure):
+    """Return whether the grader itself failed, so that the answer loses no points."""
     if isinstance(failure, (AssertionError, TakesTooLong)):
         return False
     frames = [frame.f_code.co_filename for frame, _ in traceback.walk_tb(failure.__traceback__)]
@@ -233,7 +232,7 @@ def is_ours(failure):
 
 
 class Recorder:
-    """A wrapper of a right function that records the arguments of its calls."""
+    """Wraps a right function and records the arguments of its calls."""
 
     def __init__(self, function):
         self.function, self.calls = function, []
@@ -245,13 +244,13 @@ class Recorder:
 
 @contextlib.contextmanager
 def quiet():
-    """Discard standard output, as thousands of answers print."""
+    """Discard standard output, because thousands of answers print."""
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         yield
 
 
-class Asker:
-    """Runs checks on functions for an exercise, with the checks most likely to fail first."""
+class CheckRunner:
+    """Runs an exercise's checks on functions, with the checks first that are likely to fail."""
 
     def __init__(self, exercise):
         self.exercise, self.lesson = exercise, lesson_of(exercise)
@@ -269,41 +268,41 @@ class Asker:
         exercise = self.exercise
         return run_checks(self.lesson, student, seed, lambda check: check.exercise == exercise)
 
-    def questions(self):
-        """Return the calls of the visible checks, then those of the hidden tests."""
+    def check_calls(self):
+        """Return the calls of the visible checks, and then those of the hidden tests."""
         return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
-    def questions_to(self, function):
-        """Return the questions for a function in place of the exercise."""
+    def check_calls_for(self, function):
+        """Return the check calls after replacing the exercise's function with another one."""
         answers = {**self.right, self.exercise: function}
         vars(self.student).update(vars(student_with(self.lesson, answers)))
-        setattr(self.student, self.exercise, Beyond(function))
-        return self.questions()
+        setattr(self.student, self.exercise, LocalRemote(function))
+        return self.check_calls()
 
-    def believe(self, function):
-        """Record the time of a right function; other functions get four times as much."""
-        for number, question in enumerate(self.questions_to(function)):
+    def record_times(self, function):
+        """Record the times of a right function; other functions get four times as much."""
+        for number, check_call in enumerate(self.check_calls_for(function)):
             begin = time.process_time()
             with one_run():
-                question()
+                check_call()
             self.cost[number] = max(self.cost[number], time.process_time() - begin)
 
-    def loses_at(self, function):
-        """Return the number of a question that a function fails, or None if it passes all."""
-        questions = self.questions_to(function)
-        # Questions that are quick, or have rejected many functions, come first.
+    def first_failure(self, function):
+        """Return the number of a check call that a function fails, or None if it passes all."""
+        check_calls = self.check_calls_for(function)
+        # Calls that are quick or have rejected many functions come first.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
             try:
                 with one_run(), within(SECONDS + 4 * self.cost[number]):
-                    questions[number]()
+                    check_calls[number]()
             except BaseException as failure:
-                if is_ours(failure):
+                if is_graders_fault(failure):
                     raise
                 return number
         return None
 
     def calls(self):
-        """Return a sample of the checks' calls of the function, with other seeds."""
+        """Return a sample of the calls that the checks make with other seeds."""
         recorder = Recorder(self.right[self.exercise])
         for seed in OTHER_SEEDS:
             self.run(recorder, seed)
@@ -312,7 +311,7 @@ class Asker:
 
 
 def outcome_of(function, call, seconds):
-    """Return the answer of a call, or the type of its exception, and the arguments afterwards."""
+    """Return a call's answer, or the type of its exception, and the arguments afterwards."""
     arguments, keywords = copy.deepcopy(call)
     try:
         with within(seconds):
@@ -325,15 +324,15 @@ def outcome_of(function, call, seconds):
 class Oracle:
     """Decides whether a function that passes all checks is equivalent to a right answer.
 
-    The right answers are the solution and the original answer. Both are right, and may differ
-    where the docstring of the exercise permits it.
+    The right answers are the solution and the unedited answer. They may differ where the
+    exercise's docstring permits it.
     """
 
-    def __init__(self, asker, answer):
-        self.asker, self.exercise = asker, asker.exercise
+    def __init__(self, runner, answer):
+        self.runner, self.exercise = runner, runner.exercise
         self.answer = answer.function(answer.code())
-        self.right = asker.right[self.exercise]
-        self.calls = asker.calls()
+        self.right = runner.right[self.exercise]
+        self.calls = runner.calls()
         self.expected, self.answered, self.seconds = [], [], []
         for call in self.calls:
             begin = time.process_time()
@@ -342,14 +341,14 @@ class Oracle:
             self.seconds.append(time.process_time() - begin)
         self.cost = sum(self.seconds)
 
-    def tells(self, function):
+    def counterexample(self, function):
         """Return a call for which the function is wrong, or None if there is none.
 
-        More than one detector is right, so a detector that passes on other streets counts as right.
+        Several detectors are right, so a detector that passes on other streets counts as right.
         """
         if self.exercise == "detect_obstacles":
             for seed in OTHER_SEEDS:
-                failed = [outcome for outcome in self.asker.run(function, seed) if outcome.failure]
+                failed = [outcome for outcome in self.runner.run(function, seed) if outcome.failure]
                 if failed:
                     return failed[0].check.name
             return None
@@ -373,7 +372,7 @@ class Oracle:
 
 @dataclass
 class Surveyed:
-    """The outcomes of the mutants of some answers to an exercise."""
+    """The outcomes for the mutants of some answers to an exercise."""
 
     exercise: str
     mutants: int = 0
@@ -383,25 +382,27 @@ class Surveyed:
 
 
 def survey(exercise, answers, share=1):
-    """Check all mutants of some answers, or a fixed sample of one in `share` of them."""
-    asker = Asker(exercise)
+    """Check all mutants of some answers, or a fixed sample of one in every `share` mutants."""
+    runner = CheckRunner(exercise)
     found = Surveyed(exercise)
     with np.errstate(all="ignore"), quiet():
         for answer in answers:
             oracle = None
-            asker.believe(answer.function(answer.code()))
+            runner.record_times(answer.function(answer.code()))
             mutants = list(mutants_of(answer))
             for mutant in random.Random(answer.name).sample(mutants, len(mutants) // share):
-                lost = apart(functools.partial(lost_by, asker, mutant), sum(asker.cost.values()))
+                lost = apart(
+                    functools.partial(first_failure, runner, mutant), sum(runner.cost.values())
+                )
                 if lost == NO_FUNCTION:
                     continue
                 found.mutants += 1
                 if lost is not None:
-                    asker.lost[lost] += 1
+                    runner.lost[lost] += 1
                     found.wrong.append(mutant)
                     continue
-                oracle = oracle or Oracle(asker, answer)
-                call = apart(functools.partial(told_by, oracle, mutant), oracle.cost)
+                oracle = oracle or Oracle(runner, answer)
+                call = apart(functools.partial(short_counterexample, oracle, mutant), oracle.cost)
                 if call is None:
                     found.alike += 1
                 else:
@@ -409,27 +410,27 @@ def survey(exercise, answers, share=1):
     return found
 
 
-def lost_by(asker, mutant):
-    """Return the number of the question that a mutant fails, or None if it passes all."""
+def first_failure(runner, mutant):
+    """Return the number of a check call that a mutant fails, or None if it passes all."""
     try:
         with within(SECONDS):
             function = mutant.answer.function(mutant.code)
-    except BaseException:  # a statement that the edit moved out of the function may fail
+    except BaseException:  # a statement that the edit moves out of the function may fail
         return NO_FUNCTION
-    return asker.loses_at(function)
+    return runner.first_failure(function)
 
 
-def told_by(oracle, mutant):
-    """Return a short form of a call for which a mutant is wrong, or None if there is none."""
-    call = oracle.tells(mutant.answer.function(mutant.code))
+def short_counterexample(oracle, mutant):
+    """Return the shortened text of a call for which a mutant is wrong, or None."""
+    call = oracle.counterexample(mutant.answer.function(mutant.code))
     return None if call is None else reprlib.repr(call)
 
 
 def apart(work, usual):
-    """Do some work in a separate process and return its result, or `NEVER_ENDS`.
+    """Do some work in a separate process, and return its result or `NEVER_ENDS`.
 
-    A mutant may change shared state, ask for more memory than there is, or send LAPACK into a loop
-    that signal handlers of Python cannot interrupt.
+    A mutant may change shared state, request too much memory, or send LAPACK into a loop that
+    Python's signal handlers cannot interrupt.
 
     Parameters
     ----------
@@ -466,9 +467,9 @@ def _work(work, writing, seconds):
 
 
 def losses_of(exercise, sandbox, most=SAMPLE):
-    """Return the losses of a fixed sample of the solution's mutants, as fractions of the exercise.
+    """Return the fractions of points that a fixed sample of the solution's mutants lose.
 
-    Mutants that lose nothing are left out.
+    Mutants that lose no points are omitted.
     """
     answer = next(answers_in_notebooks(exercise))
     mutants = list(mutants_of(answer))
@@ -517,11 +518,12 @@ def main():
             flush=True,
         )
         for mutant, call in found.escaped:
-            print(f"    {mutant.answer.name}: {mutant.before!r} -> {mutant.after!r}, as for {call}")
+            change = f"{mutant.before!r} -> {mutant.after!r}"
+            print(f"    {mutant.answer.name}: {change}, for example for {call}")
     severe = sum(share > MOST for share in everything) / len(everything)
     middle = statistics.median(everything)
     print(
-        f"Of {len(everything)} wrong answers the median loses {middle:.0%}, and {severe:.0%} lose"
+        f"The median of {len(everything)} wrong answers loses {middle:.0%}, and {severe:.0%} lose"
     )
     print(f"more than {MOST:.0%} of their exercise.")
 

@@ -19,10 +19,10 @@ from tests.colab import (
     archive_of,
     course_files,
     environment,
+    missing_requirement,
     served,
-    why_not,
 )
-from tests.notebook_runs import errors_beside_checks, errors_of, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, run, written
 from utils import colab
 from utils.scene3d import opengl
 
@@ -37,7 +37,7 @@ COURSE = {
     "solutions/x.py": b"",
 }
 
-only_like_colab = pytest.mark.skipif(bool(why_not()), reason=why_not())
+only_like_colab = pytest.mark.skipif(bool(missing_requirement()), reason=missing_requirement())
 
 
 def setup_cell(address):
@@ -266,7 +266,7 @@ def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel,
 @pytest.mark.colab
 def test_untouched_standalone_notebook_runs_to_its_end(lesson, colab_kernel, tmp_path):
     notebook = run_without_network(make_standalone(lesson.released.read_bytes()), tmp_path)
-    assert errors_beside_checks(notebook) == []
+    assert errors_outside_checks(notebook) == []
 
 
 @only_like_colab

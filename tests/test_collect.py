@@ -506,7 +506,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
     ]
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
-    assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is not a notebook: ask for {SEVEN}.ipynb"
+    assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is not a notebook. Ask for {SEVEN}.ipynb"
 
 
 def test_a_resubmitted_module_gets_its_original_name(course):
@@ -757,12 +757,12 @@ def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
 def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
-    assert "To ignore these files, write -" in questions(collect(course, path))["eve"]
+    assert "To ignore the files, add --who eve=-" in questions(collect(course, path))["eve"]
     for who in ({"eve": "-"}, {}):
         outcome = collect(course, path, who=who)
         assert outcome.questions == []
         assert set(states(outcome)) == {"ada"}
-    assert remark_texts(outcome)["eve"].startswith("left out")
+    assert remark_texts(outcome)["eve"].startswith("ignored")
 
 
 def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
@@ -1058,7 +1058,7 @@ def test_an_ambiguous_row_is_not_used(course):
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
-    reason = "the table of times has no row for this student, or several"
+    reason = "the table of times has no row or several rows for this student"
     assert outcome.undecided == {"yan": reason}
 
 
@@ -1096,7 +1096,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {}
-    assert "not the 126 of yan that the roster has" in questions(outcome)["yipyan_999"]
+    assert "the roster has the number 126 (yan), not 999" in questions(outcome)["yipyan_999"]
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
@@ -1121,7 +1121,7 @@ def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith")
     checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
     question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
-    assert question.count("They may be sam: add --who hw-3-mary-smith=sam") == 1
+    assert question.count("The student may be sam. Add --who hw-3-mary-smith=sam") == 1
 
 
 # ---- damage to one student's file ---------------------------------------------------------------
@@ -1150,7 +1150,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
-    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
+    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened. Look at it")
 
 
 def test_a_damaged_zip_is_read_or_reported():
@@ -1180,7 +1180,7 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
-    assert "together with the student's other files is more than" in texts["ada/1.zip"]
+    assert "with the student's other files is more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]

@@ -7,7 +7,7 @@ import pytest
 
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
-from tests.continuation_runs import evening, evenings, right_answers
+from tests.continuation_runs import right_answers, run_cells, runs_with_answers
 from utils import lent
 from utils.lent.rerun import key_of_cell, plan
 
@@ -79,7 +79,7 @@ def run_story(monkeypatch, tmp_path, *sources):
         hide_course_frames()
         lent.lend_answers("99")
 
-    ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
+    ran = run_cells([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
     assert not [text for cell in ran for text in cell.tracebacks if "/utils/" in text]
     return ran
 
@@ -231,7 +231,7 @@ FIRST = {"08_bounding_boxes": "get_bounding_boxes", "02_ransac_line": "line_thro
 @pytest.mark.parametrize("name", FIRST)
 def test_a_right_answer_to_a_lesson_shows_no_banner(name):
     lesson, exercise = find_lesson(name), FIRST[name]
-    (cells,) = evenings(lesson, exercise, [right_answers(lesson)[exercise]])
+    (cells,) = runs_with_answers(lesson, exercise, [right_answers(lesson)[exercise]])
     assert not [cell for cell in cells if cell.errors or cell.banners]
 
 
@@ -245,7 +245,9 @@ def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
         wrong = [answer for answer in answers_to(exercise.name) if not answer.right]
         wrong = random.Random(exercise.name).sample(wrong, 2)
         for answer, cells in zip(
-            wrong, evenings(lesson, exercise.name, [answer.source for answer in wrong]), strict=True
+            wrong,
+            runs_with_answers(lesson, exercise.name, [answer.source for answer in wrong]),
+            strict=True,
         ):
             first = next(n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_"))
             for cell in cells:

@@ -249,7 +249,7 @@ def test_another_extension_is_a_difference(course):
         assert differences(*arguments) == []
         book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
         found = differences(*arguments)
-    assert found[0] == f"ada, {STAGE}: the gradebook has another extension"
+    assert found[0] == f"ada, {STAGE}: the gradebook has a different extension"
 
 
 @pytest.fixture

@@ -18,11 +18,11 @@ from tests.test_gradebook import (
     EARNED,
     GROUND,
     STAGE,
-    hand_in,
     inode,
     make_course,
     marks,
     quiet,
+    submit,
     verdicts,
 )
 
@@ -78,7 +78,7 @@ def test_changes_of_the_roster_are_entered_but_blank_cells_change_nothing(course
 
 
 def test_students_who_are_not_on_the_roster_are_named_and_not_entered(course):
-    hand_in(course, "ghost", GROUND)
+    submit(course, "ghost", GROUND)
     sentences = error_lines(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
     assert sentences == [
         "'ghost' is not on the roster, so its scores are not entered. Either add a line for "
@@ -109,7 +109,7 @@ def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("folder", ["yan ", "YAN", "  Yan"])
 def test_an_id_in_another_spelling_is_matched(course, folder):
-    hand_in(course, folder, GROUND)
+    submit(course, folder, GROUND)
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5)}}
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert marks(course)["yan", "test_voxel_grid"][0] == 12.5
@@ -122,8 +122,8 @@ def test_an_id_in_another_spelling_is_matched(course, folder):
 
 
 def test_two_folders_of_one_student_lose_nothing(course):
-    hand_in(course, "yan", GROUND)
-    hand_in(course, "yan ", DISTANCE)
+    submit(course, "yan", GROUND)
+    submit(course, "yan ", DISTANCE)
     folder = course.submitted / "yan " / STAGE
     (folder / "helper.py").write_text("x = 1")
     (folder / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
@@ -143,7 +143,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
         "timestamp.txt",
     }
     stage = class_results(course).stage("yan", STAGE)
-    assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the latest submission
+    assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("belongs to yan (Yan Yip) in addition to the folder of that name.")
     before = inode(course, "yan")
@@ -153,7 +153,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
 
 def test_the_newest_of_two_folders_counts_and_the_other_is_named(course):
     for age, folder in enumerate(("yan ", "yan")):
-        hand_in(course, folder, GROUND, " " * age)
+        submit(course, folder, GROUND, " " * age)
         path = course.submitted / folder / STAGE / f"{GROUND.name}.ipynb"
         os.utime(path, (1e9 - 1e6 * age,) * 2)
     (found,) = [
@@ -168,15 +168,15 @@ def test_the_newest_of_two_folders_counts_and_the_other_is_named(course):
 
 
 def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
-    hand_in(course, "Yip, Yan", GROUND)
+    submit(course, "Yip, Yan", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
     assert (
         f"If it belongs to yan (Yan Yip): {command}; otherwise add a line for 'Yip, Yan' to"
         in sentence
     )
-    hand_in(course, "yan", GROUND, " ")
-    hand_in(course, "yan", DISTANCE)
+    submit(course, "yan", GROUND, " ")
+    submit(course, "yan", DISTANCE)
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     commands = sentence.partition("Yip): ")[2].partition("; otherwise")[0]
@@ -195,16 +195,17 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
 
 def test_both_possible_owners_of_a_folder_are_named(course):
     (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
-    hand_in(course, "yanyip", GROUND)
+    submit(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     assert (
-        "It may be of yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right" in sentence
+        "It may belong to yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right"
+        in sentence
     )
 
 
 def test_without_a_roster_all_students_are_entered(course):
     (course.root / "roster.csv").unlink()
-    hand_in(course, "ghost", GROUND)
+    submit(course, "ghost", GROUND)
     enter_verdicts(
         course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet
     )

@@ -93,9 +93,9 @@ def test_the_table_has_names_scores_times_penalties_statuses_and_totals():
     exported, rows = table(CLASS)
     assert rows[0] == [
         *("Student", "Last name", "First name", "E-mail", "Section", SIX, SEVEN),
-        *(f"{THREE}: handed in", f"{THREE}: days late"),
+        *(f"{THREE}: submitted", f"{THREE}: days late"),
         *(f"{THREE}: late penalty", f"{THREE}: standing", TWELVE),
-        *(f"{FOUR}: handed in", f"{FOUR}: days late"),
+        *(f"{FOUR}: submitted", f"{FOUR}: days late"),
         *(f"{FOUR}: late penalty", f"{FOUR}: standing", "Total", "Out of"),
     ]
     assert rows[1] == ["out of", *[""] * 4, "30", "20", *[""] * 4, "40", *[""] * 4, "90", "90"]
@@ -115,7 +115,7 @@ def test_the_table_has_names_scores_times_penalties_statuses_and_totals():
 
 def test_the_table_of_a_lesson_has_only_that_lesson():
     _, rows = table(CLASS, SEVEN)
-    assert rows[0][5:7] == [SEVEN, f"{THREE}: handed in"]
+    assert rows[0][5:7] == [SEVEN, f"{THREE}: submitted"]
     assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["0", "20"]] + [
         ["0", "20"],
         ["8", "20"],

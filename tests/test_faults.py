@@ -128,7 +128,7 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
     verdicts = graded(course, sandbox, Deadly, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
     if status == FAILED:
-        assert "The process that judged ended (exit status 1)" in verdicts["poison"].faults[0]
+        assert "The judging process ended (exit status 1)" in verdicts["poison"].faults[0]
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
@@ -233,7 +233,7 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
 def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
     events = []
     graded(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
-    assert events[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
+    assert events[:2] == [(0, None), (0, f"the course's solution of {LESSON.name}")]
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("never asked",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = graded(course, sandbox, progress=lambda *news: events.append(news))
@@ -381,7 +381,7 @@ def test_a_starved_submission_is_judged_again_alone(prepared, monkeypatch):
 
 
 def test_a_notebook_that_kills_its_judge_is_judged_again_alone(prepared, monkeypatch):
-    death = BrokenExecutor("The process that judged ended (signal 9).")
+    death = BrokenExecutor("The judging process ended (signal 9).")
     judge = FakeJudge(prepared, poison={1: death})
     verdicts = judge.grade(monkeypatch)
     assert judge.calls == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
@@ -504,7 +504,7 @@ class Dying(ThreadPoolExecutor):
         if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
             Dying.left -= 1
             future = Future()
-            future.set_exception(BrokenExecutor("The process that judged ended (signal 9)."))
+            future.set_exception(BrokenExecutor("The judging process ended (signal 9)."))
             return future
         return super().submit(function, *arguments)
 
@@ -818,7 +818,7 @@ def test_files_that_are_not_judged_have_a_reason(course):
     assert set(reasons.values()) == {
         "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
         "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
-        "it is packed: python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
+        "it is a zip: run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
         "--stage stage3_obstacles --who 'my work=ada', and delete it",
         "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
         "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",

@@ -160,7 +160,7 @@ DUE = datetime(2026, 11, 20, 12, tzinfo=UTC)
 
 
 def sentences(late=timedelta(), **more):
-    fields = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
+    fields = {"submitted_at": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
     return list(lateness_sentences(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **fields)))
 
 
@@ -184,19 +184,19 @@ def test_lateness_and_penalty_in_words(monkeypatch):
     assert penalty == "12.5 points are subtracted because it is late."
     assert sentences(timedelta(seconds=5))[0].startswith("Submitted 1 minute late, ")
     assert sentences(timedelta(hours=1))[0].startswith("Submitted 1 hour late, ")
-    assert sentences(handed_in=None) == sentences(due=None) == []
+    assert sentences(submitted_at=None) == sentences(due=None) == []
 
 
 @pytest.mark.parametrize(
     "why",
     [
         "timestamp.txt is empty",
-        "the platform marks it late without a time",
+        "the learning platform marks it late but gives no time",
         "the table of times has no row for this student",
     ],
 )
 def test_undecided_lateness_has_one_sentence_for_every_reason(why):
-    (sentence,) = sentences(handed_in=None, undecided=why)
+    (sentence,) = sentences(submitted_at=None, undecided=why)
     assert "so your instructor has to decide whether it is late" in sentence
 
 
@@ -411,7 +411,7 @@ def test_written_answers_have_a_mark_and_a_comment(pages):
     assert "write up 7.5 of 10" in words(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
     assert "to be graded, of 10" in words(pages["ada"])
-    assert "A part of this still waits for a grader" in words(pages["ada"])
+    assert "A grader still has to grade a part of this" in words(pages["ada"])
     assert "This answer is empty." in words(pages["cy"])
 
 

@@ -1,4 +1,4 @@
-"""A class, from submissions to nbgrader's gradebook and feedback."""
+"""A class is graded, from submissions to nbgrader's gradebook and feedback."""
 
 import json
 import os
@@ -42,7 +42,7 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
-# Replace the file of a submission after it has been judged.
+# Replaces the file of a submission after it has been judged.
 JUDGE_AND_REPLACE = """
 from grader.lms import nbgrader_plugin
 right = nbgrader_plugin.current_verdict
@@ -56,7 +56,7 @@ nbgrader_plugin.current_verdict = judge_and_replace
 
 
 def answer(*wrong):
-    """Return a notebook of lesson 06 that answers the exercises in `wrong` wrongly."""
+    """Return a notebook of lesson 06 with wrong answers to the exercises in `wrong`."""
     return fill_in(
         LESSON,
         {
@@ -71,11 +71,11 @@ def answer(*wrong):
 
 
 def quiet(done, total, what):
-    """Report no progress."""
+    """Ignore the progress."""
 
 
 def rehearsed(course, lesson, seed=SEED):
-    """Store a record that a lesson's own solution has been judged, because judging it is slow."""
+    """Store a record that a lesson's solution has been judged, because judging it is slow."""
     path, key = record_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
 
@@ -333,7 +333,7 @@ def test_a_submission_replaced_after_judging_is_not_entered(
 
 
 @pytest.mark.slow
-def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_course):
+def test_nbgrader_does_not_enter_a_submission_replaced_after_judging(judged_course):
     with (judged_course.root / "nbgrader_config.py").open("a", encoding="utf-8") as file:
         file.write(JUDGE_AND_REPLACE)
     with gradebook.open_gradebook(judged_course) as book:
@@ -348,7 +348,7 @@ def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_co
 
 @pytest.mark.slow
 def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
-    """Copies have the text that the judge read, even if it replaced bytes."""
+    """Copies have the text that the judge read, even if the judge replaced invalid bytes."""
     folder = judged_course.submitted / "half" / LESSON.stage
     (folder / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (folder / "seen.txt").write_bytes(b"\xfc")
@@ -390,7 +390,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
 
 @pytest.mark.death
 @pytest.mark.slow
-def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
+def test_a_run_killed_in_the_middle_loses_nothing(course, sandbox):
     for number in range(8):
         path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
@@ -416,7 +416,7 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
 
 
 @pytest.mark.slow
-def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
+def test_plain_nbgrader_still_grades_with_the_visible_checks(course):
     """Without the course's plugin, the graded cells are ordinary tests of nbgrader."""
     import nbclient
     import nbformat
@@ -519,7 +519,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    # Twelve students include one of each kind, which the stage with the fewest notebooks tests.
+    # Twelve students include one of each kind; that is tested with the stage with fewest notebooks.
     "stage, students",
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )

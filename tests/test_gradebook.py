@@ -1,4 +1,4 @@
-"""The gradebook agrees with the verdicts: entering, comparing, repairing and withdrawing."""
+"""The gradebook agrees with the verdicts after entering, comparing, correcting and withdrawing."""
 
 import dataclasses
 import datetime
@@ -32,14 +32,14 @@ GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
 STREAM = find_lesson("12_streaming_obstacles")
 STAGE = GROUND.stage
-# Points of each exercise, by student and lesson; the numbers are not round.
+# Points of each exercise by student and lesson; the numbers are not round.
 EARNED = {
     "ada": {GROUND: (3.25, 8.5), DISTANCE: (11.75, 2.0, 4.5)},
     "bob": {DISTANCE: (19.5, 0.0, 1.25)},
 }
 
 
-def hand_in(course, student, lesson, text=""):
+def submit(course, student, lesson, text=""):
     path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(fill_in(lesson, {}) + text, "utf-8")
@@ -51,7 +51,9 @@ def verdict_on(course, submission, earned, **more):
         for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
     )
     fields = {
-        "status": "".join(JUDGED),  # equal, and another object: verdicts are read from files
+        "status": "".join(
+            JUDGED
+        ),  # an equal text in another object, because verdicts are read from files
         "key": f"of {submission.student} {earned}",
         "fingerprint": submission.read(course).fingerprint(),
     } | more
@@ -68,7 +70,7 @@ def verdict_on(course, submission, earned, **more):
 
 
 def verdicts(course, earned=EARNED, **more):
-    """Return (submission, verdict) of each submission that has points in `earned`."""
+    """Return (submission, verdict) for each submission that has points in `earned`."""
     return [
         (
             submission,
@@ -80,7 +82,7 @@ def verdicts(course, earned=EARNED, **more):
 
 
 def quiet(done, total, student):
-    """Report no progress."""
+    """Ignore the progress."""
 
 
 def make_course(root):
@@ -91,7 +93,7 @@ def make_course(root):
         shutil.copy(lesson.released, course.released / STAGE)
     for student, lessons in EARNED.items():
         for lesson in lessons:
-            hand_in(course, student, lesson)
+            submit(course, student, lesson)
     paths._folder.cache_clear()
     return course
 
@@ -117,7 +119,7 @@ def entered(entered_once, tmp_path):
 
 
 def marks(course):
-    """Return the points and maximum of each graded cell, by student and cell."""
+    """Return the points and the maximum of each graded cell by student and cell."""
     with gradebook.open_gradebook(course) as book:
         return {
             (submission.student.id, grade.name): (grade.auto_score, grade.max_score)
@@ -129,13 +131,13 @@ def marks(course):
 
 
 def penalties(course):
-    """Return the penalty for lateness of each student who has one."""
+    """Return the late penalty of each student who has one."""
     stages = class_results(course).stages
     return {stage.student: stage.penalty for stage in stages if stage.penalty}
 
 
 def expected_marks(earned=EARNED):
-    """Return the marks that follow from the verdicts, with 0 for missing notebooks."""
+    """Return the marks that result from the verdicts, with 0 for missing notebooks."""
     return {
         (student, exercise.cell): (score, exercise.points)
         for student, lessons in earned.items()
@@ -185,7 +187,7 @@ def test_unchanged_marks_are_not_written_again(entered):
 
 def test_a_new_verdict_replaces_the_marks(entered):
     before = inode(entered, "bob")
-    hand_in(entered, "ada", GROUND, " ")
+    submit(entered, "ada", GROUND, " ")
     earned = EARNED | {"ada": {GROUND: (10.0, 0.25), DISTANCE: (11.75, 2.0, 4.5)}}
     enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
     assert marks(entered) == expected_marks(earned)
@@ -195,7 +197,7 @@ def test_a_new_verdict_replaces_the_marks(entered):
 def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
     judged = verdicts(entered)
     failed = dataclasses.replace(judged[0][1], status=FAILED, score=0.0)
-    hand_in(entered, "bob", DISTANCE, " ")
+    submit(entered, "bob", DISTANCE, " ")
     earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
     judged = [(judged[0][0], failed), *verdicts(entered, earned)[1:]]
     with pytest.raises(GradebookError) as trouble:
@@ -211,7 +213,7 @@ def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
 def test_a_submission_replaced_after_judging_is_not_entered(entered):
     earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
     judged = verdicts(entered, earned)
-    hand_in(entered, "ada", GROUND, " ")
+    submit(entered, "ada", GROUND, " ")
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(entered, judged, [STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
@@ -225,7 +227,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     def fail(notebook, *about):
         original(notebook, *about)
         tries.append(notebook)
-        if len(tries) == 2:  # the first of ada's two notebooks is written
+        if len(tries) == 2:  # the first of Ada's two notebooks has been written
             raise ValueError("no")
 
     monkeypatch.setattr(gradebook_writer, "_save", fail)
@@ -256,7 +258,7 @@ def test_ctrl_c_leaves_no_partial_marks(course, monkeypatch):
 
 
 def differences_in(course, entry=None):
-    """Return the differences between the gradebook and the verdicts on Ada or in `entry`."""
+    """Return how the gradebook differs from the verdicts on Ada, or from those in `entry`."""
     entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     plugin = load_penalty_plugin(course)
     with gradebook.open_gradebook(course) as book:
@@ -317,7 +319,7 @@ def set_time(submission):
         (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
         (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the late penalty differs"),
         (set_penalty(0.0), None),
-        (set_time, f"ada, {STAGE}: the gradebook has another submission time"),
+        (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],
 )
 def test_every_difference_is_named_and_corrected(entered, change, says):
@@ -332,7 +334,7 @@ def test_every_difference_is_named_and_corrected(entered, change, says):
         cell: (pytest.approx(score, abs=1e-8), most)
         for cell, (score, most) in expected_marks().items()
     }
-    # The worth of a cell is corrected with the release, before students are entered.
+    # The points of a cell are corrected with the release, before students are entered.
     assert (inode(entered) == before) == (says is None or "is worth" in says)
 
 
@@ -387,7 +389,9 @@ def registered(course):
 
 def test_only_released_lessons_are_registered(course):
     assert registered(course) == ([], {GROUND.name, DISTANCE.name})
-    shutil.rmtree(course.released)  # then all lessons of the stage are registered
+    shutil.rmtree(
+        course.released
+    )  # without a released folder, all lessons of the stage are registered
     _, names = registered(course)
     assert len(names) == 4 and "08_bounding_boxes" in names
     assert not (course.root / "notebooks").exists()  # the release is only read
@@ -400,7 +404,7 @@ def test_a_registered_stage_does_not_prevent_registering_another(course):
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
-# Cells that are in no release, by their kind.
+# Cells that are not in the release, by their kind.
 EXTRA_CELLS = {
     "source": functools.partial(SourceCell, name="of_old", cell_type="code", source=""),
     "points": functools.partial(GradeCell, name="of_old", cell_type="code", max_score=0.0),
@@ -417,9 +421,7 @@ EXTRA_CELLS = {
         *("one more source", "one more points", "one more solution"),
     ],
 )
-def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
-    course, monkeypatch, what
-):
+def test_only_lessons_that_differ_from_the_release_are_registered_again(course, monkeypatch, what):
     registered(course)
     saved = []
     original = registration.SaveCells.preprocess
@@ -475,7 +477,7 @@ def test_only_withdrawn_work_is_removed(entered):
     assert {student for student, _ in marks(entered)} == {"ada"}
     assert not (entered.autograded / "bob" / STAGE).exists()
     assert (entered.autograded / "ada" / STAGE).is_dir()
-    enter_verdicts(entered, [], [], quiet)  # nothing was graded
+    enter_verdicts(entered, [], [], quiet)  # no exercise was graded by hand
     assert {student for student, _ in marks(entered)} == {"ada"}
 
 
@@ -491,7 +493,7 @@ def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered):
 )
 def test_manual_marks_and_comments_are_never_removed(entered, given):
     with gradebook.open_gradebook(entered) as book:
-        for student in EARNED:  # Formgrader leaves these if an entry is revoked
+        for student in EARNED:  # Formgrader leaves these if a mark is removed again
             for notebook in book.find_submission(STAGE, student).notebooks:
                 notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
         notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
@@ -504,9 +506,9 @@ def test_manual_marks_and_comments_are_never_removed(entered, given):
     with pytest.raises(GradebookError) as trouble:
         enter_verdicts(entered, [], ["stage1_ransac", STAGE], quiet)
     (sentence,) = str(trouble.value).splitlines()[1:]
-    assert sentence.startswith(f"ada, {STAGE}: there is no submission any more")
+    assert sentence.startswith(f"ada, {STAGE}: the submission is gone")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
-    assert {student for student, _ in marks(entered)} == {"ada"}  # bob is removed
+    assert {student for student, _ in marks(entered)} == {"ada"}  # Bob's submission is removed
     assert (entered.autograded / "ada" / STAGE).is_dir()
 
 
@@ -532,16 +534,16 @@ def set_due(course, hour):
 def test_late_students_lose_the_penalty_of_the_course(entered, seconds, lost):
     (entered.root / "nbgrader_config.py").write_text(LATE)
     path = entered.submitted / "ada" / STAGE / "timestamp.txt"
-    handed_in = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
-    path.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
+    submitted_at = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
+    path.write_text(f"{submitted_at + datetime.timedelta(hours=1)} CET\n")
     set_due(entered, "12")
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
     with gradebook.open_gradebook(entered) as book:
-        assert book.find_submission(STAGE, "ada").timestamp == handed_in
+        assert book.find_submission(STAGE, "ada").timestamp == submitted_at
         assert book.find_submission(STAGE, "bob").timestamp is None
     assert differences_in(entered) == []
-    set_due(entered, "14")  # the due date moves
+    set_due(entered, "14")  # the due date changes
     assert len(differences_in(entered)) == 2 * len(lost)
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == {}
@@ -698,7 +700,7 @@ def written(tmp_path):
 def about_answer(course, manual_score=None):
     """Return the mark, whether it waits for manual grading, and the comment on an answer.
 
-    A `manual_score` is entered after the answer was read.
+    A `manual_score` is entered after the answer is read.
     """
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade("write_up", STREAM.name, STREAM.stage, "ada")
@@ -728,7 +730,7 @@ def test_the_comment_on_a_missing_answer_says_so(written):
     enter_answer("")
     assert about_answer(course)[2] == "No response."
     assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
-    for found in range(8):  # for either order of two checksums
+    for found in range(8):  # for both orders of two checksums
         enter_answer(f"It finds {found} of 17 cars.")
         assert about_answer(course)[2] is None
 

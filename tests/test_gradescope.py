@@ -1,4 +1,4 @@
-"""Marks for Gradescope: the exported autograder, run in the same way as by Gradescope."""
+"""The autograder exported for Gradescope delivers the right marks when Gradescope runs it."""
 
 import dataclasses
 import io
@@ -42,7 +42,7 @@ def course(tmp_path):
 def judge(course):
     checks = (
         CheckResult("a", "A road is ground", False, 0.0, 10.0, "Yours: 1\nExpected: 2", True),
-        CheckResult("b", "A hidden road", False, 0.0, 10.0, "A wall is no road.", False),
+        CheckResult("b", "A hidden road", False, 0.0, 10.0, "A wall is not a road.", False),
         CheckResult("c", "Nothing changes", True, 10.0, 10.0, "", True),
     )
     exercise = ExerciseResult("filter_ground", 10.0, 30.0, checks)
@@ -74,7 +74,7 @@ def write(course, people=(ANNA, BO), **settings):
 def run(tmp_path, course):
     """Return a function that runs an exported autograder on a student's folder.
 
-    The result is what Gradescope would read, or the error message if the autograder fails.
+    The result is the content that Gradescope reads, or the error message of the autograder.
     """
 
     def run_autograder(exported, student, email):
@@ -180,7 +180,7 @@ def test_marks_that_cannot_be_exported_are_named(course):
     (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
         "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, and the "
-        "roster has none for them."
+        "roster has no address for this student."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
     (lost,) = write(course).lost

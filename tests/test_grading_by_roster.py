@@ -1,4 +1,4 @@
-"""Output for the instructor follows the roster: the table, the doctor, and one student's marks."""
+"""The table, the doctor and the marks of one student follow the roster."""
 
 from datetime import timedelta
 from pathlib import Path
@@ -22,7 +22,7 @@ from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.standings import class_results
 from grader.sandbox import SANDBOXES
 from tests.test_faults import Inline
-from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, hand_in, make_course, verdicts
+from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, make_course, submit, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Bob,Bell,B\nidle,Ida,Ling,B\n"
@@ -37,7 +37,7 @@ WITHOUT_SANDBOX = SANDBOXES["process"]
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return a course with submissions of Ada, Bob and a ghost; a fake judge has their points."""
+    """Return a course with submissions of Ada, Bob and a ghost; a fake judge gives their points."""
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
@@ -45,7 +45,7 @@ def course(tmp_path, monkeypatch):
     for student in EARNED:
         path = made.submitted / student / STAGE / "timestamp.txt"
         path.write_text("2026-03-02 15:00:00 UTC")
-    hand_in(made, "ghost", GROUND)
+    submit(made, "ghost", GROUND)
     earned = EARNED | {"ghost": {GROUND: (1.0, 2.0)}}
 
     def judge_class(course, stages, seed, sandbox, executor, workers, progress, student=None):
@@ -70,7 +70,7 @@ def grade(course, student=None):
 
 
 def cells(output, student):
-    """Return the cells of a student's line in the table."""
+    """Return the cells in a student's row of the table."""
     (line,) = [line.split() for line in output.splitlines() if line.split()[:1] == [student]]
     return line
 
@@ -80,7 +80,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert grade(course) == commands.FAULT
     output = capsys.readouterr()
     assert "'ghost' is not on the roster, so its scores are not entered." in output.err
-    # They are 27 hours late, and lose a tenth of 30 and of 20.75 points for each of two days.
+    # Two students are 27 hours late, and lose a tenth of 30 and of 20.75 points per day begun.
     assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
     assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
     assert cells(output.out, "idle")[1:] == ["-", "-"]
@@ -101,7 +101,7 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
             row.manual_score = 0.0
         notebook.grades[0].needs_manual_grade = True
         book.db.commit()
-    hand_in(course, "yan", GROUND)  # not judged
+    submit(course, "yan", GROUND)  # not judged
     capsys.readouterr()
     commands._print_all(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out
@@ -160,11 +160,11 @@ def test_grading_one_student_shows_the_history_of_the_marks(course, capsys):
     assert {change.student for change in read_changes(course)} == {
         "ada",
         "bob",
-    }  # the ghost is not entered yet
+    }  # the ghost's submission is not entered yet
     with gradebook.open_gradebook(course) as book:
         students = {submission.student.id for submission in book.find_assignment(STAGE).submissions}
     assert students == {"ada", "bob"}
-    assert "bob" in (course.report / "index.html").read_text()  # the report covers the class
+    assert "bob" in (course.report / "index.html").read_text()  # the report covers the whole class
     assert grade(course, "ghost") == commands.SUCCESS
     assert {change.student for change in read_changes(course)} == {"ada", "bob", "ghost"}
 
@@ -182,7 +182,7 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
-    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.: name the id"):
+    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the id"):
         find_student(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
     with pytest.raises(UnknownStudent, match="^'nobody' has no folder in submitted/"):
@@ -236,7 +236,7 @@ def findings(course, monkeypatch):
 
 
 def test_the_doctor_uses_the_roster(course, monkeypatch):
-    hand_in(course, "yan ", GROUND)
+    submit(course, "yan ", GROUND)
     found = findings(course, monkeypatch)
     assert (
         "roster",
@@ -247,15 +247,19 @@ def test_the_doctor_uses_the_roster(course, monkeypatch):
     assert ("roster", True, "'yan ' in submitted/ belongs to yan (Yan Yip).") in found
     (unknown,) = [text for subject, good, text in found if subject == "roster" and not good]
     assert unknown.startswith("'ghost' is not on the roster")
-    assert ("deadlines", True, f"{STAGE} 2026-03-01 12:00 UTC, 1 later, 1 excused") in found
+    assert (
+        "deadlines",
+        True,
+        f"{STAGE} 2026-03-01 12:00 UTC, 1 with an extension, 1 excused",
+    ) in found
 
 
 def test_the_doctor_shows_due_dates_of_sections(course, monkeypatch):
     dates = course.root / "deadlines.toml"
     dates.write_text(f"{dates.read_text()}\n[{STAGE}.sections]\nB = 2026-03-02T09:30:00\n")
     texts = {subject: text for subject, _, text in findings(course, monkeypatch)}
-    words = f"{STAGE} 2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 later, 1 excused"
-    assert texts["deadlines"] == words
+    shown = "2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 with an extension, 1 excused"
+    assert texts["deadlines"] == f"{STAGE} {shown}"
 
 
 def test_the_doctor_reports_missing_files(course, monkeypatch):

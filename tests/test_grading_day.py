@@ -1,4 +1,4 @@
-"""A grading day with commands only: from zips of two platforms to marks in both platforms."""
+"""A grading day only with commands: from the zips of two platforms to the marks in both."""
 
 import csv
 import re
@@ -19,7 +19,7 @@ from tests.test_grade import CONFIGURATION, SEED, answer
 from tests.test_gradebook import LATE
 
 SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
-PEOPLE = (  # id, first and last name, section, number in Canvas, number in Moodle
+PEOPLE = (  # ID, first and last name, section, number in Canvas, number in Moodle
     ("ada", "Ada", "Ash", "A", 4001, 51),
     ("bjorn", "Björn", "Müller", "A", 4002, 52),
     ("cy", "Cy", "O'Neil, Jr", "B", 4003, 53),
@@ -70,7 +70,7 @@ def half_right():
 
 
 def from_canvas(again=False):
-    """Return Canvas's zip of stage 3, with unusual file names and a student who has left."""
+    """Return Canvas's zip for stage 3, with unusual file names and a student who has left."""
     right = answer().encode()
     work = {
         "ada": [(f"{SIX.name}.ipynb", half_right())],
@@ -87,7 +87,7 @@ def from_canvas(again=False):
 
 
 def from_moodle():
-    """Return Moodle's zip of stage 4, with a write-up of a student and one of a team."""
+    """Return Moodle's zip for stage 4, with the write-ups of a student and of a team."""
     data = with_report(REPORT).encode()
     files = moodle_files("Ada Ash", 51, [(f"{TWELVE.name}.ipynb", data)])
     return zipped(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
@@ -126,8 +126,8 @@ def test_grading_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, c
         by_hand(course, student, mark)
     assert "0 judged" in run("grade")[1]
 
-    # Export to Canvas, in which a mark has changed meanwhile. Bjorn loses 20 % of 30 points, and
-    # gus is in time because of his extension.
+    # Export to Canvas, where a mark has changed in the meantime. Bjorn loses 20 % of 30 points, and
+    # Gus is on time because of his extension.
     site = Canvas(
         [CanvasStudent(number, f"{last}, {first}") for _, first, last, _, number, _ in PEOPLE],
         {501: ["Quiz", 10.0], 502: ["Stage 3 Obstacles", 30.0]},
@@ -153,7 +153,7 @@ def test_grading_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, c
     site.import_((tmp_path / "marks2.csv").read_bytes())
     assert site.grades == {51: 13.0, 52: 14.0, 53: 14.0} and not site.skipped
 
-    # Write feedback, explain a mark and compare answers. Solutions are not released before gus's
+    # Write feedback, explain a mark and compare answers. Solutions are not released before Gus's
     # extension ends.
     assert run("feedback", SIX.stage, "--for", "canvas", "--to", tmp_path / "back")[0] == 0
     with zipfile.ZipFile(tmp_path / "back" / f"{SIX.stage}_canvas.zip") as archive:

@@ -1,4 +1,4 @@
-"""The log of marks records each change, its time, and the verdict or person that made it."""
+"""The log of marks records each change, its time, and the verdict or person behind it."""
 
 import dataclasses
 import json
@@ -17,10 +17,10 @@ from tests.test_gradebook import (
     GROUND,
     LATE,
     STAGE,
-    hand_in,
     make_course,
     quiet,
     set_due,
+    submit,
     verdicts,
 )
 
@@ -42,7 +42,7 @@ def course(entered_once, tmp_path):
 
 
 def enter_again(course, earned=EARNED, **more):
-    """Enter the class again; return (student, exercise, from, to, by) of each new change."""
+    """Enter the class again; return (student, exercise, from, to, by) for each new change."""
     before = len(list(read_changes(course)))
     enter_verdicts(course, verdicts(course, earned, **more), [STAGE], quiet)
     return [
@@ -86,7 +86,7 @@ def test_each_line_has_readable_keys(course):
 
 
 def test_a_change_names_the_new_verdict(course):
-    hand_in(course, "ada", GROUND, " ")
+    submit(course, "ada", GROUND, " ")
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 20.0)}}
     assert enter_again(course, earned, key="k2") == [
         ("ada", SECOND, 8.5, 20.0, "verdict k2"),

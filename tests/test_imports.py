@@ -1,4 +1,4 @@
-"""Imports of utils: packages that each part loads, and packages that no part imports."""
+"""The modules of utils load only the packages that they need, and never the grader."""
 
 import ast
 import importlib
@@ -53,7 +53,7 @@ def test_modules_without_pictures_load_no_heavy_package(module):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("module", WITH_PICTURES)
-def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
+def test_plotting_modules_load_no_heavy_package_except_matplotlib(module):
     assert loaded_with(module) & HEAVY == {"matplotlib"}
 
 
@@ -63,7 +63,7 @@ def test_utils_does_not_load_numpy():
 
 @pytest.mark.parametrize("part", ["ground", "streets", "traffic"])
 def test_parts_of_the_simulator_have_shorter_names(part):
-    """Both names refer to the same module, so that classes like `Ground` are the same."""
+    """Both names refer to the same module, so classes such as `Ground` exist only once."""
     short = importlib.import_module(f"utils.{part}")
     assert short is importlib.import_module(f"utils.simulator.{part}")
     assert short is getattr(importlib.import_module("utils"), part)
@@ -72,7 +72,7 @@ def test_parts_of_the_simulator_have_shorter_names(part):
 
 
 def imported_by(path):
-    """Yield each module that a file imports, at its top or within a function."""
+    """Yield each module that a file imports, at the top or inside a function."""
     for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -82,6 +82,6 @@ def imported_by(path):
 
 def test_utils_never_imports_the_grader():
     imports = {path: set(imported_by(path)) for path in (PROJECT / "utils").rglob("*.py")}
-    assert any("numpy" in names for names in imports.values())  # the files were really read
+    assert any("numpy" in names for names in imports.values())  # the files have been read
     for path, names in imports.items():
         assert not [name for name in names if name.partition(".")[0] == "grader"], path

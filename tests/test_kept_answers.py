@@ -1,4 +1,4 @@
-"""Kept answers of the course, some of which are edits of other answers."""
+"""Kept answers are read, including those that are edits of other answers."""
 
 import pytest
 

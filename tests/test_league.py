@@ -1,4 +1,4 @@
-"""The league: drives in the sandbox, their points, and a page with pseudonyms."""
+"""The league drives in the sandbox, gives points, and writes a page with pseudonyms."""
 
 import csv
 import html
@@ -70,7 +70,7 @@ def detect_obstacles(cloud):
 
 
 def returning(expression, before=""):
-    """Return code of a detector that answers every cloud with `expression`."""
+    """Return the code of a detector that answers every cloud with `expression`."""
     return f"{IMPORTS}{before}\ndef detect_obstacles(cloud):\n    return {expression}\n"
 
 
@@ -113,7 +113,7 @@ def test_a_folder_name_that_is_not_text_has_a_pseudonym():
 # One drive in the sandbox -------------------------------------------------------------------
 
 
-def test_a_drive_in_the_sandbox_is_the_same(sandbox):
+def test_a_drive_in_the_sandbox_equals_one_in_this_process(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
     with StudentProxy(program, sandbox) as student:
         driven = drive_in_sandbox(BLOCKED, student, seconds=5.0, sensor=FEW)
@@ -142,7 +142,7 @@ ODD = {
     "a function": "detect_obstacles",
     "flat": "np.zeros((5, 3))",
     "texts": "[[['1'] * 3] * 8] * 2 + ['x']",
-    "more than there can be": f"np.zeros(({MOST_BOXES + 1}, 8, 3))",
+    "too many boxes": f"np.zeros(({MOST_BOXES + 1}, 8, 3))",
     "raises": "1 / 0",
     "raises a word": "(_ for _ in ()).throw(type('Secret', (Exception,), {})('a word'))",
     "not written": "(_ for _ in ()).throw(NotImplementedError('write it'))",
@@ -257,7 +257,7 @@ CHEAP = {
     "no boxes": np.empty((0, 8, 3)),
     "boxes everywhere": everywhere(),
     "one around everything": box(-30.0, size=60.0)[None],
-    "fixed boxes beside the road": np.stack([box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
+    "fixed boxes next to the road": np.stack([box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
     **{f"one box {x} m ahead": box(2.6 + x)[None] for x in (1, 3, 4, 5, 7, 9, 12)},
 }
 
@@ -268,8 +268,8 @@ def cheap_points(street, boxes):
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
-def test_cheap_detectors_earn_nothing_to_speak_of(name):
-    """True boxes earn about 100 points; the next test compares all cheap detectors with them."""
+def test_cheap_detectors_earn_hardly_any_points(name):
+    """The true boxes earn about 100 points; the next test compares all detectors with them."""
     assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
 
 
@@ -321,20 +321,20 @@ def test_places_are_shared_and_references_have_none():
 
 @pytest.fixture
 def course(tmp_path):
-    def hand_in(student, answers=None):
+    def submit(student, answers=None):
         path = tmp_path / "submitted" / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(fill_in(LESSON, answers or {}), "utf-8")
 
     course = Course(tmp_path)
-    hand_in("ada")
-    hand_in("ben", {DETECTOR: returning("[]")})
-    return course, hand_in
+    submit("ada")
+    submit("ben", {DETECTOR: returning("[]")})
+    return course, submit
 
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Replace driving by a function that records each job; return the list of jobs."""
+    """Replace driving with a function that records each job; return the list of jobs."""
     calls = []
 
     def drive_one(submitted_files, lesson, number, seed, sandbox):
@@ -351,14 +351,14 @@ def drive_the_class(course, sandbox, progress=lambda *about: None):
 
 
 def test_a_class_drives_once_and_new_submissions_drive_again(course, jobs, sandbox):
-    course, hand_in = course
+    course, submit = course
     progress = []
     first = drive_the_class(course, sandbox, lambda *about: progress.append(about[:2]))
     assert len(jobs) == 4 * 6 and progress[0] == (0, 24) and progress[-1] == (24, 24)
     assert [student.name for student in first.students] == ["ada", "ben"]
     jobs.clear()
     assert drive_the_class(course, sandbox).drives.values() and jobs == []
-    hand_in("ben", {DETECTOR: returning("[[]]")})
+    submit("ben", {DETECTOR: returning("[[]]")})
     drive_the_class(course, sandbox)
     assert [number for _, number in jobs] == [1, 2, 3, 4, 5, 6]
 
@@ -395,8 +395,8 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
             raise BrokenExecutor("died")
         return original(submitted_files, lesson, number, seed, sandbox)
 
-    course, hand_in = course
-    hand_in("eve", {DETECTOR: returning("[[]]")})
+    course, submit = course
+    submit("eve", {DETECTOR: returning("[[]]")})
     monkeypatch.setattr(season, "drive_one", deadly)
     result = drive_the_class(course, sandbox)
     assert len(tries) == 2
@@ -464,7 +464,7 @@ def league_files(tmp_path, monkeypatch):
         "finn": DriveResult(1, fault="Traceback: something of ours"),
     }  # fmt: skip
     course = Course(tmp_path)
-    text, names_file = write_league(course, season_of(drives), SEED, "No walls.")
+    text, names_file = write_league(course, season_of(drives), SEED, "No sandbox.")
     return text.read_text("utf-8"), names_file.read_text("utf-8"), course
 
 
@@ -480,7 +480,7 @@ def test_the_page_has_results_but_no_names(league_files):
         "not the detector&#39;s fault",
         "Near misses: 1.",
         TRUE_BOXES,
-        "No walls.",
+        "No sandbox.",
     ):
         assert words in text
     for name in pseudonyms(["ada", "finn", HOSTILE, "=1+1"], SEED).values():
@@ -536,7 +536,7 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
 
 @pytest.mark.proof
 def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
-    """The command drives real submissions in the first two streets."""
+    """Run the command on real submissions in the first two streets."""
     answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     submitted_files = {
         "right": answers["the functions of the lessons, pasted into separate cells"],

@@ -1,4 +1,4 @@
-"""Lesson 03: a right RANSAC loop that calls a wrong exercise, and figures of planes."""
+"""In lesson 03, a right RANSAC loop keeps its points with wrong helpers; planes are drawn."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -47,7 +47,7 @@ def right_answer_to(exercise):
         ("point_plane_distance", "returns a list"),
     ],
 )
-def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, tmp_path):
+def test_a_right_loop_earns_everything_with_wrong_helpers(helper, name, sandbox, tmp_path):
     lesson = find_lesson("03_ransac_plane")
     answers = {
         exercise: right_answer_to(exercise)

@@ -1,4 +1,4 @@
-"""The hint about the line to change: it is true, and the search has no side effects."""
+"""The hint about the line to change is true, and the search for it has no side effects."""
 
 import os
 import threading

@@ -1,4 +1,4 @@
-"""Formulas as MathML, which a browser shows without a network; the LaTeX may be hostile."""
+"""Formulas become MathML, which browsers show without a network, even if the LaTeX is hostile."""
 
 import json
 import re

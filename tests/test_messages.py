@@ -1,4 +1,4 @@
-"""Messages on failures: the kind of the failure, and words that are in the notebook anyway."""
+"""Messages about failures contain the kind of failure, and only words from the notebook."""
 
 import ast
 
@@ -34,13 +34,13 @@ from utils.checks.outcomes import Outcome
 from utils.checks.summary import resolve
 from utils.in_sandbox import ABSENT
 
-SHOWN = Check("shown", "f", "It holds", "Look at it.", run=print)
-HIDDEN = Check("test_hidden", "f", "It holds elsewhere", "Look there.")
+SHOWN = Check("shown", "f", "It works", "Look at it.", run=print)
+HIDDEN = Check("test_hidden", "f", "It works elsewhere", "Look there.")
 UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.")
 
 
 def message_lines(check, failure, open_to_all=True):
-    """Return the lines of the message on a failure."""
+    """Return the lines of the message about a failure."""
     return message_of(shareable(Outcome(check, failure), open_to_all)).text.split("\n")
 
 
@@ -63,15 +63,15 @@ WRONG = CheckFailed(
 
 
 @pytest.mark.parametrize("check, open_to_all", [(HIDDEN, True), (HIDDEN, False), (SHOWN, False)])
-def test_messages_on_hidden_checks_have_no_numbers_and_no_answer(check, open_to_all):
+def test_messages_on_hidden_tests_have_no_numbers_and_no_answer(check, open_to_all):
     assert message_lines(check, WRONG, open_to_all) == [
         "… of … rows are wrong: row …",
         f"Hint: {check.hint}",
     ]
 
 
-def test_messages_on_shown_checks_have_counts_but_no_answer():
-    """The answer to a shown check may contain the input of a hidden one."""
+def test_messages_on_visible_checks_have_counts_but_no_answer():
+    """An answer to a visible check may contain the input of a hidden test."""
     assert message_lines(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
     secret = CheckFailed("2 of 5 are wrong, by 0.6763 and 67, 8; then 6, 7 and 63", yours="6763")
     shown = "2 of 5 are wrong, by … and 67, 8; then …, … and …"
@@ -110,11 +110,11 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
-    # The amount is shown only to the judge.
+    # Only the judge sees the amount.
     assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
-    told = shareable_failure(Outcome(HIDDEN, waits), False)
-    assert (type(told), told.message) == (NotYet, waits.message)
+    shared = shareable_failure(Outcome(HIDDEN, waits), False)
+    assert (type(shared), shared.message) == (NotYet, waits.message)
     assert shareable_failure(Outcome(SHOWN, WRONG), True).yours is None
 
 
@@ -240,7 +240,7 @@ def test_a_known_exception_is_explained(visible):
 )
 @pytest.mark.parametrize("visible", [True, False])
 def test_a_stub_is_not_started(inside, says, visible):
-    # A text from a pipe is another object than the equal literal in the program.
+    # A text that comes from a pipe is not the same object as the equal literal in the program.
     error = raised("".join(("NotImplemented", "Error")), inside=inside)
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert isinstance(failure, NotStarted) and failure.message.startswith(says)
@@ -321,7 +321,7 @@ def test_numbers_that_depend_on_the_cloud_are_removed(message, kind):
     assert without_numbers(message) == kind
 
 
-def test_fixed_numbers_stay_in_messages_on_hidden_checks():
+def test_fixed_numbers_stay_in_messages_on_hidden_tests():
     text = fixed("Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur") + f" {17} times, not 1."
     failure = CheckFailed(text)
     plain = "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur 17 times, not 1."
@@ -329,7 +329,7 @@ def test_fixed_numbers_stay_in_messages_on_hidden_checks():
     assert message_lines(HIDDEN, failure)[0] == (
         "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur … times, not …."
     )
-    # Fixed numbers are not among the few numbers that a message on a shown check may contain.
+    # Fixed numbers do not count among the few numbers that a visible check's message may contain.
     assert message_lines(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
         "1, 2, 3, 4: 5, 6, 7, 8 and …"
     )
@@ -345,7 +345,7 @@ FILES_WITH_CHECKS = [
 
 
 def calls_of(names):
-    """Yield the place and arguments of each call of `names` in code of the checks."""
+    """Yield the place and the arguments of each call of `names` in the code of the checks."""
     for path in FILES_WITH_CHECKS:
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in names:
@@ -353,7 +353,7 @@ def calls_of(names):
 
 
 def literal_parts(message):
-    """Return the literal parts of a message in the code, without parts that are fixed."""
+    """Return the literal parts of a message in the code, except the fixed parts."""
     if isinstance(message, ast.JoinedStr):
         return [part for value in message.values for part in literal_parts(value)]
     if isinstance(message, ast.BinOp):

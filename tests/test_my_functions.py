@@ -1,4 +1,4 @@
-"""Functions loaded from notebooks, without running the rest of the notebook."""
+"""Functions are loaded from notebooks without running the rest of the notebook."""
 
 import json
 import traceback
@@ -14,7 +14,7 @@ STORY = """\
 from utils import plots
 import numpy as np
 cloud = load_the_street("cloud.txt")
-raise SystemExit("a story that must not be told")
+raise SystemExit("this line must not run")
 """
 
 
@@ -128,11 +128,11 @@ def test_a_stub_raises_when_it_is_called(folder):
 
 
 def test_notebooks_are_found_in_the_usual_folders(folder):
-    write(folder.parent / "stage3_obstacles" / "b.ipynb", "def f():\n    return 'beside'")
-    assert load_my_functions("b.ipynb").f() == "beside"
+    write(folder.parent / "stage3_obstacles" / "b.ipynb", "def f():\n    return 'neighbour'")
+    assert load_my_functions("b.ipynb").f() == "neighbour"
     write(folder / "b.ipynb", "def f():\n    return 'here'")
     assert load_my_functions("b.ipynb").f() == "here"
-    assert load_my_functions(folder.parent / "stage3_obstacles" / "b.ipynb").f() == "beside"
+    assert load_my_functions(folder.parent / "stage3_obstacles" / "b.ipynb").f() == "neighbour"
     # The notebooks of the course are found from any folder; untouched, they contain stubs.
     with pytest.raises(NotImplementedError, match="06_filter_ground.ipynb is still a stub"):
         load_my_functions("06_filter_ground.ipynb").filter_ground(None)
@@ -192,7 +192,7 @@ def test_an_error_after_magics_has_the_right_line_number(folder):
     assert caught.traceback[-1].lineno + 1 == 7
 
 
-# In each notebook f() returns 42; lines of three dashes separate the cells.
+# In each notebook, f() returns 42. Lines of three dashes separate the cells.
 @pytest.mark.parametrize(
     "text",
     [
@@ -324,8 +324,8 @@ def test_exercises_of_solved_lessons_work(lesson):
     ] == []
 
 
-def test_a_function_is_printed_with_all_that_it_calls(folder, capfd):
-    """The printed code runs by itself, and printing does not run the notebook."""
+def test_a_function_is_printed_with_everything_that_it_calls(folder, capfd):
+    """The printed code runs on its own, and printing it does not run the notebook."""
     write(
         folder / "06_low.ipynb",
         STORY,

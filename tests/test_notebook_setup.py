@@ -1,4 +1,4 @@
-"""The style that the first cell of a notebook adds to exported pages."""
+"""The first cell of a notebook adds a style to exported pages."""
 
 import json
 import re
@@ -13,7 +13,7 @@ from tests.browser import BROWSER, seen
 from tests.prerequisites import CHROMIUM
 from utils.notebook_setup import STYLE
 
-# Measure the height of each code cell, and how far its text extends beyond the right edge.
+# Measures the height of each code cell, and how far its text extends beyond the right edge.
 MEASURE = """<script>addEventListener("load", () => {
   document.body.dataset.measured = JSON.stringify(
     [...document.querySelectorAll(".cm-editor")].map(

@@ -1,19 +1,19 @@
-"""Every solved notebook runs to its end, and so does every untouched one.
+"""All solved and all untouched notebooks run to the end.
 
-test_build.py shows that both are the same up to the first stub. From there on, an untouched
-notebook uses stored answers, which must agree with the answers of the solved notebook.
+test_build.py shows that both are the same up to the first stub. After it, an untouched notebook
+uses stored answers, which must agree with the answers in the solved notebook.
 """
 
 import nbformat
 import pytest
 
 from grader.course import recorded_answers
-from tests.notebook_runs import errors_beside_checks, errors_of, outputs_of, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, outputs_of, run, written
 
 pytestmark = pytest.mark.slow
 
 
-def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path):
+def test_a_solved_notebook_runs_and_agrees_with_the_stored_answers(lesson, tmp_path):
     notebook = nbformat.read(lesson.solved, as_version=4)
     recorded_answers.add_recorder(notebook, lesson, tmp_path / "answers.json")
     run(notebook, lesson.released.parent)
@@ -32,9 +32,9 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
     assert changed == [], f"Run: python -m grader.course.recorded_answers {lesson.number}"
 
 
-def test_untouched_notebook_runs_to_its_end(lesson):
+def test_an_untouched_notebook_runs_to_the_end(lesson):
     notebook = run(nbformat.read(lesson.released, as_version=4), lesson.released.parent)
-    assert errors_beside_checks(notebook) == []
+    assert errors_outside_checks(notebook) == []
     assert written(notebook, "stderr") == ""
     code = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.strip()]
     assert all(cell.execution_count for cell in code)

@@ -1,4 +1,4 @@
-"""Notes of lessons 05 to 07: remarks on answers that lose no points."""
+"""The notes of lessons 05 to 07 are remarks about deviations that do not cost points."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def right_answer(exercise):
 
 
 def notes_on(exercise, function):
-    """Return the names of the notes on a function, which must pass all checks."""
+    """Return the names of the notes about a function, which must pass all checks."""
     function.__name__ = exercise
     assert not any(run_check(check, function).failure for check in checks_of(exercise))
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
@@ -57,7 +57,7 @@ def test_clusters_in_another_order_are_a_note():
         labels = right(cloud, threshold)
         return labels.max(initial=0) + 1 - labels
 
-    def from_the_second_point_on(cloud, threshold=0.5):
+    def starting_at_the_second_point(cloud, threshold=0.5):
         """Label the clusters as if the loop began at the second point."""
         order = np.roll(np.arange(len(cloud)), -1)
         labels = np.empty(len(cloud), dtype=int)
@@ -65,4 +65,6 @@ def test_clusters_in_another_order_are_a_note():
         return labels
 
     assert notes_on("euclidean_clustering", backwards) == {"numbers_by_appearance"}
-    assert notes_on("euclidean_clustering", from_the_second_point_on) == {"numbers_by_appearance"}
+    assert notes_on("euclidean_clustering", starting_at_the_second_point) == {
+        "numbers_by_appearance"
+    }

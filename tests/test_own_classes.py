@@ -1,4 +1,4 @@
-"""A student's own class is judged in place of the class that the lesson gives."""
+"""A student's own class is judged instead of the class that the lesson gives."""
 
 import json
 
@@ -23,7 +23,7 @@ class Node:
     def __init__(self, point, index):
         self.point, self.index, self.left, self.right = point, index, None, None
 """
-# Methods that descend the tree in a loop.
+# Methods that go down the tree in a loop.
 INSERT = """
     def insert(self, point, index):
         new = Node(point, index)
@@ -59,7 +59,7 @@ INIT = "    def __init__(self):\n        self.root = None\n"
 
 
 def begin_with(action, method):
-    """Return a method with `action` inserted before its first line."""
+    """Return a method with `action` as its first line."""
     head, rest = method.strip("\n").split("\n", 1)
     return f"{head}\n        {action}\n{rest}\n"
 
@@ -183,7 +183,7 @@ class KdTree:
                 waiting.append(node.right)
         return found
 """,
-    "a base class of one's own": f"""
+    "an additional base class": f"""
 class Tree:
 {INIT}
     def is_empty(self):
@@ -211,7 +211,7 @@ class KdTree:
         setattr(parent, side, Node(point, index))
 {SEARCH.replace("depth % len(target)", "KdTree.axis_at(depth, target)")}
 """,
-    "a function and a constant beside the class": f"""
+    "a function and a constant next to the class": f"""
 SIDES = {{True: "left", False: "right"}}
 # ---- another cell ----
 def side_of(point, node, depth):
@@ -306,7 +306,7 @@ class KdTree:
         self.levels = max(self.levels, depth + 1)
 {SEARCH}
 """,
-    "methods hung on later": f"""
+    "methods attached later": f"""
 class KdTree:
 {INIT}
 def insert_into(tree, point, index):
@@ -335,14 +335,14 @@ def find(self, target, tolerance):
 setattr(KdTree, "search", find)
 """,
 }
-# Places for the class: the cell of the lesson's classes, the first answer, or a new cell.
-PLACES = ("in the place of the lesson's", "in the cell of the answer", "beside the stubs")
+# Places for the class: the cell of the lesson's class, the first answer's cell, or a new cell.
+PLACES = ("instead of the lesson's class", "in the cell of the answer", "in a new cell")
 
 
 def notebook(own, place, answers=()):
-    """Return the text of a notebook of lesson 04 with a class at one of `PLACES`."""
+    """Return the text of a notebook for lesson 04 with a class at one of `PLACES`."""
     answers = {"insert": NOTHING, "search": NOTHING} | dict(answers)
-    if place == "beside the stubs":
+    if place == "in a new cell":
         answers = {}
     if place == "in the cell of the answer":
         answers["insert"] = own
@@ -367,7 +367,7 @@ def source_of(cell):
 
 
 def judge_text(text, sandbox, folder, **more):
-    """Judge a notebook; return its results by exercise, and the verdict."""
+    """Judge a notebook; return the results by exercise, and the verdict."""
     path = folder / f"{LESSON.name}.ipynb"
     path.write_text(text, "utf-8")
     verdict = judge(path, 7, sandbox, LESSON, **more)
@@ -375,7 +375,7 @@ def judge_text(text, sandbox, folder, **more):
 
 
 def load_class(text):
-    """Return the class KdTree after all definitions of the notebook."""
+    """Return the class KdTree as it is after all definitions in the notebook."""
     cells = [source_of(cell) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
     namespace = {"__name__": "__main__"}
     for statement in slicing.slice_for(["KdTree"], slicing.parse_notebook(cells)[0]):

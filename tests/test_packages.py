@@ -1,4 +1,4 @@
-"""Packages in answers: the judge has what `check` accepts, and both say the same about the rest."""
+"""`check` accepts only packages that the judge has, and both say the same about other packages."""
 
 import importlib
 import sys
@@ -61,7 +61,7 @@ def judged(lesson_name, answers, folder, sandbox):
 
 
 @pytest.mark.parametrize("lesson_name", ANSWERS)
-def test_a_right_answer_by_an_installed_package_is_right_for_check_and_judge(
+def test_check_and_judge_accept_a_right_answer_that_uses_an_installed_package(
     lesson_name, tmp_path, sandbox, monkeypatch
 ):
     name, source = ANSWERS[lesson_name]
@@ -80,7 +80,7 @@ def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sa
 
 @pytest.fixture
 def foreign(tmp_path, monkeypatch):
-    """Install a package in this Python that the judge does not have."""
+    """Install a package that the judge does not have into this Python."""
     folder = tmp_path / "site-packages"
     folder.mkdir()
     (folder / "foreign_bars.py").write_text("def bar(values):\n    return values\n")
@@ -102,7 +102,7 @@ NOT_NEEDED = f"import foreign_bars\n{BODY.replace('bar(', '(')}"
 
 
 def defined(source, monkeypatch):
-    """Return the function as a cell defines it, whose source Python can find."""
+    """Return the function as defined in a cell, so that Python can find its source."""
     namespace = {"__name__": "__main__"}
     lines = source.splitlines(keepends=True)
     monkeypatch.setitem(
@@ -113,7 +113,7 @@ def defined(source, monkeypatch):
 
 
 @pytest.mark.parametrize("source", [IMPORTED, INSIDE, BY_NAME])
-def test_check_says_before_any_row_what_the_judge_does_not_have(
+def test_check_names_a_package_that_the_judge_lacks_before_any_row(
     source, foreign, monkeypatch, capsys
 ):
     with pytest.raises(ChecksFailed):
@@ -153,7 +153,7 @@ def filter_ground(cloud, ground_level=-1.2):
 def test_the_judge_names_the_missing_module_as_the_cause(source, tmp_path, sandbox):
     verdict, results = judged("06_filter_ground", {"filter_ground": source}, tmp_path, sandbox)
     result = results["filter_ground"]
-    assert result.score in (0, 6), "a call that can be left out is one slip"
+    assert result.score in (0, 6), "a call that can be deleted is one slip"
     assert "ModuleNotFoundError" in result.cause and ABSENT in result.cause
     assert "Is it spelt" not in result.cause
     assert any("no module named 'foreign_bars'" in problem for problem in verdict.problems)
@@ -165,7 +165,7 @@ def test_a_missing_progress_bar_is_one_edit_away_from_a_right_answer(tmp_path, s
     assert (result.score, result.slip is not None) == (6, True)
 
 
-def test_what_check_takes_for_available_can_be_imported_where_notebooks_are_judged(sandbox):
+def test_packages_that_check_accepts_can_be_imported_by_the_judge(sandbox):
     names = sorted(static_analysis._AVAILABLE - {*sys.stdlib_module_names, "", "builtins", "utils"})
     source = (
         "import importlib\n"

@@ -1,4 +1,4 @@
-"""Export of marks to Canvas and Moodle: no mark is lost, and no other mark changes."""
+"""Marks are exported to Canvas and Moodle; none is lost, and no other mark changes."""
 
 import dataclasses
 
@@ -24,7 +24,7 @@ POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
 
 
 def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
-    """Return results of a class in a stage with one lesson."""
+    """Return the results of a class in a stage with one lesson."""
     notebooks, stages = [], []
     for person in people:
         score = points.get(person.id)
@@ -37,7 +37,7 @@ def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
 
 @pytest.fixture
 def fill(tmp_path):
-    """Return a function that fills in the file of a platform."""
+    """Return a function that fills in a platform's file."""
 
     def fill_in(platform, results, **order):
         path = tmp_path / "downloaded.csv"
@@ -81,7 +81,7 @@ def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
     if settings.get("first_and_last"):
         course.students[0].name = "=cmd, Cid"
     exported = fill(course, marks())
-    # Meanwhile other marks, and the points of the essay, change in Canvas.
+    # In the meantime, other marks and the points of the essay change in Canvas.
     course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
     course.assignments[41][1] = 25.0
     course.notes[9001] = "was ill"
@@ -186,7 +186,7 @@ def test_ambiguous_students_are_named_and_get_no_mark(fill):
 
 def test_a_row_that_matches_two_people_gets_no_mark(fill):
     course = canvas_course()
-    other = Person("sis1", "Thea", "Dieb")  # her id equals Anna's number in another system
+    other = Person("sis1", "Thea", "Dieb")  # her ID equals Anna's number in another system
     exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
     assert exported.placed == 0 and len(exported.lost) == 2
     assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
@@ -201,7 +201,7 @@ def test_a_canvas_number_takes_precedence_over_an_equal_id(fill):
 
 
 def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
-    """Without other keys, Canvas's number is compared with ids, as folders may have such names."""
+    """Without other keys, Canvas's number is compared with IDs, because folders may be named so."""
     course = canvas_course(sis=False)
     same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
     nameless = Person("9003")
@@ -231,10 +231,10 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
     course.import_(exported.content)
     assert (7777, 42) not in course.scores
     assert exported.lost == (
-        "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777, and not their 9001.",
+        "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
-    # If both are in the file, she gets her mark.
+    # If both are in the file, Anna gets her mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)
@@ -368,11 +368,11 @@ def moodle_course(**settings):
 def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     course = moodle_course(**settings)
     exported = fill(course, marks())
-    # Noah is graded again meanwhile, and the upload allows changes of records changed since.
-    course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "anew"
+    # Noah is graded again in the meantime, and the upload may change records changed since then.
+    course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "graded again"
     course.import_(exported.content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
-    assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "anew"
+    assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "graded again"
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
     replaced = f"björn (Björn Müller) 12{mark}00 by 31{mark}25"
@@ -389,7 +389,7 @@ def test_a_worksheet_keeps_its_format(fill):
     )
     assert (
         "=cmd|' /C calc'!A0" in text
-    )  # Moodle compares names with its own, so they stay unescaped
+    )  # Moodle compares the names with its own, so they stay unescaped
 
 
 def test_marks_that_moodle_would_skip_are_named(fill):
@@ -424,7 +424,7 @@ def test_a_blind_worksheet_is_matched_by_number_only(fill):
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
-    """A participant has another number in each assignment, so an lms_id may match by chance."""
+    """A participant's number differs in each assignment, so an lms_id may match it by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
@@ -441,7 +441,7 @@ def test_the_maximum_grade_of_moodle_is_kept(fill):
 
 
 def test_an_ambiguous_grade_column_must_be_named(fill):
-    """Without submissions the status is blank, and equal grades look like a column of maxima."""
+    """Without submissions, the status is blank and equal grades look like a column of maxima."""
     course = moodle_course()
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
@@ -460,7 +460,7 @@ def test_a_site_without_fractions_gets_readable_points(fill):
     assert course.grades[311] == 8.5
 
 
-# Files of another kind
+# Files of other kinds
 
 
 @pytest.mark.parametrize(

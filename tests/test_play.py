@@ -1,4 +1,4 @@
-"""The player shows every scenario, without a screen and with a simulated one."""
+"""The player shows every scenario, with a simulated screen and without one."""
 
 import importlib.util
 import subprocess
@@ -29,7 +29,7 @@ def without_screen(monkeypatch, tmp_path):
 
 @pytest.fixture
 def notebook(monkeypatch):
-    """Namespace that replaces the functions loaded from a notebook; a test fills it."""
+    """Return the namespace that replaces functions loaded from a notebook; tests fill it."""
     functions = SimpleNamespace()
     module = ModuleType("utils.notebooks.my_functions")
     module.load_my_functions = lambda path: functions
@@ -82,7 +82,7 @@ def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, c
 
 
 def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
-    # All other packages are found, because the check for PyVista is made once and cached.
+    # All other packages are found, because the search for PyVista is done once and cached.
     find_spec = importlib.util.find_spec
     hidden = {"imageio_ffmpeg"}
     monkeypatch.setattr(
@@ -184,7 +184,7 @@ def test_layers_are_switched_from_the_command_line(monkeypatch):
 
 
 class FakeWindow:
-    """Stand-in for a window that the user closes after the second frame."""
+    """A stand-in for a window that the user closes after the second frame."""
 
     opened = []
 

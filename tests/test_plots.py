@@ -1,4 +1,4 @@
-"""Every figure is rendered, for clouds of every size and for typical wrong arguments."""
+"""Every figure is drawn for clouds of every size, and refuses typical wrong arguments."""
 
 import io
 import subprocess
@@ -67,7 +67,7 @@ CLOUDS = {
 
 
 def _blocks(cloud):
-    """Return a label from 0 to 399 for each point; labels repeat in a grid of 2 m cells."""
+    """Return a label from 0 to 399 for each point; the labels repeat in a grid of 2 m cells."""
     place = np.floor(np.nan_to_num(cloud[:, :2], posinf=0) / 2.0).astype(int) % 20
     return place @ [20, 1]
 
@@ -177,7 +177,7 @@ def strict_warnings():
 
 
 def png(axes):
-    """Return a figure as the bytes of a PNG file, rendered the way a notebook does it."""
+    """Return a figure as the bytes of a PNG file, rendered as in a notebook."""
     file = io.BytesIO()
     axes.figure.savefig(file, format="png", bbox_inches="tight")
     return file.getvalue()
@@ -204,7 +204,7 @@ def test_clouds_of_every_size_are_drawn(figure, cloud, capfd):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", [*ON_CLOUDS, *SMALL])
-def test_draws_into_given_axes_and_returns_them(figure, capfd):
+def test_every_figure_uses_and_returns_the_given_axes(figure, capfd):
     _, (axes, other) = plt.subplots(1, 2, figsize=(8.5, 4))
     draw = SMALL.get(figure)
     open_figures = plt.get_fignums()
@@ -229,7 +229,7 @@ def test_small_figures_open_one_new_figure(figure):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", ROWS)
-def test_rows_of_panels(figure):
+def test_a_row_of_panels_has_one_axes_per_panel(figure):
     draw, count = ROWS[figure]
     axes = draw(title="A title")
     assert len(axes) == count
@@ -494,7 +494,7 @@ def test_dark_styles_do_not_change_figures():
 
 
 def test_interactive_mode_set_at_the_first_figure_is_kept(monkeypatch):
-    # Jupyter turns on interactive mode at that moment, and without it later figures stay hidden.
+    # Jupyter turns on interactive mode at that moment; without it, later figures are not shown.
     def subplots(*arguments, subplots=plt.subplots, **options):
         matplotlib.interactive(True)
         return subplots(*arguments, **options)
@@ -512,7 +512,7 @@ def test_figures_are_opaque():
 
 
 def contrast(first, second):
-    """Return the contrast ratio of two colours as defined by WCAG 2."""
+    """Return the contrast ratio of two colours as defined in WCAG 2."""
     luminances = []
     for colour in (first, second):
         channels = np.array(matplotlib.colors.to_rgb(colour))

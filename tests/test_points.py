@@ -1,4 +1,4 @@
-"""Points add up to the cent wherever they are shown."""
+"""Points add up to the cent in all places where they are shown."""
 
 import json
 from fractions import Fraction
@@ -92,7 +92,7 @@ def test_a_verdict_adds_up(lesson, sandbox):
 
 
 def test_the_report_names_the_check_that_failed():
-    """Checks are identified by name, because two checks of an exercise may share a title."""
+    """Checks are identified by name, because two checks of an exercise may have the same title."""
     shown, hidden = (
         CheckResult(name, "Finds it", False, 0.0, 1.0, "", visible)
         for name, visible in (("finds_it", True), ("test_finds_it", False))

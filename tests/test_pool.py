@@ -1,4 +1,4 @@
-"""The pool of judging processes: a process that dies or hangs does not affect the others."""
+"""In the pool, a judging process that dies or hangs does not affect the others."""
 
 import os
 import struct
@@ -25,7 +25,7 @@ def twice(data):
     return 2 * data
 
 
-def die_in_the_middle_of_an_answer():
+def die_while_sending_a_result():
     frame = sys._getframe()
     while "pipe" not in frame.f_locals:
         frame = frame.f_back
@@ -33,8 +33,8 @@ def die_in_the_middle_of_an_answer():
     os._exit(1)
 
 
-def die_instead_of_listening():
-    """Kill this process while the next job is half way through the pipe."""
+def die_while_receiving_a_job():
+    """Kill this process while half of the next job is in the pipe."""
     time.sleep(0.2)
     os.kill(os.getpid(), 9)
 
@@ -52,8 +52,8 @@ def fail(kind):
     ("death", "words"),
     [
         (os.abort, "signal 6"),
-        (die_instead_of_listening, "signal 9"),
-        (die_in_the_middle_of_an_answer, "exit status 1"),
+        (die_while_receiving_a_job, "signal 9"),
+        (die_while_sending_a_result, "exit status 1"),
     ],
 )
 @pytest.mark.parametrize("workers", [1, 2])

@@ -1,4 +1,4 @@
-"""A prediction takes a guess and shows it next to the answer."""
+"""A prediction asks for a guess and shows it next to the answer."""
 
 import sys
 from importlib import util
@@ -17,7 +17,7 @@ def no_stored_guesses(monkeypatch):
 
 @pytest.fixture
 def entry(monkeypatch):
-    """List of the widgets that predictions create, the latest last."""
+    """Return a list of the widgets that predictions create, in order of creation."""
     widgets = []
     for kind in ("RadioButtons", "FloatSlider", "Text"):
         build = getattr(ipywidgets, kind)

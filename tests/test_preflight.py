@@ -1,4 +1,4 @@
-"""Damage that editors, browsers and disks do to notebooks costs no points and is reported."""
+"""Damage that editors, browsers and disks do to notebooks is repaired and costs no points."""
 
 import base64
 import copy
@@ -140,13 +140,13 @@ def big_outputs(notebook):
     notebook["cells"][1]["outputs"] = [junk]
 
 
-# Name of a change that can happen to a file: the change, and words that a note to the student must
-# contain. The words are empty if the file needs no note.
+# Changes that can happen to a file, by name. Each has words that a note to the student must
+# contain, or no words if the file needs no note.
 EARNS_EVERYTHING = {
     "nothing at all": (lambda notebook: None, ""),
     "a byte order mark": (lambda notebook: b"\xef\xbb\xbf" + json.dumps(notebook).encode(), ""),
     "UTF-16": (lambda notebook: json.dumps(notebook).encode("utf-16"), ""),
-    "Windows' own letters": (
+    "an encoding of Windows": (
         lambda notebook: json.dumps(
             notebook | {"cells": [*notebook["cells"], text("Größe")]}, ensure_ascii=False
         ).encode("cp1252", "replace"),
@@ -156,9 +156,12 @@ EARNS_EVERYTHING = {
         lambda notebook: json.dumps(notebook, indent=1).replace("\n", "\r\n"),
         "",
     ),
-    "zeros behind it": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
-    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "something after the end"),
-    "a second copy behind it": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
+    "zeros at the end": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
+    "text after the end": (
+        lambda notebook: json.dumps(notebook) + "<html>",
+        "something after the end",
+    ),
+    "a second copy after the end": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
     "cut off after the answers": (
         lambda notebook: json.dumps(notebook)[: int(len(json.dumps(notebook)) * 0.98)],
         "cut off",
@@ -173,7 +176,7 @@ EARNS_EVERYTHING = {
     "ids that are numbers": (each_cell(lambda cell: cell.update(id=7)), ""),
     "ids in an older format": (update_notebook(nbformat_minor=4), ""),
     "a format from the future": (update_notebook(nbformat=5), ""),
-    "a format of old": (old_format, ""),
+    "an old format": (old_format, ""),
     "outputs in text cells": (each_cell(lambda cell: cell.update(outputs=[])), ""),
     "no outputs at all": (each_cell(lambda cell: cell.pop("outputs", None)), ""),
     "no execution counts": (each_cell(lambda cell: cell.pop("execution_count", None)), ""),
@@ -183,7 +186,7 @@ EARNS_EVERYTHING = {
         lambda notebook: notebook["metadata"].update(widgets={"application/x": {}}),
         "",
     ),
-    "Colab's own notes": (
+    "Colab's metadata": (
         lambda notebook: notebook["metadata"].update(colab={"provenance": []}, accelerator="GPU"),
         "",
     ),
@@ -214,7 +217,7 @@ EARNS_EVERYTHING = {
         lambda notebook: notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3")),
         "",
     ),
-    "the released cell pasted at the end": (
+    "the released cell, pasted at the end": (
         lambda notebook: notebook["cells"].append(
             cell_of(json.loads(LESSON.released.read_text()), "voxel_grid")
         ),
@@ -243,7 +246,7 @@ EARNS_EVERYTHING = {
 
 @pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
 def test_damage_to_a_file_costs_no_points(change, says):
-    """All code is found, the graded copy is complete and valid, and notes report each repair."""
+    """All code is found, the graded copy is complete and valid, and notes report all repairs."""
     prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed(change)), LESSON)
     answers = answers_in(LESSON, prepared.code)
     cloud = np.array([[0.0, 0, -2, 1], [1, 1, 1, 1], [1.01, 1, 1, 0]])
@@ -265,12 +268,12 @@ def test_damage_to_a_file_costs_no_points(change, says):
         )
 
 
-SOME = ("cut off after the answers", "answers in text cells", "a format of old", "huge outputs")
+SOME = ("cut off after the answers", "answers in text cells", "an old format", "huge outputs")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOME)
-def test_the_judge_gives_full_marks_to_a_damaged_file(name, sandbox):
+def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, sandbox):
     change, says = EARNS_EVERYTHING[name]
     verdict = judge_files(
         SubmittedFiles("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
@@ -381,7 +384,7 @@ def test_a_cut_off_file_keeps_the_complete_answer():
 
 
 def from_cells(*cells, lesson=LESSON, modules=None, name="", lesson_name=""):
-    """Return the prepared notebook for a submission that consists of these cells."""
+    """Return the prepared notebook of a submission that consists of these cells."""
     notebook = {"cells": list(cells), "nbformat": 4, "nbformat_minor": 5}
     notebook["metadata"] = {"lidar_obstacle_lab": {"lesson": lesson_name}} if lesson_name else {}
     data = json.dumps(notebook).encode()
@@ -410,7 +413,7 @@ def test_prepared_notebooks_are_immutable():
 @pytest.mark.parametrize(
     ("cells", "kinds"),
     [
-        # A text that quotes code remains text, even in the cell of an exercise.
+        # A text that quotes code remains text, even in an exercise's cell.
         ([text("```\n" + GROUND + "\n```")], ["markdown"]),
         ([tagged(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")], ["markdown"]),
         ([text("Above: def filter_ground(cloud)")], ["markdown"]),
@@ -425,7 +428,7 @@ def test_prepared_notebooks_are_immutable():
             [code(GROUND), tagged(text(GROUND), "filter_ground"), code(GROUND)],
             ["code", "markdown", "code"],
         ),
-        # Text in the cell of the exercise is the answer, and code above it was an attempt.
+        # Text in the exercise's cell is the answer, and code above it was an attempt.
         ([code(GROUND), tagged(text(GROUND), "filter_ground")], ["code", "code"]),
         ([tagged(text("My answer."), "filter_ground")], ["markdown"]),
         # The first of several text cells is used.
@@ -435,7 +438,7 @@ def test_prepared_notebooks_are_immutable():
         ([text(GROUND + "\n" + VOXELS), code(VOXELS)], ["code", "code"]),
     ],
 )
-def test_which_text_cells_are_treated_as_code(cells, kinds):
+def test_only_text_cells_with_needed_answers_are_treated_as_code(cells, kinds):
     prepared = from_cells(*cells)
     assert [cell.kind for cell in prepared.cells] == kinds
     assert prepared.code == tuple(cell.source for cell in prepared.cells if cell.kind not in TEXT)
@@ -453,11 +456,11 @@ def returned_by(made, name):
 TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
 
 
-@pytest.mark.parametrize("turned_round", [False, True])
+@pytest.mark.parametrize("is_reversed", [False, True])
 @pytest.mark.parametrize(
     ("cells", "ground", "voxels"),
     [
-        # Code cells ran, so their functions count wherever they are; the text adds the others.
+        # Code cells have run, so their functions count in any position; the text adds the others.
         ([text(TWO), code(GROUND.format(3))], "3", "2"),
         ([code(GROUND.format(3)), text(TWO)], "3", "2"),
         ([code(GROUND.format(4)), code(GROUND.format(3)), text("Mine."), text(TWO)], "3", "2"),
@@ -469,8 +472,8 @@ TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
         ([code(GROUND.format(3)), text(TWO), tagged(text(TWO), "voxel_grid")], "3", "2"),
     ],
 )
-def test_a_text_cell_with_a_function_that_another_cell_defines(cells, ground, voxels, turned_round):
-    if turned_round:  # the order of definitions within a cell says nothing
+def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxels, is_reversed):
+    if is_reversed:  # the order of definitions within a cell does not matter
         swapped = VOXELS.format(2) + "\n" + GROUND.format(1)
         cells = [{**cell, "source": cell["source"].replace(TWO, swapped)} for cell in cells]
     made = from_cells(code("import numpy as np"), *cells)
@@ -493,19 +496,19 @@ def test_a_text_cell_with_a_function_that_another_cell_defines(cells, ground, vo
 @pytest.mark.parametrize(
     ("cells", "order"),
     [
-        # The text cell moves to just above the code that counts, below cells that it may need.
+        # The text cell moves directly above the code that counts, below cells that it may need.
         (["x = 1", "y = 2", GROUND, text(TWO)], ["x = 1", "y = 2", TWO, GROUND]),
         # A text cell that is already above the code stays, because cells in between may call it.
         (["x = 1", text(TWO), "voxel_grid(x)", GROUND], ["x = 1", TWO, "voxel_grid(x)", GROUND]),
     ],
 )
-def test_where_a_text_cell_is_moved_if_code_defines_its_function(cells, order):
+def test_a_text_cell_is_moved_above_the_code_that_defines_its_function(cells, order):
     prepared = from_cells(*(code(cell) if isinstance(cell, str) else cell for cell in cells))
     assert list(prepared.code) == order
 
 
 def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
-    """Code counts before text, and the first text before later ones.
+    """Code takes precedence over text, and the first text over later ones.
 
     Text cells that define more functions move above the cells that count.
     """
@@ -527,7 +530,7 @@ def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
     )
 
 
-def test_a_text_cell_with_all_functions():
+def test_a_text_cell_with_all_functions_is_judged_as_code():
     prepared = from_cells(text(TWO))
     assert prepared.code == (TWO,)
     assert prepared.notes == (
@@ -551,7 +554,7 @@ def stub_of(name):
     return code("".join(cell_of(json.loads(LESSON.released.read_text()), name)["source"]))
 
 
-def test_stubs_are_left_out_only_below_an_answer():
+def test_stubs_are_omitted_only_below_an_answer():
     ground, voxels, left = stub_of("filter_ground"), stub_of("voxel_grid"), "# Left out"
     answer, second_answer = code(GROUND.format(1)), code(GROUND.format(2))
     for cells, expected in (
@@ -570,7 +573,7 @@ def test_stubs_are_left_out_only_below_an_answer():
         assert not last.startswith(left) and "filter_ground" in last
 
 
-def test_which_cell_is_shown_for_an_exercise():
+def test_the_cell_that_counts_is_shown_for_an_exercise():
     other = code("x = 1")
     for cells, index in (
         ([code(GROUND), other, code(GROUND), other], 2),
@@ -597,7 +600,7 @@ def test_which_cell_is_shown_for_an_exercise():
         ("filter_ground(cloud)", False),
     ],
 )
-def test_which_source_defines_an_exercise(source, written):
+def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, written):
     assert ("filter_ground" in from_cells(code(source)).graded) == written
 
 
@@ -766,13 +769,13 @@ def index_of(grade_id):
 
 
 def write_up(*cells):
-    """Prepare a notebook with these cells and return the results for the write-up.
+    """Prepare a notebook with these cells, and return the results for the write-up.
 
     Returns
     -------
     tuple
-        Its text, whether it is certain, the sources of all cells after the first, the source of
-        its own cell or None, and the notes about it.
+        The text, whether it is certain, the sources of all cells after the first, the source of the
+        write-up's own cell or None, and the notes about the write-up.
     """
     prepared = from_cells(code("def match_boxes(a, b, c): return a"), *cells, lesson=WRITTEN)
     answer, index = prepared.answers["write_up"], prepared.graded.get("write_up")
@@ -793,7 +796,7 @@ def prompt():
 def test_an_answer_in_its_own_cell_ignores_text_below():
     answer = tagged(text("It finds 14 of 17."), "write_up")
     assert write_up(answer, text("A remark."))[:2] == ("It finds 14 of 17.", True)
-    # Editors may copy the cell together with its ID; the empty copy has no effect.
+    # Editors may copy the cell with its ID; an empty copy has no effect.
     more = tagged(text("And 3 more."), "write_up")
     written, certain, cells, own, notes = write_up(OWN, answer, more, text("A remark."))
     assert (written, certain, own) == ("It finds 14 of 17.\n\nAnd 3 more.", True, answer["source"])
@@ -844,10 +847,10 @@ def test_an_answer_whose_cell_was_deleted_is_found_below_its_question():
     assert (written, certain, own) == ("First.\n\nSecond.", True, "First.")
     assert kept == [prompt()["source"], "First."] and len(notes) == 1
     assert write_up(prompt(), text("You see 14."), text("And 3."))[0] == "You see 14.\n\nAnd 3."
-    # This is the released cell without its metadata, so there is no other answer to find.
+    # This is the released cell without its metadata, so no other answer is searched for.
     written, certain, kept, own, notes = write_up(text("A remark."), prompt(), STUB)
     assert (written, certain, own, notes) == ("", True, "YOUR ANSWER HERE", [])
-    assert write_up(STUB, prompt())[3] is None  # a stub above the question is another cell
+    assert write_up(STUB, prompt())[3] is None  # a stub above the question is a different cell
 
 
 def test_only_text_that_may_be_an_answer_is_uncertain():

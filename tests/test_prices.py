@@ -1,4 +1,4 @@
-"""The prices of likely slips are those of `docs/prices.md`, and a teacher would sign them."""
+"""The prices of likely slips agree with `docs/prices.md`, and a teacher would find them fair."""
 
 import pytest
 
@@ -31,7 +31,7 @@ def test_a_price_on_the_page_is_fair(case):
 
 @pytest.mark.proof
 @pytest.mark.parametrize("case", CASES)
-def test_the_page_tells_what_the_judge_gives(case):
+def test_the_page_has_the_points_that_the_judge_gives(case):
     exercise, slip = CASES[case]
-    price, told = price_of((exercise, slip)), PRICES[exercise][slip.title]
-    assert price.kept == pytest.approx(told.kept, abs=TOLERANCE)
+    price, on_page = price_of((exercise, slip)), PRICES[exercise][slip.title]
+    assert price.kept == pytest.approx(on_page.kept, abs=TOLERANCE)

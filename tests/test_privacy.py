@@ -1,4 +1,4 @@
-"""The guide's commands delete all data of a student and none of the other students."""
+"""The guide's commands delete all data about one student and no data about others."""
 
 import os
 import re
@@ -14,11 +14,11 @@ from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.test_gradebook import STAGE, make_course, quiet, verdicts
 
-NEEDLE = "Needle-Eyre"  # a last name that no other file contains
+NEEDLE = "Needle-Eyre"  # a last name that does not occur anywhere else
 
 
 def readme_commands():
-    """Return the guide's commands that delete a student, without the command for the report."""
+    """Return the guide's commands that delete a student, except the command for the report."""
     text = (PROJECT / "docs" / "privacy.md").read_text("utf-8")
     (block,) = re.findall(r"```sh\n(X=anna\n.*?)```", text, re.S)
     return block.replace("X=anna", "X=ada").replace("python -m grader report\n", "")
@@ -74,7 +74,9 @@ def test_deleting_a_student_removes_all_traces_and_keeps_the_other_students(tmp_
     assert files_containing(course, "/ada/", "ada.html", '"ada"') == []
     with gradebook.open_gradebook(course) as book:
         assert [student.id for student in book.students] == ["bob"]
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)  # must not add the student again
+    enter_verdicts(
+        course, verdicts(course), [STAGE], quiet
+    )  # grading again must not add the student again
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
     assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()

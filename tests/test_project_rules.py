@@ -1,4 +1,4 @@
-"""The structure of the project itself."""
+"""The modules of the project have the documented structure."""
 
 import ast
 import os
@@ -13,12 +13,12 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES
 from tests import mutants
 
-# Layers of the grader from bottom to top; a layer imports only from itself and those below.
+# Layers of the grader from bottom to top; a layer imports only from itself and lower layers.
 LAYERS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
 
 
 def imported_by(path):
-    """Yield the dotted names of all imports in a file."""
+    """Yield the dotted names of all modules that a file imports."""
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -38,7 +38,7 @@ def test_no_layer_of_the_grader_imports_from_a_higher_layer(room):
 
 
 def imports_within(root, folders):
-    """Return for each module in some folders the modules among them that it imports anywhere."""
+    """Return the modules in some folders, each with the modules among them that it imports."""
     files = {
         ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
         for folder in folders
@@ -82,7 +82,7 @@ def test_a_cycle_is_found_wherever_the_import_is(line, tmp_path):
 
 
 def test_sandboxes_are_objects_and_not_names():
-    """The grader never compares the name of a sandbox, so that all sandboxes are used alike."""
+    """The grader never compares the name of a sandbox, so it treats all sandboxes alike."""
     for path in (PROJECT / "grader").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Compare):
@@ -91,7 +91,7 @@ def test_sandboxes_are_objects_and_not_names():
 
 
 def test_tests_that_only_make_proof_runs_in_full_exist(request):
-    """Every name in `A_FEW_OF_MANY` exists, because a renamed test would run in full everywhere."""
+    """Every name in `A_FEW_OF_MANY` exists; otherwise a renamed test would always run in full."""
     conftest = next(
         plugin
         for plugin in request.config.pluginmanager.get_plugins()
@@ -106,8 +106,8 @@ def test_tests_that_only_make_proof_runs_in_full_exist(request):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("processes", [0, 2])
-def test_a_test_that_stands_still_is_named(processes, tmp_path):
-    """The run also ends; `make test` uses the same settings with a longer timeout."""
+def test_a_hanging_test_is_named(processes, tmp_path):
+    """The run also ends. `make test` uses the same settings with a longer timeout."""
     (tmp_path / "test_still.py").write_text(
         "import threading, pytest\n"
         "def test_still(): threading.Lock().acquire() and threading.Event().wait()\n"

@@ -1,4 +1,4 @@
-"""The judge's rules for proving that an answer has a single slip, tested with stand-ins."""
+"""The judge proves that an answer has a single slip by strict rules, tested with stand-ins."""
 
 import functools
 import itertools
@@ -53,7 +53,7 @@ FAILED = outcomes_of("line_through", FAIL)
 
 @pytest.fixture
 def tried(monkeypatch):
-    """List of the calls of `find_repair`, which is replaced and never finds a repair."""
+    """Return a list of the calls of `find_repair`, whose replacement never finds a repair."""
     found = []
 
     def find_repair(setting, program, exercise, failed, likeliest):
@@ -136,7 +136,7 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
         (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
         (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
     ]
-    # Answers given with a wrong helper do not explain answers given with a right one.
+    # Answers that a function gives with a wrong helper do not explain its answers with a right one.
     carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
     assert repair.find_slips(SETTING, HANDED_IN, run, carried) == {}
 
@@ -152,14 +152,15 @@ def test_an_edit_is_preferred_to_a_named_mistake(monkeypatch):
 # ---- which edits pass the failed checks ---------------------------------------------------------
 
 
-class Edited:
-    """Stand-in for a student whose failures are given in advance, without an edit and with each.
+class EditedStudent:
+    """A stand-in for a student with predefined failures, without an edit and with each edit.
 
     Parameters
     ----------
     fails : list of str
-        What fails before any edit, and with edit 0, 1, …, as letters: "e" for the edit itself, "a"
-        and "b" for two visible checks, "x" and "y" for two hidden tests. A capital letter hangs.
+        The failures without an edit, then with edit 0, 1, …, as letters: "e" for the edit itself,
+        "a" and "b" for two visible checks, "x" and "y" for two hidden tests. A capital letter
+        means that the call hangs.
     seconds : float
         Processor seconds for each edit that is tried.
     stops : bool
@@ -211,14 +212,14 @@ class Edited:
             self.budget.add_failed_seconds(self.exercise, 0.3)
             raise FAIL
 
-    def questions(self, letters):
+    def calls(self, letters):
         return tuple(functools.partial(self.answer, letter) for letter in letters)
 
     def hidden(self, lesson, student, seed, failed):
         assert (lesson, student, seed) == (LINE, self, 1)
         self.failed_seconds.append(self.budget.failed_seconds.get(self.exercise, 0.0))
         self.hidden_made += 1
-        return self.questions("xy")
+        return self.calls("xy")
 
 
 @pytest.fixture
@@ -236,7 +237,7 @@ def passing(monkeypatch):
         likeliest=repair.LIKELIEST_EDITS,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
-        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.questions(shown))
+        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(shown))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
         # The judge's own process uses as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
@@ -253,65 +254,65 @@ def passing(monkeypatch):
 
 
 def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
-    student = Edited(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
+    student = EditedStudent(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
     assert passing(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
     assert (student.program, student.counted_as) == (HANDED_IN, "line_through")
     # Calls that hang with an edit must not count against the answer without the edit.
     assert student.exercise not in ("line_through", "")
-    assert passing(Edited(["xy", "x", ""]), shown="") == [1]
+    assert passing(EditedStudent(["xy", "x", ""]), shown="") == [1]
 
 
 def test_hidden_tests_are_made_only_if_visible_checks_pass(passing):
-    student = Edited(["abxy", "a", "b", "e"])
+    student = EditedStudent(["abxy", "a", "b", "e"])
     assert passing(student) == [] and student.hidden_made == 0
 
 
 def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing):
-    student = Edited(["abxy", "B", "x", "X", "y", "Y", ""])
+    student = EditedStudent(["abxy", "B", "x", "X", "y", "Y", ""])
     assert passing(student) == [2, 4, 5]
 
 
 def test_an_answer_that_passes_when_repeated_gets_no_edits(passing):
-    student = Edited(["bxy", "", ""])
+    student = EditedStudent(["bxy", "", ""])
     assert passing(student) == [] and student.tried == 0
-    assert passing(Edited(["axy", ""])) == [0]  # only the first check is repeated
+    assert passing(EditedStudent(["axy", ""])) == [0]  # only the first check is repeated
 
 
 def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing):
-    student = Edited(["y", "", ""])
+    student = EditedStudent(["y", "", ""])
     assert passing(student, shown="") == [] and student.tried == 0
 
 
 def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passing):
-    student = Edited(["abxy", "a", "bx", "A", "b", "A", ""])
+    student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing(student) == [5]
     long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
     assert short < long / 5
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
-    # The first value is the answer without an edit.
+    # The first value belongs to the answer without an edit.
     assert first_times == [long, long, long, long, short, short, short]
     assert {seconds for letter, seconds in student.given if letter in "bxy"} == {long}
     # If the answer itself hangs, most of its edits hang as well.
-    student = Edited(["Abxy", "A", ""])
+    student = EditedStudent(["Abxy", "A", ""])
     assert passing(student) == [1]
     assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
 
 
 def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypatch):
-    student = Edited(["abxy", "a", "b", "b", ""])
+    student = EditedStudent(["abxy", "a", "b", "b", ""])
 
     @once
     def passes_b(function):
         if "b" in student.now:
             raise FAIL
 
-    monkeypatch.setattr(student, "questions", lambda letters: [lambda: passes_b(student)])
+    monkeypatch.setattr(student, "calls", lambda letters: [lambda: passes_b(student)])
     student.__name__ = "line_through"
     assert passing(student) == [0, 3]
 
 
-def test_interrupted_calls_hang_and_raised_exceptions_do_not():
+def test_interrupted_calls_count_as_hanging_and_raised_exceptions_do_not():
     name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
     assert repair._was_stopped(StudentError("f", name))
     assert repair._was_stopped(StudentStopped("It is gone."))
@@ -333,20 +334,20 @@ def test_a_hang_is_recognised_inside_a_checks_own_failure():
 
 
 def test_only_three_passing_edits_are_judged(passing):
-    student = Edited(["abxy", "", "a", "", "", "", ""])
+    student = EditedStudent(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
 
 
 def test_an_unchanged_released_cell_is_not_edited(passing, monkeypatch):
     given = next(cell for cell in cells_as_released(LINE) if cell.kind == "code")
     monkeypatch.setitem(globals(), "HANDED_IN", Program((given.source, "x = 1"), ()))
-    student = Edited(["abxy", "", "", ""])
+    student = EditedStudent(["abxy", "", "", ""])
     student.edits = [(cell, number, number, "") for number, cell in enumerate((1, 2, 1))]
     assert passing(student) == [1] and student.tried == 1
 
 
 def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
-    student = Edited(["abxy", "", "", "", "", ""])
+    student = EditedStudent(["abxy", "", "", "", "", ""])
     assert passing(student, failed=outcomes_of("line_through", *RAISED)) == [3, 0, 1]
 
 
@@ -366,18 +367,20 @@ def test_raising_lines_include_the_line_of_the_call():
         (0.0, 400),
         (0.002, 400),  # 1.6 s
         (0.01, 320),  # 6.4 s
-        (0.05, 176),  # 16 s are over after 160 edits, which is seen after 16 more
+        (0.05, 176),  # 16 s are over after 160 edits; the time is checked 16 edits later
     ],
 )
-def test_the_likeliest_edits_all_get_their_turn(passing, seconds, tried):
-    student = Edited(["abxy"] * 401, seconds)  # plus the same time in the judge
+def test_edits_are_tried_until_the_time_is_over(passing, seconds, tried):
+    student = EditedStudent(["abxy"] * 401, seconds)  # plus the same time in the judge
     assert passing(student) == [] and student.tried == tried
 
 
-def test_where_a_mark_cannot_change_only_the_first_seconds_count(passing, monkeypatch):
-    student = Edited(["abxy"] * 401, 0.01)
+def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
+    student = EditedStudent(["abxy"] * 401, 0.01)
     passing(student, likeliest=0)
-    assert student.tried == 112  # 0.02 s for each of 100 edits, which is seen after some more
+    assert (
+        student.tried == 112
+    )  # 0.02 s for each of 100 edits; the time is checked only after some more
     given = []
     monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
     for passed in (1, 2):
@@ -388,12 +391,12 @@ def test_where_a_mark_cannot_change_only_the_first_seconds_count(passing, monkey
 
 def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
-    student = Edited(["abxy"] * 200, 1.3)  # plus the same time in the judge
+    student = EditedStudent(["abxy"] * 200, 1.3)  # plus the same time in the judge
     assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 7
 
 
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
-    student = Edited(["abxy", ""])
+    student = EditedStudent(["abxy", ""])
     passing(student)
     limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_RESTARTS)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
@@ -403,12 +406,12 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = Edited(["abxy"] * 100, slept=0.56)  # nine seconds between two time checks
+    student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds between two time checks
     assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     assert student.budget is budget
     assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
-    # Time that is spent between edits, such as judging one completely, does not count.
-    student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
+    # Time that is spent between edits, for example to judge one completely, does not count.
+    student = EditedStudent(["abxy", *["", "a"] * 40], slept=0.01)
 
     def judge_it():
         budget.seconds -= 5
@@ -419,13 +422,13 @@ def test_edits_use_the_notebooks_remaining_time(passing):
 
 def test_wall_clock_time_ends_the_search_in_any_case(passing):
     clock = itertools.count(100.0)
-    student = Edited(["abxy"] * 200)
+    student = EditedStudent(["abxy"] * 200)
     assert passing(student, clock=lambda: next(clock)) == []
     assert 10 < student.tried < repair.MOST_SECONDS
 
 
 def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):
-    student = Edited(["abxy", "x", "e", "x", "a", ""])
+    student = EditedStudent(["abxy", "x", "e", "x", "a", ""])
     assert passing(student) == [4] and student.failed_seconds == [0.0]
 
 
@@ -440,7 +443,7 @@ def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
 
 
 def test_a_notebook_that_does_not_start_has_no_edits(passing):
-    assert passing(Edited(["abxy", ""], stops=True)) == []
+    assert passing(EditedStudent(["abxy", ""], stops=True)) == []
 
 
 def test_edits_that_end_a_loop_come_first_after_a_hang():
@@ -481,23 +484,23 @@ PROGRAM = Program(("import numpy", CELL, "fifth\nsixth"), ("line_through",))
 def judged_as(monkeypatch):
     """Return a function that searches for a repair, given the results of the runs with edits.
 
-    It returns the repair and a list of the runs.
+    The function returns the repair and a list of the runs.
     """
 
     def judged_as(*tries):
-        asked, waiting = [], list(tries)
+        runs, waiting = [], list(tries)
 
-        def ask(setting, program, wanted, keep_going):
+        def run(setting, program, wanted, keep_going):
             assert not keep_going  # the first failure already disproves an edit
             names = ("line", "line_through", "ransac_line")
             checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
-            asked.append((program.cells, [check.exercise for check in checks if wanted(check)]))
+            runs.append((program.cells, [check.exercise for check in checks if wanted(check)]))
             return waiting.pop(0)
 
-        edits = [(2, 2, 3, "mended"), (2, 1, 1, "1st\nhalf"), (2, 4, 4, "4th"), (3, 2, 2, "6th")]
-        monkeypatch.setattr(repair, "run_program", ask)
+        edits = [(2, 2, 3, "fixed"), (2, 1, 1, "1st\nhalf"), (2, 4, 4, "4th"), (3, 2, 2, "6th")]
+        monkeypatch.setattr(repair, "run_program", run)
         monkeypatch.setattr(repair, "_passing_edits", lambda *about: iter(edits))
-        return repair.find_repair(SETTING, PROGRAM, "".join(["line_", "through"]), ()), asked
+        return repair.find_repair(SETTING, PROGRAM, "".join(["line_", "through"]), ()), runs
 
     return judged_as
 
@@ -507,7 +510,7 @@ RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failu
 
 def test_the_first_edit_that_loses_nothing_is_the_repair(judged_as):
     found, runs = judged_as(RIGHT)
-    assert found == repair.Repair(2, 2, "second\nthird", "mended")
+    assert found == repair.Repair(2, 2, "second\nthird", "fixed")
     cells_after = ("import numpy", "first\nmended\nfourth", "fifth\nsixth")
     assert runs == [(cells_after, ["line_through"])]
     found, runs = judged_as(WRONG, RIGHT)
@@ -526,7 +529,7 @@ def test_a_run_with_a_fault_proves_nothing(judged_as):
 
 
 class FakeStudent:
-    """Stand-in for a student whose `line_through` is this function, with two other functions."""
+    """A stand-in for a student with this function as `line_through`, and two other functions."""
 
     def __init__(self, function):
         self.line_through, self.helper, self.plane = function, print, len
@@ -545,9 +548,9 @@ OTHERS = [Check("check", name, "a title", "a hint") for name in ("line", "ransac
 
 @pytest.fixture
 def explains(monkeypatch):
-    """Return a function that tells whether a mistake explains the answers of a function.
+    """Return a function that says whether a mistake explains the answers of a function.
 
-    The right answer to a question is the number itself.
+    The right answer to a call is the number itself.
     """
 
     def explains(function, mistaken, lost, played=True, same=operator.eq):
@@ -592,7 +595,7 @@ def doubled(number, scale):
 
 
 def half_without_sign(number, scale):
-    """Return a wrong answer to the same question as `without_sign`, but a different one."""
+    """Give a wrong answer to the same call as `without_sign`, but a different one."""
     return abs(number) + (number < 0)
 
 
@@ -615,7 +618,7 @@ def right(number, scale):
 
 
 def nearly(first, second):
-    """Return whether two numbers are close, even if a check distinguishes them."""
+    """Return whether two numbers are close, even if a check would distinguish them."""
     return abs(first - second) < 20
 
 
@@ -636,10 +639,10 @@ def test_a_mistake_without_a_player_explains_nothing(explains):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("10_accelerated_clustering")  # the scenes take seconds to make
+@pytest.mark.xdist_group("10_accelerated_clustering")  # creating the scenes takes seconds
 @pytest.mark.parametrize("step", [4, 1], ids=["some", "all"])
-def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
-    """The judge itself runs the mistake, even on dense clouds of 20 000 points."""
+def test_every_known_mistake_runs_within_seconds(step):
+    """The judge runs the mistakes in its own process, even on dense clouds of 20 000 points."""
     exercise = "euclidean_clustering_accelerated"
     lesson = lesson_of(exercise)
     right = vars(load_reference(lesson.name))
@@ -650,7 +653,9 @@ def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be(step):
         start = time.process_time()
         student = student_with(lesson, {**right, exercise: imitation.call})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
-        assert time.process_time() - start < 20, mistake.says  # seconds; each took 45 or more once
+        assert time.process_time() - start < 20, (
+            mistake.says
+        )  # seconds; each mistake once took 45 or more
 
 
 def test_the_solution_is_the_lessons_own_and_is_loaded_once():
@@ -677,7 +682,7 @@ def test_a_slip_never_reduces_the_score(earned):
     ],
 )
 def test_a_verdict_reports_a_proven_slip(proven, kept):
-    """The slip keeps three of five points, and all failed checks get the same reason."""
+    """The slip keeps three of five points, and all failed checks have the same reason."""
     exercise = next(graded for graded in LINE.machine_graded if graded.name == "line_through")
     run = RunResults(outcomes_of("line_through", None, None, FAIL, CheckFailed("nor here")))
     result = results.result_of(exercise, run, None, proven)

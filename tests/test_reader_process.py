@@ -1,4 +1,4 @@
-"""Work in a child process returns a result, or an error with the reason in one sentence."""
+"""Work in a child process returns a result, or raises an error with the reason in one sentence."""
 
 import json
 import os
@@ -47,7 +47,7 @@ def sleep_long():
 
 
 def fail():
-    raise RuntimeError("a fault of ours")
+    raise RuntimeError("a fault of the grader")
 
 
 def refuse():
@@ -88,7 +88,7 @@ def test_a_child_without_an_answer_is_given_up_after_a_while(work, short_limits)
 
 
 def test_an_error_in_the_grader_is_not_reported_as_unreadable_file():
-    with pytest.raises(reader_process.ReadingFailed, match="RuntimeError: a fault of ours"):
+    with pytest.raises(reader_process.ReadingFailed, match="RuntimeError: a fault of the grader"):
         reader_process.run_in_child("file.ipynb", fail)
 
 
@@ -122,10 +122,10 @@ def test_no_open_files_or_processes_are_left(short_limits):
     assert children() <= children_before
 
 
-def test_the_child_holds_no_files_of_the_judge_open():
-    """The child holds no pipe of the judge, so that a reader sees the end when the judge ends."""
+def test_the_child_has_no_files_of_the_judge_open():
+    """The child has no pipe of the judge open, so a pipe's reader notices when the judge ends."""
     pipes = [os.pipe() for _ in range(2)]
-    os.close(pipes[0][0])  # gives the child's own pipe a lower number than the other pipes
+    os.close(pipes[0][0])  # the child's own pipe gets a lower number than the other pipes
     open_numbers = reader_process.run_in_child(
         "file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")]
     )
@@ -191,11 +191,11 @@ def test_the_reply_limit_fits_the_largest_file_and_the_memory():
 
 
 def test_a_busy_machine_has_enough_time():
-    """Six seconds of work took two minutes next to processes of higher priority."""
+    """Six seconds of work once took two minutes next to processes with a higher priority."""
     assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
-def test_which_exit_codes_mean_too_costly():
+def test_exit_codes_of_exceeded_limits_mean_too_costly():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
         assert reader_process._excess(code, b"") == ""
     assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"
@@ -208,7 +208,7 @@ def test_which_exit_codes_mean_too_costly():
 
 
 class Pipe:
-    """Replacement for `select.poll` and `os.read` for a pipe that delivers these parts."""
+    """A replacement for `select.poll` and `os.read`; its pipe delivers these parts."""
 
     def __init__(self, monkeypatch, parts, times=(100.0,)):
         self.parts, self.waited, self.sizes = list(parts), [], []

@@ -1,4 +1,4 @@
-"""Commands, options, targets and links in the READMEs and guides exist."""
+"""The commands, options, targets and links in the READMEs and guides exist."""
 
 import argparse
 import importlib.util
@@ -48,7 +48,7 @@ def commands(readme, program):
 
 
 def anchors(text):
-    """Yield the anchors of a text's headings, to which links may point."""
+    """Yield the anchors of a text's headings, which links may point to."""
     for heading in re.findall(r"^#+ (.+)$", FENCED.sub("", text), re.M):
         yield re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
 

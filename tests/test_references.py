@@ -1,4 +1,4 @@
-"""The reference solutions are right in cases that hidden tests do not cover."""
+"""The solutions are also right in cases that hidden tests do not cover."""
 
 import time
 
@@ -43,7 +43,7 @@ def test_voxel_grid_of_the_whole_scan(ground):
     thinned = ground.voxel_grid(cloud, 0.2)
     cells = {tuple(cell) for cell in np.floor(cloud[:, :3] / 0.2).astype(int).tolist()}
     assert len(thinned) == len(cells)
-    # Centroids stay in their cells, and if all points share a cell, the result is their mean.
+    # Centroids stay in their cells. If all points share a cell, the result is their mean.
     assert {tuple(cell) for cell in np.floor(thinned[:, :3] / 0.2).astype(int).tolist()} <= cells
     assert np.allclose(
         ground.voxel_grid(cloud[cloud[:, 0] > 0][:, [0, 0, 0]] % 1.0, 5.0),
@@ -73,13 +73,13 @@ def test_only_points_closer_than_the_threshold_are_joined(cluster):
     assert cluster(pair, np.nextafter(0.5, 1)).tolist() == [1, 1]
 
 
-def test_points_with_nan_are_clusters_of_their_own(cluster):
+def test_points_with_nan_are_separate_clusters(cluster):
     cloud = np.array([[0.0, 0, 0], [np.nan, 0, 0], [0.1, 0, 0], [np.nan, 0, 0]])
     assert cluster(cloud, 0.5).tolist() == [1, 2, 1, 3]
 
 
 @pytest.mark.slow
-def test_real_frame_goes_through_the_references(real_clouds, ground, cluster):
+def test_the_references_process_a_real_frame(real_clouds, ground, cluster):
     cloud = read_cloud(real_clouds / "kitti_000008.bin")
     start = time.perf_counter()
     obstacles = ground.filter_ground(cloud, -1.4)

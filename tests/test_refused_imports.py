@@ -14,7 +14,7 @@ from utils.checks.core import ChecksFailed
 
 FIVE = ("05_euclidean_clustering", "euclidean_clustering")
 TEN = ("10_accelerated_clustering", "euclidean_clustering_accelerated")
-# Answers to lesson 05 in which a library does the clustering, in several notations.
+# Answers to lesson 05 in which a library does the clustering, written in several ways.
 CLUSTERING_LIBRARIES = {
     "scikit-learn": """
 from sklearn.cluster import DBSCAN
@@ -86,7 +86,7 @@ def NAME(cloud, threshold=0.5):
 
 
 def growing_answer(imported, prepare, neighbours):
-    """Return an answer to lesson 05 that grows clusters from neighbours found by an expression."""
+    """Return an answer to lesson 05 that grows clusters, with an expression for the neighbours."""
     source = GROWING.replace("IMPORT", imported).replace("PREPARE", prepare)
     return source.replace("NEIGHBOURS", neighbours)
 
@@ -94,7 +94,7 @@ def growing_answer(imported, prepare, neighbours):
 BELOW = "np.nextafter(threshold, 0)"
 QUERY = f"tree.query_radius(points[[waiting.pop()]], {BELOW})[0]"
 DISTANCES = "np.linalg.norm(points - points[waiting.pop()], axis=1)"
-# Neighbour searches are allowed, although these libraries import forbidden modules internally.
+# Neighbour searches are allowed, although their libraries import forbidden modules internally.
 SEARCHES = {
     "scikit-learn's tree": growing_answer(
         "from sklearn.neighbors import KDTree", "tree = KDTree(points)", QUERY
@@ -118,7 +118,7 @@ SEARCHES = {
         f"np.flatnonzero({DISTANCES} < threshold)",
     ),
 }
-# Answers that reach a forbidden module through another library, and the module of the message.
+# Answers that use a forbidden module through another library, with the module in the message.
 INDIRECT_IMPORTS = {
     "a name in a library": (
         growing_answer(
@@ -153,7 +153,7 @@ INDIRECT_IMPORTS = {
         ),
         "sklearn.cluster",
     ),
-    "the modules there are": (
+    "the loaded modules": (
         growing_answer(
             "import sys\nimport sklearn.mixture",
             "tools = sklearn.mixture and sys.modules['sklearn.cluster']\n"
@@ -199,7 +199,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_05(way, sandbox, tmp_p
     assert "not allowed in this lesson" in output and "[passed]" not in output
     score, reasons = score_of(*FIVE, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in reasons
-    assert "spelt" not in reasons, "a name that is refused is no typing mistake"
+    assert "spelt" not in reasons, "a refused name is not a typing mistake"
 
 
 @pytest.mark.slow
@@ -212,8 +212,8 @@ def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", INDIRECT_IMPORTS)
-def test_what_a_library_holds_is_refused_in_05(way, sandbox, tmp_path, capsys):
-    """Both the first `check`, during which libraries are imported, and the next one refuse it."""
+def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_path, capsys):
+    """Both the first `check`, which imports libraries, and the second one refuse the answer."""
     source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
     for _ in range(2):
@@ -235,7 +235,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_p
 @pytest.mark.slow
 @pytest.mark.parametrize("way", GRAPH_COMPONENTS)
 def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
-    """They list all pairs and lose points for the time this takes, but they are not refused."""
+    """The answers list all pairs and lose points for taking too long, but are not refused."""
     output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
     assert "not allowed" not in output
     assert "[passed] Finds the only close pair of points in two crowded cells" in output
@@ -244,7 +244,7 @@ def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
 
 
 def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
-    """The lesson's plan, with `components` from a cell above the exercise, passes."""
+    """Test the lesson's plan, with `components` from a cell above the exercise."""
     lesson = find_lesson(TEN[0])
     plan = next(answer.source for answer in answers_to(TEN[1]) if answer.right)
     path = tmp_path / f"{lesson.name}.ipynb"
@@ -278,7 +278,7 @@ NOTED_CHANGES = {
 
 @pytest.mark.parametrize("lesson_name, name", [FIVE, TEN])
 @pytest.mark.parametrize("change", NOTED_CHANGES)
-def test_what_costs_no_points_is_a_note(lesson_name, name, change, capsys):
+def test_deviations_that_cost_no_points_are_notes(lesson_name, name, change, capsys):
     source, titles = NOTED_CHANGES[change]
     space = {"right": getattr(load_reference(lesson_name), name), "__name__": "__main__"}
     exec(source.replace("NAME", name), space)

@@ -1,4 +1,4 @@
-"""Lessons are discovered from their file names, headers and cells."""
+"""Lessons are found by their file names, headers and cells."""
 
 import dataclasses
 import json
@@ -48,7 +48,7 @@ TEST = {
     "points": 7,
     "solution": False,
 }
-# A lesson as the author guide describes it: a folder and a file of checks, without any list.
+# A lesson as in the author guide: a folder and a module of checks, without an entry in any list.
 TOY = {
     "solutions/stage4_realtime/14_toy/lesson.py": """\
 # ---
@@ -169,7 +169,7 @@ for variant in answers_to("highest"):
 
 @pytest.fixture(scope="module")
 def project_copy(tmp_path_factory):
-    """Return the path of a copy of the project with a lesson 14 added."""
+    """Return the path of a copy of the project with an additional lesson 14."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("extension", "grader", "utils", "solutions", "notebooks", "data"):
         shutil.copytree(
@@ -199,7 +199,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_lesson_is_added_by_its_two_places(project_copy, sandbox):
+def test_a_lesson_is_added_with_a_folder_and_a_module_of_checks(project_copy, sandbox):
     guide = (PROJECT / "docs" / "authors.md").read_text("utf-8")
     listed_paths = {
         path.replace("stage4_realtime", "<stage>")
@@ -245,7 +245,7 @@ def test_a_lesson_is_added_by_its_two_places(project_copy, sandbox):
 
 @pytest.fixture
 def registry(tmp_path, monkeypatch):
-    """Return a function that writes lessons from texts by path and returns the course's faults."""
+    """Return a function that writes lessons from texts by path, and returns the course's faults."""
 
     def make(sources):
         for path, text in sources.items():
@@ -304,12 +304,12 @@ def test_a_course_with_faults_is_not_built(monkeypatch, capsys):
 
 
 def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
-    """A process judges many lessons, so checks of one lesson would also count in the other."""
+    """A process judges many lessons, so the checks of one would also count in the other."""
     monkeypatch.setattr(core, "_CHECKS", {})
 
     def declare(lesson, exercise):
         def finds_it(function):
-            """Belong to a lesson through `__module__`."""
+            """Check nothing; `__module__` is set to a lesson below."""
 
         finds_it.__module__ = f"utils.checks.{lesson}"
         core.visible(exercise, title="Finds it", why="", hint="")(finds_it)
@@ -323,12 +323,12 @@ def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
 
 
 def test_every_answer_claims_existing_checks(lesson):
-    """A misspelt check in an answer's claims would otherwise only show when it is judged."""
+    """Otherwise a misspelt check in an answer's claims would be noticed only during judging."""
     hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
     for exercise in lesson.machine_graded:
         known = hidden | {check.name for check in checks_of(exercise.name)}
         for answer in answers_to(exercise.name):
-            for claim in answer.loses:  # the beginning of a name, perhaps with a parameter
+            for claim in answer.loses:  # the start of a name, perhaps with a parameter
                 prefix = claim.partition("[")[0]
                 assert any(name.startswith(prefix) for name in known), f"{answer.name}: {claim}"
 
@@ -366,7 +366,7 @@ def test_the_header_contains_the_lessons_rules():
 
 
 def test_jupyterlab_keeps_the_header(tmp_path):
-    """JupyterLab opens a lesson's source through jupytext, and saves it through jupytext."""
+    """JupyterLab opens and saves a lesson's source through jupytext."""
     source = find_lesson("04_kd_tree").source
     shutil.copy(PROJECT / "pyproject.toml", tmp_path)
     saved = tmp_path / source.name

@@ -1,4 +1,4 @@
-"""Releases for students: zips that run, notebooks through nbgrader, and solutions."""
+"""Releases for students work: zips, notebooks through nbgrader, and solutions."""
 
 import io
 import json
@@ -110,7 +110,7 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
         for package in packages
         if package in distributions()
     }
-    # Windows and films are optional.
+    # Windows for 3D scenes and films are optional.
     extra = own_pins("requirements-3d.txt").keys() | {"vtk"}
     assert needed - extra <= pins.keys()
     assert {"jupyterlab", "ipykernel"} <= pins.keys()
@@ -144,7 +144,7 @@ def test_a_zip_runs_in_any_folder(zips, tmp_path, monkeypatch):
 
 
 def exchange(root, folder):
-    """Return nbgrader's exchange factory and its arguments for a course or a student's folder."""
+    """Return nbgrader's exchange factory and its arguments for a course's or student's folder."""
     config = configure(Config(), folder)
     config.Exchange.root = str(root)
     config.CourseDirectory.assignment_id = STAGE
@@ -154,7 +154,7 @@ def exchange(root, folder):
 
 @pytest.fixture
 def fetched(tmp_path, monkeypatch):
-    """Folder of a fetched stage, with one notebook that does not belong to the course."""
+    """Return the folder of a fetched stage, with one notebook that is not part of the course."""
     course, student = tmp_path / "course", tmp_path / "student"
     source = course / "notebooks" / STAGE
     source.mkdir(parents=True)
@@ -208,7 +208,7 @@ def test_the_message_lists_the_students_who_may_still_submit():
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
-        {"": late, "bo": late},  # dates of the file take precedence over these
+        {"": late, "bo": late},  # dates in the file take precedence over these
     )
     assert message == (
         "stage3_obstacles is still open for section B until 12 October 2026, 15:00 CEST, "
@@ -234,7 +234,7 @@ def test_a_stage_without_a_due_date_may_be_open():
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Folder of an empty course; running solutions and making pages are replaced."""
+    """Return the folder of an empty course; solutions are not run and pages are not rendered."""
     monkeypatch.setattr(
         runs, "executed_notebook", lambda lesson, folder, extra: lesson.solved.read_bytes()
     )

@@ -1,4 +1,4 @@
-"""An answer that one edit makes right keeps most of its points."""
+"""An answer that a single edit makes right keeps most of its points."""
 
 import json
 import statistics
@@ -87,7 +87,7 @@ def test_a_slip_keeps_three_fifths_of_the_points_and_names_its_line(sandbox, tmp
     assert f"line {line.slip.line} " in line.slip.sentence
     write_verdict(verdict, tmp_path / "verdict.json")
     assert read_verdict(tmp_path / "verdict.json") == verdict
-    # Students see the place of the slip, but not the correction.
+    # Students see where the slip is, but not the correction.
     published = verdict.as_dict()["exercises"][0]["slip"]
     assert published == {"cell": line.slip.cell, "line": line.slip.line, "score": 3.0}
     assert line.slip.sentence in score_output(line)["data"]["text/html"]
@@ -102,15 +102,15 @@ def test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks(sandbox):
     assert line.score == sum(test.score for test in line.tests) < 3
 
 
-def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
+def test_a_slip_in_the_students_own_helper_is_a_slip(sandbox):
     _, exercises = judge_with(sandbox, line_through=BAD_HELPER)
     assert exercises["line_through"].score == 3.0
-    # The helper may be repaired by a quarter turn in either direction.
+    # A quarter turn in either direction repairs the helper.
     assert exercises["line_through"].slip.before in BAD_HELPER[: BAD_HELPER.index("def line")]
 
 
-def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
-    """Calls that hang are interrupted, and the process goes on."""
+def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypatch):
+    """Calls that hang are interrupted, and the process continues."""
     started, tried = [], []
     start, hold_with = type(sandbox).start, repair._FailedChecks.pass_with
 
@@ -130,7 +130,7 @@ def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
     assert len(tried) > 10 and len(started) < 10 + len(tried) / 4
 
 
-def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):
+def test_the_caller_of_a_wrong_function_can_also_be_repaired(sandbox):
     """The search uses a right helper instead of the wrong one."""
     wrong = solution_of("ransac_line").replace("max_iterations)", "max_iterations - 1)", 1)
     assert wrong != solution_of("ransac_line")
@@ -145,7 +145,7 @@ def drop_invalid(cloud):
     rows = finite[:, 0] & finite[:, 1] & finite[:, 2]
     return cloud[rows]
 """
-# Like the answer above, but duplicate rows are also dropped.
+# Like the answer above, but this answer also drops duplicate rows.
 ALSO_UNIQUE = KEEPS_LOST.replace("return cloud[rows]", "return np.unique(cloud[rows], axis=0)")
 DROPS_NOTHING = "def drop_invalid(cloud):\n    return cloud.copy()"
 
@@ -169,10 +169,10 @@ def test_a_random_answer_earns_no_more_than_its_wrong_half(sandbox, otherwise):
     """A random answer earns no more than an answer that is always wrong in the same way.
 
     Each edit that repairs the random answer also repairs the wrong one, which does not depend on
-    luck.
+    chance.
     """
     earned = []
-    # Luck alone earns a single random answer more now and then, so the median of five counts.
+    # By chance, a single random answer sometimes earns more, so the median of five counts.
     for heads in (*["np.random.default_rng().random() < 0.5"] * 5, "False", "True"):
         text = RANDOM_ANSWER.format(heads=heads, otherwise=otherwise)
         _, exercises = judge_with(sandbox, line_through=text)

@@ -1,4 +1,4 @@
-"""The report about a class, and its version without names."""
+"""The report shows the results of a class; its second version has no names."""
 
 import base64
 import dataclasses
@@ -149,7 +149,7 @@ def test_students_with_the_same_name_are_shown_with_their_ids(tmp_path):
 
 def test_submission_times_are_in_the_courses_time_zone(tmp_path):
     submitted_at = datetime(2026, 7, 1, 22, 30, tzinfo=UTC)
-    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=submitted_at)
+    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, submitted_at=submitted_at)
     (tmp_path / "deadlines.toml").write_text('timezone = "Europe/Berlin"\n')
     page = report(tmp_path, [], class_of([result("ada", MARKED, 1.0)], [stage]))
     assert "submitted 02 July 2026, 00:30 CEST" in page
@@ -260,7 +260,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
 
 
 def scores_and_passes(number):
-    """Return scores in other checks, all different, and whether each student passes a check.
+    """Return different scores in other checks, and whether each student passes a check.
 
     Students with a high score are more likely to pass.
     """
@@ -350,7 +350,7 @@ def test_only_the_reports_own_script_runs(tmp_path):
     assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), "needs nothing"
 
 
-# Texts that identify a student or come from one; the page without names must not contain them.
+# Texts that identify a student or that a student wrote; the page without names has none of them.
 SECRET = (
     "whostudent",
     "firstname",
@@ -402,7 +402,7 @@ def test_the_page_without_names_contains_no_personal_data(tmp_path):
         stages.append(
             StageResult(
                 own["whostudent"], STAGE, MARKED, 20.0, 30.0,
-                handed_in=datetime(2031, 1, 1, tzinfo=UTC), undecided=own["undecidedtext"],
+                submitted_at=datetime(2031, 1, 1, tzinfo=UTC), undecided=own["undecidedtext"],
             )
         )  # fmt: skip
     named = report(
@@ -424,7 +424,7 @@ def test_the_page_without_names_omits_lessons_with_few_submissions(tmp_path):
     few = [verdict(f"s{n}", [check(False)], "No.", SEVEN) for n in range(MIN_SUBMISSIONS - 1)]
     report(tmp_path, [*enough, *few])
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
-    assert page.count(SEVEN.name) == 1, "where it is said that it is left out"
+    assert page.count(SEVEN.name) == 1, "only in the sentence about omitted lessons"
     assert f"0 of {MIN_SUBMISSIONS}" in page and f"{MIN_SUBMISSIONS - 1}" not in re.findall(
         r"of (\d)", page
     )

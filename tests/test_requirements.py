@@ -1,4 +1,4 @@
-"""The requirement files list all imports of the code they are for, in the same versions."""
+"""Each requirements file lists all imports of its code, and all files pin the same versions."""
 
 import ast
 import functools
@@ -11,7 +11,7 @@ from packaging.requirements import Requirement
 
 from grader.course.paths import PROJECT
 
-# Requirements for running the code below a path; the longest matching path applies.
+# The requirements file for the code below a path; the longest matching path applies.
 NEEDED_BY = {
     "utils/": "requirements.txt",
     "utils/films/writers.py": "requirements-3d.txt",
@@ -31,18 +31,18 @@ FILES = (
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
 OWN_PACKAGES = {"extension", "grader", "utils", "tests"} | INSIDE
-# Optional packages, used if installed: libraries that a benchmark compares, and lesson 13's numba.
+# Optional packages that are used if installed: libraries in benchmarks, and lesson 13's numba.
 PEERS = {"dbscan", "open3d", "numba"}
 BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .ci/hub creates
 
 
 def normal(name):
-    """Return the name of a distribution in PyPI's normalised form."""
+    """Return the normalised name of a distribution on PyPI."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def own_pins(file):
-    """Return the versions that a file itself pins, by distribution."""
+    """Return the versions that a file itself pins by distribution."""
     text = (PROJECT / file).read_text("utf-8")
     return {
         normal(name): version for name, version in re.findall(r"^([\w.-]+)==([\w.]+)", text, re.M)
@@ -50,7 +50,7 @@ def own_pins(file):
 
 
 def pins(file):
-    """Return the versions that a file and the files it includes pin, by distribution."""
+    """Return the versions that a file and its included files pin by distribution."""
     included = re.findall(r"^-r (\S+)", (PROJECT / file).read_text("utf-8"), re.M)
     found = own_pins(file)
     for other in included:
@@ -69,7 +69,7 @@ def imports(text):
 
 
 @functools.cache
-def strangers_by_file():
+def third_party_imports():
     """Return the third-party packages that each file of the project imports."""
     found = {}
     for folder in ("grader", "utils", "solutions", "tests"):
@@ -82,7 +82,7 @@ def strangers_by_file():
 
 @functools.cache
 def distributions():
-    """Return the distributions that contain each package, by the package's name."""
+    """Return the distributions that contain a package, by the package's name."""
     return metadata.packages_distributions()
 
 
@@ -92,7 +92,7 @@ def file_for(path):
 
 
 def not_listed(packages, file):
-    """Return the packages whose distribution is missing from a requirements file."""
+    """Return the packages whose distributions are missing from a requirements file."""
     listed, homes = pins(file), distributions()
     return {
         package
@@ -103,7 +103,7 @@ def not_listed(packages, file):
 
 @pytest.mark.slow
 def test_all_imports_are_in_the_requirements():
-    packages_by_file = strangers_by_file()
+    packages_by_file = third_party_imports()
     assert {"numpy", "yaml", "nbgrader", "pyvista", "distributed", "hypothesis"} <= set().union(
         *packages_by_file.values()
     )
@@ -114,7 +114,7 @@ def test_all_imports_are_in_the_requirements():
 @pytest.mark.slow
 @pytest.mark.parametrize("path", [path for path in NEEDED_BY if path.endswith(".py")])
 def test_files_with_their_own_requirements_need_them(path):
-    assert not_listed(strangers_by_file()[path], "requirements.txt")
+    assert not_listed(third_party_imports()[path], "requirements.txt")
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -137,7 +137,7 @@ def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
 
 
 def test_constraints_work_on_every_machine():
-    """The file contains no address, folder or hash, so it works for every Python and machine."""
+    """The file has no address, folder or hash, so it works with every Python on every machine."""
     lines = (PROJECT / "constraints.txt").read_text("utf-8").splitlines()
     pattern = r"(#.*|[\w.-]+==[\w.]+( ; [\w.' ()<>=!]+)?( +# via [\w., -]+)?)"
     assert not [line for line in lines if not re.fullmatch(pattern, line)]

@@ -1,4 +1,4 @@
-"""Reading the roster, and finding people by id, name, email or login."""
+"""The roster is read, and people are found by id, name, e-mail or login."""
 
 import unicodedata
 

@@ -1,4 +1,4 @@
-"""Individual rules of the judge and the gradebook, tested without judging a notebook."""
+"""The rules of the judge and the gradebook, tested one by one without judging a notebook."""
 
 import dataclasses
 import itertools
@@ -44,56 +44,56 @@ NO = CheckFailed("no")
 # ---- error carried forward -----------------------------------------------------------------------
 
 
-def outcomes_of(exercise, *held):
+def outcomes_of(exercise, *passes):
     return [
-        Outcome(Check(f"check {number}", exercise, "a title", "a hint"), None if holds else NO)
-        for number, holds in enumerate(held)
+        Outcome(Check(f"check {number}", exercise, "a title", "a hint"), None if good else NO)
+        for number, good in enumerate(passes)
     ]
 
 
 def follow(monkeypatch, uses, outcomes, again):
-    """Return the better results from `carry_forward`, and the corrected programs that it ran."""
+    """Return `carry_forward`'s better results, and the corrected programs that it ran."""
     programs = []
 
     program = Program(("pass",), LINE.names)
 
-    def ask(setting, code, wanted):
+    def run(setting, code, wanted):
         programs.extend([code] * (code != program))
         ended = outcomes if code == program else again
         return RunResults(tuple(outcome for outcome in ended if wanted(outcome.check)))
 
-    monkeypatch.setattr(error_carried_forward, "run_program", ask)
-    asked = RunResults(tuple(outcomes), uses=uses)
-    better, _ = error_carried_forward.carry_forward(Setting(LINE, 1, None), program, asked)
+    monkeypatch.setattr(error_carried_forward, "run_program", run)
+    results = RunResults(tuple(outcomes), uses=uses)
+    better, _ = error_carried_forward.carry_forward(Setting(LINE, 1, None), program, results)
     return better, programs
 
 
 BOTH_WRONG = [*outcomes_of("line_through", False, True), *outcomes_of("ransac_line", False, True)]
-ALL_HOLD = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", True, True)]
+ALL_PASS = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", True, True)]
 
 
 def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
     """Otherwise `line_through` could take its answer from a right `ransac_line`."""
     uses = {"ransac_line": ("line_through",), "line_through": ("ransac_line",)}
-    better, asked = follow(monkeypatch, uses, BOTH_WRONG, ALL_HOLD)
-    assert set(better) == {"ransac_line"} and len(asked) == 1
-    assert "line_through" in asked[0].given.names
-    assert "ransac_line" not in asked[0].given.names
-    assert "def ransac_line" not in asked[0].given.source
+    better, programs = follow(monkeypatch, uses, BOTH_WRONG, ALL_PASS)
+    assert set(better) == {"ransac_line"} and len(programs) == 1
+    assert "line_through" in programs[0].given.names
+    assert "ransac_line" not in programs[0].given.names
+    assert "def ransac_line" not in programs[0].given.source
 
 
 def test_a_right_helper_excuses_no_later_error(monkeypatch):
     outcomes = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", False, True)]
     uses = {"ransac_line": ("line_through",)}
-    assert follow(monkeypatch, uses, outcomes, ALL_HOLD) == ({}, [])
-    assert follow(monkeypatch, {}, BOTH_WRONG, ALL_HOLD) == ({}, [])
+    assert follow(monkeypatch, uses, outcomes, ALL_PASS) == ({}, [])
+    assert follow(monkeypatch, {}, BOTH_WRONG, ALL_PASS) == ({}, [])
 
 
-@pytest.mark.parametrize("held", [(False, False), (False, True)])
-def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
-    again = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", *held)]
-    better, asked = follow(monkeypatch, {"ransac_line": ("line_through",)}, BOTH_WRONG, again)
-    assert asked and not better
+@pytest.mark.parametrize("passes", [(False, False), (False, True)])
+def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, passes):
+    again = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", *passes)]
+    better, programs = follow(monkeypatch, {"ransac_line": ("line_through",)}, BOTH_WRONG, again)
+    assert programs and not better
 
 
 def test_a_carried_forward_result_is_immutable():
@@ -117,7 +117,7 @@ STOP = StudentStopped("it did not answer")
         (STOP, STOP, None, None),
     ],
 )
-def test_which_of_three_tries_counts(first, once_more, with_right, counts):
+def test_a_check_with_inconsistent_tries_fails(first, once_more, with_right, counts):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
     assert error_carried_forward.decisive_outcome(*tries).failure is counts
@@ -125,8 +125,8 @@ def test_which_of_three_tries_counts(first, once_more, with_right, counts):
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
-def test_a_random_answer_gains_nothing_by_a_wrong_helper(chance, stops):
-    """An answer that stops its process in any of the tries gains nothing either."""
+def test_a_random_answer_gains_nothing_from_a_wrong_helper(chance, stops):
+    """An answer that stops its process in one of the tries also gains nothing."""
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
@@ -147,21 +147,21 @@ def test_a_perfect_exercise_is_also_run_again(monkeypatch):
     """Otherwise a random answer would run again only after a failure, and could only gain."""
     uses = {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, True)]
-    for again, held in (((True, True), None), ((False, False), [False, False])):
-        asked = []
+    for again, passes in (((True, True), None), ((False, False), [False, False])):
+        programs = []
 
-        def ask(setting, code, wanted, again=again, asked=asked):
-            asked.append(code)
+        def run(setting, code, wanted, again=again, programs=programs):
+            programs.append(code)
             return RunResults(tuple(outcomes_of("ransac_line", *again)))
 
-        monkeypatch.setattr(error_carried_forward, "run_program", ask)
+        monkeypatch.setattr(error_carried_forward, "run_program", run)
         program = Program(("pass",), LINE.names)
         better, _ = error_carried_forward.carry_forward(
             Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
         )
-        assert asked == [program], "with nothing put right"
+        assert programs == [program], "without right helpers"
         found = better.get("ransac_line")
-        assert (found and [not outcome.failure for outcome in found.outcomes]) == held
+        assert (found and [not outcome.failure for outcome in found.outcomes]) == passes
 
 
 def test_a_check_passed_by_chance_is_revoked(monkeypatch):
@@ -182,18 +182,18 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
 @pytest.mark.parametrize("starved", [False, True])
 def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
     uses = {"ransac_line": ("line_through",)}
-    ended = dataclasses.replace(RunResults(tuple(ALL_HOLD)), fault=fault, starved=starved)
-    asked, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
+    ended = dataclasses.replace(RunResults(tuple(ALL_PASS)), fault=fault, starved=starved)
+    first, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
     monkeypatch.setattr(
         error_carried_forward,
         "run_program",
-        lambda setting, code, wanted: asked if code == own else ended,
+        lambda setting, code, wanted: first if code == own else ended,
     )
-    better, late = error_carried_forward.carry_forward(Setting(LINE, 1, None), own, asked)
+    better, late = error_carried_forward.carry_forward(Setting(LINE, 1, None), own, first)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
-def test_each_exercise_is_rerun_on_its_own(monkeypatch):
+def test_each_exercise_is_run_again_separately(monkeypatch):
     """If an exercise cannot be carried forward, later ones still can."""
     plane = find_lesson("03_ransac_plane")
     names = [exercise.name for exercise in plane.machine_graded]
@@ -202,7 +202,7 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
     given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))
     own, programs, about = Program(("pass",), plane.names, given=given), [], []
 
-    def ask(setting, program, wanted):
+    def run(setting, program, wanted):
         about.append({one.check.exercise for one in hold if wanted(one.check)})
         if program == own:
             return RunResults(tuple(one for one in lost if wanted(one.check)))
@@ -212,7 +212,7 @@ def test_each_exercise_is_rerun_on_its_own(monkeypatch):
         )
         return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
 
-    monkeypatch.setattr(error_carried_forward, "run_program", ask)
+    monkeypatch.setattr(error_carried_forward, "run_program", run)
     uses = {name: tuple(names) for name in names[1:]}
     better, late = error_carried_forward.carry_forward(
         Setting(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
@@ -266,7 +266,7 @@ def submitted_files(tmp_path):
         ({"fingerprint": ""}, False),
     ],
 )
-def test_which_verdicts_on_disk_are_valid(submitted_files, change, believed):
+def test_only_matching_and_reliable_verdicts_on_disk_are_valid(submitted_files, change, believed):
     course, submission, verdict = submitted_files
     write_verdict(dataclasses.replace(verdict, **change), submission.verdict_path(course))
     assert (grade.stored_verdict(course, submission, 1) is not None) == believed
@@ -276,7 +276,7 @@ def test_which_verdicts_on_disk_are_valid(submitted_files, change, believed):
 
 
 @pytest.mark.parametrize("hour", [12, 13])
-def test_another_time_of_submission_is_a_difference(submitted_files, hour):
+def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     course, submission, verdict = submitted_files
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
@@ -332,7 +332,7 @@ def test_the_last_of_several_cells_that_define_an_exercise_is_graded():
 
 
 def test_a_written_answer_is_found_below_the_last_copy_of_its_question():
-    """A student may copy the question to the top and answer below the original."""
+    """A student may copy the question to the top, and answer below the original."""
     cells = json.loads(WRITTEN.released.read_text("utf-8"))["cells"]
     names = [cell["metadata"].get("nbgrader", {}).get("grade_id") for cell in cells]
     question = "".join(cells[names.index("write_up") - 1]["source"])

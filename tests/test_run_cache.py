@@ -1,4 +1,4 @@
-"""The cache of a run: assertions and answers that many checks share are computed once."""
+"""During a run, assertions and answers that many checks share are computed only once."""
 
 import numpy as np
 import pytest
@@ -8,17 +8,17 @@ from utils.checks.run_cache import answer_to, once, one_run
 
 
 def counted(outcomes):
-    """Return an assertion with one given outcome for each call, and a list of its calls."""
-    asked = []
+    """Return an assertion with given outcomes, one for each call, and a list of its calls."""
+    calls = []
 
     @once
     def assertion(function):
-        asked.append(function)
-        outcome = outcomes[min(len(asked), len(outcomes)) - 1]
+        calls.append(function)
+        outcome = outcomes[min(len(calls), len(outcomes)) - 1]
         if outcome:
             raise outcome
 
-    return assertion, asked
+    return assertion, calls
 
 
 def f():
@@ -30,23 +30,23 @@ def g():
 
 
 def test_an_assertion_runs_once_per_run():
-    assertion, asked = counted([None])
+    assertion, calls = counted([None])
     with one_run():
         assertion(f), assertion(f), assertion(g)
-    assert asked == [f, g]
+    assert calls == [f, g]
 
 
 def test_a_cached_failure_is_raised_each_time():
-    assertion, asked = counted([CheckFailed("wrong"), None])
+    assertion, calls = counted([CheckFailed("wrong"), None])
     with one_run():
         for _ in range(3):
             with pytest.raises(CheckFailed, match="wrong"):
                 assertion(f)
-    assert asked == [f]
+    assert calls == [f]
 
 
 def test_the_next_run_starts_with_an_empty_cache():
-    assertion, asked = counted([CheckFailed("wrong"), None])
+    assertion, calls = counted([CheckFailed("wrong"), None])
     with one_run(), pytest.raises(CheckFailed):
         assertion(f)
     with one_run():
@@ -54,31 +54,31 @@ def test_the_next_run_starts_with_an_empty_cache():
         with one_run():
             assertion(f)
         assertion(f)
-    assert len(asked) == 3
+    assert len(calls) == 3
 
 
 def test_other_exceptions_are_not_cached():
-    """A process that was stopped may answer next time."""
-    assertion, asked = counted([OSError("stopped"), None])
+    """A process that was stopped may answer the next time."""
+    assertion, calls = counted([OSError("stopped"), None])
     with one_run():
         with pytest.raises(OSError):
             assertion(f)
         assertion(f)
-    assert len(asked) == 2
+    assert len(calls) == 2
 
 
 def test_nothing_is_cached_outside_a_run():
-    assertion, asked = counted([None])
+    assertion, calls = counted([None])
     assertion(f), assertion(f)
-    assert len(asked) == 2
+    assert len(calls) == 2
 
 
 def test_arguments_are_part_of_the_cache_key():
-    asked = []
-    assertion = once(lambda function, about: asked.append(about))
+    calls = []
+    assertion = once(lambda function, about: calls.append(about))
     with one_run():
         assertion(f, 1), assertion(f, 2), assertion(f, 1)
-    assert asked == [1, 2]
+    assert calls == [1, 2]
 
 
 def test_a_cached_answer_is_a_copy():
@@ -103,13 +103,13 @@ def test_a_cached_answer_is_a_copy():
 
 
 def test_only_arrays_are_cached():
-    asked = []
+    calls = []
 
     def lists(array):
-        asked.append(array)
+        calls.append(array)
         return iter(array)
 
     with one_run():
         for _ in range(2):
             assert [*answer_to(lists, "one", np.ones(2))] == [1, 1]
-    assert len(asked) == 2
+    assert len(calls) == 2

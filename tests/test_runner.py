@@ -1,4 +1,4 @@
-"""Running the checks of a lesson, with a made-up lesson and student."""
+"""The checks of a lesson are run, tested with an artificial lesson and student."""
 
 import dataclasses
 import gc
@@ -35,13 +35,13 @@ import os, time
 import pytest
 from grader.judging.hidden_tests import hidden
 from utils.checks.failures import CheckFailed, FarTooMuch
-about = dict(title="It holds", hint="Look at it.")
+about = dict(title="A title", hint="A hint")
 """
 
 
 @pytest.fixture
 def made(tmp_path, monkeypatch):
-    """Return a function that makes a lesson with exercises f and g from the given checks."""
+    """Return a function that creates a lesson with exercises f and g from the given checks."""
 
     def make(hidden="", shown=()):
         tests = tmp_path / "06_made_here" / "hidden_tests.py"
@@ -60,16 +60,16 @@ def made(tmp_path, monkeypatch):
     return make
 
 
-class Nobody(SimpleNamespace):
+class RecordingStudent(SimpleNamespace):
     """A student whose functions record their calls."""
 
     def __init__(self):
-        super().__init__(exercise="", asked=[], closed=0, failed=[])
+        super().__init__(exercise="", calls=[], closed=0, failed=[])
 
     def __getattr__(self, name):
         if name not in "fg":
             raise AttributeError(name)
-        return lambda *arguments: self.asked.append((self.exercise, name, *arguments))
+        return lambda *arguments: self.calls.append((self.exercise, name, *arguments))
 
     def begin_check(self, exercise):
         self.exercise = exercise
@@ -102,28 +102,28 @@ def test_first(student):
 
 
 def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
-    student = Nobody()
+    student = RecordingStudent()
     checks = [
-        shown("holds", "g", lambda function: function("shown")),
+        shown("passes", "g", lambda function: function("shown")),
         shown("fails", "f", lambda function: 1 / 0),
     ]
     outcomes = run_checks(made(TWO, checks), student, SEED)
     assert [outcome.check.name for outcome in outcomes] == [
         "fails",
-        "holds",
+        "passes",
         "test_second",
         "test_first",
     ]
     assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
     assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
     assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
-    assert student.asked == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
+    assert student.calls == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
     assert student.failed == ["f", "f"]
 
 
 def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
-    """Otherwise each notebook would take longer in a home directory with many folders."""
+    """Otherwise notebooks would take longer in a home directory with many folders."""
     lesson, listed, scandir = made(TWO), [], os.scandir
 
     def noted(path="."):
@@ -131,50 +131,53 @@ def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
         return scandir(path)
 
     monkeypatch.setattr(os, "scandir", noted)
-    assert len(run_checks(lesson, Nobody(), SEED)) == 2
+    assert len(run_checks(lesson, RecordingStudent(), SEED)) == 2
     above = {str(folder) for folder in lesson.tests.parent.parents}
     assert above.intersection(listed) == set()
 
 
 def test_only_selected_checks_run(made):
-    student = Nobody()
+    student = RecordingStudent()
     checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
     outcomes = run_checks(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
     assert [outcome.check.name for outcome in outcomes] == ["one", "test_first"]
-    assert [exercise for exercise, *_ in student.asked] == ["f", "f"]
+    assert [exercise for exercise, *_ in student.calls] == ["f", "f"]
     assert run_checks(made(TWO), student, SEED, lambda check: False) == []
 
 
 def test_the_rest_is_skipped_if_one_failure_decides(made):
     """Each call of a slow answer may take seconds."""
-    student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
-    checks = [shown("holds", "g", lambda function: function("shown"))]
+    student, hidden = (
+        RecordingStudent(),
+        TWO.replace('student.g("second")', 'student.g("second"); 1 / 0'),
+    )
+    checks = [shown("passes", "g", lambda function: function("shown"))]
     outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
     assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
-    assert student.asked == [("g", "g", "shown"), ("g", "g", "second")]
+    assert student.calls == [("g", "g", "shown"), ("g", "g", "second")]
     checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
-    student.asked.clear()
+    student.calls.clear()
     outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
     assert [outcome.check.name for outcome in outcomes if not outcome.failure] == []
-    assert student.asked == []
+    assert student.calls == []
 
 
 def test_some_checks_can_be_run_again_later(made):
-    student, lesson = Nobody(), made(TWO)
+    student, lesson = RecordingStudent(), made(TWO)
     checks = [
-        shown("holds", "g", lambda function: function("shown")),
+        shown("passes", "g", lambda function: function("shown")),
         *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
     ]
     (hidden,) = runner.hidden_calls(lesson, student, SEED, checks)
-    assert student.asked == []  # the calls are only prepared
+    assert student.calls == []  # the calls are only prepared
     for _ in range(2):
         with pytest.raises(CheckFailed):
             hidden()
-    assert [asked for _, *asked in student.asked] == [["f", "first"]] * 2
+    assert [call for _, *call in student.calls] == [["f", "first"]] * 2
     (question,) = runner.visible_calls(student, checks)
     question()
-    assert student.asked[-1][1:] == ("g", "shown")
-    assert runner.hidden_calls(None, student, SEED, checks[:1]) == ()  # nothing is collected
+    assert student.calls[-1][1:] == ("g", "shown")
+    assert runner.hidden_calls(None, student, SEED, checks[:1]) == ()  # no tests are collected
     assert runner.visible_calls(student, checks[1:]) == ()
 
 
@@ -189,7 +192,7 @@ def test_some_checks_can_be_run_again_later(made):
 def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, says):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
-        run_checks(made(hidden), Nobody(), SEED)
+        run_checks(made(hidden), RecordingStudent(), SEED)
     assert says in str(fault.value) and "Run pytest on this file" in str(fault.value)
     assert dict(os.environ) == before
 
@@ -199,14 +202,14 @@ def test_a_collected_test_that_never_ran_is_a_judge_fault(made, monkeypatch):
     failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
     three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
     with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in 06_made_here/hidden_tests.py"):
-        run_checks(made(three), Nobody(), SEED)
+        run_checks(made(three), RecordingStudent(), SEED)
 
 
 def test_a_missing_file_of_hidden_tests_is_a_judge_fault(made):
     lesson = made()
     lesson.tests.unlink()
     with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
-        run_checks(lesson, Nobody(), SEED)
+        run_checks(lesson, RecordingStudent(), SEED)
 
 
 def test_a_test_without_its_fixture_and_a_skipped_test_fail(made):
@@ -219,7 +222,7 @@ def test_one(student, what_nobody_made):
 def test_other(student):
     pytest.skip("not today")
 """
-    outcomes = run_checks(made(hidden), Nobody(), SEED)
+    outcomes = run_checks(made(hidden), RecordingStudent(), SEED)
     assert [outcome.check.name for outcome in outcomes if outcome.failure] == [
         "test_one",
         "test_other",
@@ -228,7 +231,7 @@ def test_other(student):
 
 @pytest.mark.parametrize("where", ["shown", "hidden"])
 def test_a_lost_sandbox_is_reported(made, where):
-    class Lost(Nobody):
+    class Lost(RecordingStudent):
         def __getattr__(self, name):
             def ask(*arguments):
                 raise SandboxUnavailable("it is gone")
@@ -247,7 +250,7 @@ def test_a_lost_sandbox_is_reported(made, where):
 def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
     hidden = TWO.replace('student.g("second")', "raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
-        run_checks(made(hidden), Nobody(), SEED)
+        run_checks(made(hidden), RecordingStudent(), SEED)
 
 
 # ---- time and size -------------------------------------------------------------------------------
@@ -256,10 +259,10 @@ def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
 def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
     hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # takes seconds
-    student, before = Nobody(), signal.getsignal(signal.SIGPROF)
+    student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
-    assert student.closed == 1  # its process may have been in the middle of a reply
+    assert student.closed == 1  # the process may have been sending a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
 
@@ -267,17 +270,21 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypat
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
     hidden = TWO.replace('student.g("second")', "time.sleep(0.4)")
-    assert "test_second" not in failures(run_checks(made(hidden), Nobody(), SEED))
+    assert "test_second" not in failures(run_checks(made(hidden), RecordingStudent(), SEED))
 
 
 def test_a_test_may_compute_for_seconds():
-    assert 5 <= runner.SECONDS_OF_A_TEST <= 60  # the slowest test of a right answer takes two
+    assert (
+        5 <= runner.SECONDS_OF_A_TEST <= 60
+    )  # the slowest test of a right answer takes two seconds
 
 
 def test_in_another_thread_there_is_no_time_limit(made):
     found = []
     lesson = made(TWO)
-    thread = threading.Thread(target=lambda: found.extend(run_checks(lesson, Nobody(), SEED)))
+    thread = threading.Thread(
+        target=lambda: found.extend(run_checks(lesson, RecordingStudent(), SEED))
+    )
     thread.start()
     thread.join()
     assert failures(found) == {"test_first": CheckFailed}
@@ -296,7 +303,7 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
         *(shown(f"f{number}", "f", much) for number in range(7)),
         *(shown(f"g{number}", "g", much) for number in range(4)),
     ]
-    student = Nobody()
+    student = RecordingStudent()
     found = failures(run_checks(made(TWO, checks), student, SEED))
     tried = [name for name, failure in found.items() if failure is FarTooMuch]
     assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
@@ -304,7 +311,7 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
         *("f5", "f6", "test_first"),
     ]
     assert "test_second" not in found  # it belongs to the other exercise
-    assert len(student.asked) == 9 + 1
+    assert len(student.calls) == 9 + 1
 
 
 def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
@@ -312,7 +319,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
         raise FarTooMuch("a million boxes")
 
     checks = [shown(f"f{number}", "f", much) for number in range(6)]
-    *_, last = run_checks(made(TWO, checks), Nobody(), SEED, lambda check: check.is_shown)
+    *_, last = run_checks(made(TWO, checks), RecordingStudent(), SEED, lambda check: check.is_shown)
     assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
 
 
@@ -331,7 +338,7 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
 
     right = [shown(f"right {number}", "g", compute) for number in range(6)]
     wrong = [shown(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
-    student = Nobody()
+    student = RecordingStudent()
     outcomes = run_checks(made(TWO, [*right, *wrong]), student, SEED, lambda check: check.is_shown)
     assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
     (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
@@ -378,7 +385,7 @@ def test_second(student):
     raise {how}
 """
 
-    class Answering(Nobody):
+    class Answering(RecordingStudent):
         def __getattr__(self, name):
             return lambda *_: answer()
 
@@ -391,7 +398,9 @@ def test_second(student):
 
 def test_the_traceback_of_a_fault_is_kept_as_text(made):
     (outcome,) = run_checks(
-        made('@hidden("f", **about)\ndef test_first(student):\n    1 / 0\n'), Nobody(), SEED
+        made('@hidden("f", **about)\ndef test_first(student):\n    1 / 0\n'),
+        RecordingStudent(),
+        SEED,
     )
     assert outcome.failure.__traceback__ is None
     assert "in test_first\n    1 / 0" in outcome.failure.__notes__[0]
@@ -419,11 +428,11 @@ def test_each_lesson_has_its_own_seed_of_120_bits(made):
 def test_seed(student, seed):
     student.f(seed)
 """
-    student, lesson = Nobody(), made(hidden)
+    student, lesson = RecordingStudent(), made(hidden)
     run_checks(lesson, student, SEED)
     run_checks(lesson, student, SEED + 1)
     run_checks(lesson, student, SEED)
-    seeds = [seed for *_, seed in student.asked]
+    seeds = [seed for *_, seed in student.calls]
     digest = hashlib.sha256(f"{SEED} test_06_made_here.py".encode()).hexdigest()
     assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
 
@@ -439,7 +448,7 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
     before = dict(os.environ)
     lesson = made(TWO)
     (lesson.tests.parent / "conftest.py").write_text("raise SystemError('read')")
-    assert len(run_checks(lesson, Nobody(), SEED)) == 2
+    assert len(run_checks(lesson, RecordingStudent(), SEED)) == 2
     assert dict(os.environ) == before
     assert "PYTEST_DISABLE_PLUGIN_AUTOLOAD" not in os.environ
 
@@ -448,11 +457,11 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
 
 
 @pytest.fixture
-def asked_once(monkeypatch):
-    """Return a function that calls `run_program` with given outcomes, and a record of its calls."""
+def run_once(monkeypatch):
+    """Return a function that calls `run_program` with given outcomes, and a record of the calls."""
     seen = SimpleNamespace(looked=[], closed=[], failed=[])
 
-    class Somebody(SimpleNamespace):
+    class FakeStudent(SimpleNamespace):
         def __enter__(self):
             return self
 
@@ -468,23 +477,25 @@ def asked_once(monkeypatch):
         def __getattr__(self, name):
             return f"the student's {name}"
 
-    def ask(ended, explains=None, **how):
+    def run_with(ended, explains=None, **options):
         def run(*about):
             if isinstance(ended, Exception):
                 raise ended
             return ended
 
-        def look(exercise, function):
-            seen.looked.append((exercise, function, somebody.exercise))
+        def diagnose(exercise, function):
+            seen.looked.append((exercise, function, fake_student.exercise))
             return explains
 
-        somebody = Somebody(problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise="")
-        monkeypatch.setattr(program_run, "StudentProxy", lambda *about: somebody)
+        fake_student = FakeStudent(
+            problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise=""
+        )
+        monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
-        monkeypatch.setattr(program_run, "diagnose", look)
-        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **how)
+        monkeypatch.setattr(program_run, "diagnose", diagnose)
+        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **options)
 
-    return ask, seen
+    return run_with, seen
 
 
 ENDED = [
@@ -496,51 +507,51 @@ ENDED = [
 ]
 
 
-def test_each_wrong_exercise_is_explained_once(asked_once):
-    ask, seen = asked_once
+def test_each_wrong_exercise_is_explained_once(run_once):
+    run_with, seen = run_once
     mistake = Mistake("It is upside down.", predicts=np.flip)
-    asked = ask(ENDED, mistake, explain=True)
-    assert asked.outcomes == tuple(ENDED) and asked.mistakes == {"f": mistake, "h": mistake}
+    results = run_with(ENDED, mistake, explain=True)
+    assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
     assert seen.failed == ["f", "h"]
-    assert (asked.problems, asked.uses, asked.starved) == (("a cell",), {"f": ("g",)}, True)
-    assert asked.fault == "" and seen.closed == [None]
-    assert [one.check.name for one in asked.outcomes_of("f")] == ["a", "b", "c"]
-    assert [one.check.name for one in asked.outcomes_of("g")] == ["d"]
+    assert (results.problems, results.uses, results.starved) == (("a cell",), {"f": ("g",)}, True)
+    assert results.fault == "" and seen.closed == [None]
+    assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
+    assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
 
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
     """The name in a notebook and the name in a test may be different objects."""
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
-    asked = program_run.RunResults(tuple(outcomes))
-    assert asked.outcomes_of("".join(("voxel", "_grid"))) == outcomes
-    assert not asked.starved and asked.fault == ""
+    results = program_run.RunResults(tuple(outcomes))
+    assert results.outcomes_of("".join(("voxel", "_grid"))) == outcomes
+    assert not results.starved and results.fault == ""
 
 
-def test_an_unexplained_failure_is_diagnosed_once(asked_once):
-    ask, seen = asked_once
-    assert ask(ENDED, None, explain=True).mistakes == {}
+def test_an_unexplained_failure_is_diagnosed_once(run_once):
+    run_with, seen = run_once
+    assert run_with(ENDED, None, explain=True).mistakes == {}
     assert [name for name, *_ in seen.looked] == ["f", "h"]
 
 
-def test_diagnosis_is_only_on_request(asked_once):
-    ask, seen = asked_once
-    assert ask(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
+def test_diagnosis_is_only_on_request(run_once):
+    run_with, seen = run_once
+    assert run_with(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
     assert seen.looked == []
 
 
-def test_a_fault_is_recorded_and_the_process_stopped(asked_once):
-    ask, seen = asked_once
-    asked = ask(JudgeFault("pytest ran 3 of 9 tests"), explain=True)
-    assert (asked.outcomes, asked.fault) == ((), "pytest ran 3 of 9 tests")
-    assert asked.problems == ("a cell",) and seen.closed == [None]
+def test_a_fault_is_recorded_and_the_process_stopped(run_once):
+    run_with, seen = run_once
+    results = run_with(JudgeFault("pytest ran 3 of 9 tests"), explain=True)
+    assert (results.outcomes, results.fault) == ((), "pytest ran 3 of 9 tests")
+    assert results.problems == ("a cell",) and seen.closed == [None]
     with pytest.raises(SandboxUnavailable):
-        ask(SandboxUnavailable("it is gone"))
+        run_with(SandboxUnavailable("it is gone"))
     assert seen.closed[1] is SandboxUnavailable
 
 
-def test_results_and_settings_are_immutable(asked_once):
-    ask, _ = asked_once
-    for made in (ask(ENDED), program_run.Setting(FILTER, SEED, None)):
+def test_results_and_settings_are_immutable(run_once):
+    run_with, _ = run_once
+    for made in (run_with(ENDED), program_run.Setting(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.starved = False

@@ -1,4 +1,4 @@
-"""Samples and oracles of hidden tests, compared with other libraries and plain loops."""
+"""The samples and oracles of hidden tests agree with other libraries and plain loops."""
 
 import hashlib
 import itertools
@@ -18,49 +18,49 @@ from grader.judging.hidden_tests import cached_by_content, generator_for_student
 @pytest.fixture
 def counted():
     """Return a cached oracle, and a list of its calls."""
-    asked = []
+    calls = []
 
     @cached_by_content
     def doubled(cloud, *settings):
-        """Twice as much."""
-        asked.append((cloud.shape, settings))
+        """Return twice the cloud."""
+        calls.append((cloud.shape, settings))
         return 2 * cloud
 
-    return doubled, asked
+    return doubled, calls
 
 
 def test_an_oracle_runs_once_for_each_content(counted):
-    doubled, asked = counted
+    doubled, calls = counted
     cloud = np.arange(12.0).reshape(4, 3)
     first = doubled(cloud, 0.5)
     assert np.array_equal(first, 2 * cloud) and doubled.__doc__ == "Twice as much."
     assert doubled(cloud.copy(), 0.5) is first is doubled(np.asfortranarray(cloud), 0.5)
-    assert len(asked) == 1
+    assert len(calls) == 1
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
-    # The same bytes in another shape or type, other clouds, and (below) another setting.
+    # The same bytes in another shape or type, other clouds, and below another setting.
     others = [cloud.reshape(3, 4), cloud.view(np.int64), cloud + 1, cloud[:0], cloud[:0, :2]]
     for other in others:
         assert np.array_equal(doubled(other, 0.5), 2 * other)
     assert doubled(cloud, 0.25) is not first
-    assert len(asked) == 1 + len(others) + 1
+    assert len(calls) == 1 + len(others) + 1
     assert doubled(cloud, 0.5) is first
 
 
 def test_the_cache_of_an_oracle_is_bounded(counted, monkeypatch):
     assert 100 <= hidden_tests.MOST_CACHED <= 1000
     monkeypatch.setattr(hidden_tests, "MOST_CACHED", 3)
-    doubled, asked = counted
+    doubled, calls = counted
     clouds = [np.full((2, 3), float(number)) for number in range(4)]
     for cloud in clouds[:3] * 2:
         doubled(cloud)
-    assert len(asked) == 3
+    assert len(calls) == 3
     doubled(clouds[3])  # only the oldest entry is dropped
     for cloud in clouds[1:]:
         doubled(cloud)
-    assert len(asked) == 4
+    assert len(calls) == 4
     doubled(clouds[0])
-    assert len(asked) == 5
+    assert len(calls) == 5
 
 
 def test_every_slow_oracle_is_cached():
@@ -81,7 +81,7 @@ def test_a_generator_for_students_is_drawn_from_a_digest():
 
 
 def assert_rows_of(part, cloud):
-    """Assert that a cloud contains each row of a part, at least as often as the part does."""
+    """Assert that a cloud contains each row of a part at least as often as the part does."""
     assert Counter(map(bytes, part)) <= Counter(map(bytes, cloud))
 
 
@@ -108,7 +108,7 @@ def test_one_point_is_a_cluster_and_no_points_are_no_cluster():
 
 
 @pytest.mark.parametrize("columns", [3, 4])
-def test_no_two_points_are_left_at_the_threshold(columns):
+def test_no_two_points_remain_at_the_threshold(columns):
     cloud = np.random.default_rng(9).uniform(0, 4, (400, columns))
     cloud[:, 3:] *= 100
     kept = samples.without_ties(cloud, 0.8, 5e-3)
@@ -127,7 +127,7 @@ def test_the_margin_is_a_millimetre_unless_said_otherwise():
 
 
 @pytest.mark.parametrize("columns", [3, 4])
-def test_centroids_of_voxels(columns):
+def test_centroids_of_voxels_agree_with_a_loop(columns):
     cloud = np.random.default_rng(4).uniform(-1, 1, (150, columns))
     voxels = samples.voxel_centroids(cloud, 0.5)
     cells = np.floor(cloud[:, :3] / 0.5)
@@ -144,7 +144,7 @@ def test_centroids_of_voxels(columns):
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
 
 
-def test_a_patch_of_the_course_cloud():
+def test_a_patch_contains_rows_of_the_course_cloud():
     cloud = samples.course_cloud()
     assert np.array_equal(cloud, np.loadtxt(PROJECT / "data" / "cloud.txt"))
     patch = samples.patch_of_course_cloud(5, 700)
@@ -160,7 +160,7 @@ def test_a_patch_of_the_course_cloud():
         assert not kept.flags.writeable
 
 
-def test_obstacles_of_a_street():
+def test_obstacles_are_near_rows_of_the_street_above_the_road():
     street = samples.fresh_street(8)
     assert samples.fresh_street(8) is street
     assert street.ndim == 2 and street.shape[1] == 4 and not street.flags.writeable

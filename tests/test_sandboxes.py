@@ -1,4 +1,4 @@
-"""A third kind of sandbox takes 40 lines: its classes and an entry in `SANDBOXES`."""
+"""A third kind of sandbox needs 40 lines: two classes and an entry in `SANDBOXES`."""
 
 import json
 import os
@@ -22,7 +22,7 @@ from grader.sandbox.student import StudentProxy
 
 
 class Streams:
-    """A worker that uses its standard streams as pipes, as a container would."""
+    """A worker with its standard streams as pipes, as in a container."""
 
     def __init__(self):
         command = [sys.executable, "-I", "-B", str(WORKER), "0", "1"]
@@ -57,7 +57,7 @@ class Streams:
 class Container:
     """A sandbox that starts workers with `Streams`."""
 
-    name, warning = "container", "It stands for one, and has no walls."
+    name, warning = "container", "It is a stand-in that does not isolate anything."
 
     def available(self):
         pass
@@ -82,14 +82,14 @@ def container(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("is_shared", [0, 1])
 def test_a_jail_contains_the_library_that_python_was_built_with(is_shared, monkeypatch):
-    """Python finds this library by its own path, not among the system's libraries."""
+    """Python finds this library through its own path, not among the system's libraries."""
     variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
     monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
     assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
 
 
 def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
-    """The test covers all steps from the command line to the points."""
+    """Test all steps from the command line to the points."""
     lesson = find_lesson("06_filter_ground")
     right, wrong = (
         next(answer for answer in answers_to("voxel_grid") if answer.right == is_right)
@@ -113,7 +113,7 @@ def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
 def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
     """The judge stops both, although it knows nothing about processes in such a sandbox.
 
-    Each has its own function, because a function that was stopped gets less time afterwards.
+    Each case has its own function, because a function that was stopped gets less time later.
     """
     source = (
         "import os, time\n"

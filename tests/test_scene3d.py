@@ -1,4 +1,4 @@
-"""Scenes in 3D: cameras, layers, the pictures of both renderers, and the interactive view."""
+"""3D scenes work: cameras, layers, the pictures of both renderers, and the interactive view."""
 
 import base64
 import itertools
@@ -83,8 +83,8 @@ def test_a_camera_sees_its_target_in_the_middle_and_left_on_the_left(name):
     seen = camera.seen(camera.target)
     np.testing.assert_allclose(camera.placed(seen, SIZE), (120, 68), atol=1e-9)
     side = {"Side": (-1, 0, 0)}.get(name, (0, 1, 0))  # towards the left of the picture
-    beside = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
-    assert beside[0] < 120
+    neighbour = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
+    assert neighbour[0] < 120
 
 
 def test_a_camera_is_found_in_any_case_and_an_unknown_one_is_reported():
@@ -95,7 +95,7 @@ def test_a_camera_is_found_in_any_case_and_an_unknown_one_is_reported():
         Camera((0, 0, 5), (0, 0, 0)).axes()
 
 
-def test_farther_keeps_the_view():
+def test_moving_a_camera_away_keeps_its_view():
     camera = CAMERAS["XY"].farther(2)
     assert camera.target == (1, 1, 0)
     np.testing.assert_allclose(camera.position, (-33, -33, 32))
@@ -208,7 +208,7 @@ def test_reference_boxes_are_dashed(street):
     assert len(plain.ends) == 12 and len(broken.ends) > 24 and broken.is_dashed
 
 
-def test_rows_and_boxes_with_nan_are_left_out_and_input_is_unchanged(street):
+def test_rows_and_boxes_with_nan_are_omitted_and_the_input_is_unchanged(street):
     street[5] = np.nan
     before = street.copy()
     boxes = np.stack([BOX, np.full((8, 3), np.nan)])

@@ -1,4 +1,4 @@
-"""Simulated scenes: the truth fits the cloud, and a seed always gives the same scene."""
+"""In simulated scenes, the truth fits the cloud, and a seed always gives the same scene."""
 
 import hashlib
 import math
@@ -66,7 +66,7 @@ def frame(name):
 
 
 class TestTruth:
-    """Properties that the truth of every scene must have."""
+    """The truth of every scene has these properties."""
 
     def test_arrays_have_matching_lengths(self, name, frame):
         swept, n = frame.scan, len(frame.cloud)
@@ -103,8 +103,8 @@ class TestTruth:
             assert box.returns == np.count_nonzero(mine) > 0
             assert_array_equal(frame.scan.classes[mine], CLASSES.index(box.kind))
             assert -math.pi <= box.yaw < math.pi
-        nobody = np.isin(np.array(CLASSES)[frame.scan.classes], ("invalid", "ground", "ego"))
-        assert_array_equal(frame.scan.objects == 0, nobody)
+        not_an_object = np.isin(np.array(CLASSES)[frame.scan.classes], ("invalid", "ground", "ego"))
+        assert_array_equal(frame.scan.objects == 0, not_an_object)
 
     def test_corners_form_a_box_of_the_stated_size(self, name, frame):
         for box in frame.boxes:
@@ -152,7 +152,7 @@ def test_identities_and_sizes_are_constant_in_a_stream_and_motion_is_small(make)
 def test_velocity_is_the_motion_of_a_box_over_the_ground():
     frames = cyclist()[30:32]
     boxes = [{box.identity: box for box in frame.boxes} for frame in frames]
-    # The parked cars show how the ego car moves: fit the rigid motion between the two frames.
+    # The parked cars show how the ego car moves: fit the rigid motion between two frames.
     parked = [i for i in boxes[0].keys() & boxes[1].keys() if boxes[0][i].velocity == (0.0, 0.0)]
     a, b = (np.array([complex(*box[i].centre[:2]) for i in parked]) for box in boxes)
     turn = np.vdot(a - a.mean(), b - b.mean())
@@ -317,7 +317,7 @@ def test_the_highway_has_as_many_returns_per_object_as_the_published_recording()
 
 
 def test_a_seed_gives_the_same_bytes_as_in_earlier_releases():
-    """If these checksums change, so does every cloud that hidden tests draw."""
+    """If these checksums change, all clouds that hidden tests draw also change."""
     frames = simple_highway(1), random_street(1, 0.5, CHEAP), cyclist(1)[3]
     digests = (hashlib.sha256(np.round(frame.cloud, 3).tobytes()).hexdigest() for frame in frames)
     assert [digest[:12] for digest in digests] == ["2635125a4faf", "c9e745b6c15f", "36f326700c0a"]

@@ -1,4 +1,4 @@
-"""The score card, compared with hand counts, `score_boxes` and other estimates of its errors."""
+"""The score card agrees with counts by hand, `score_boxes` and other estimates of the errors."""
 
 from types import SimpleNamespace
 
@@ -34,7 +34,7 @@ def shifted(box, by):
 
 def test_hits_are_counted_at_three_overlaps_and_by_distance():
     near, middling, far = car(5), car(15, 9), car(30, -9)
-    # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that overlaps no object.
+    # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that does not overlap any object.
     found = np.array([shifted(near, 0.5), shifted(middling, 1), shifted(far, 2), shifted(far, 12)])
     card = score_card([found], [frame_of(near, middling, far)], EVERYWHERE, "Three cars")
     assert card["recall"].values == pytest.approx((1, 2 / 3, 1 / 3))
@@ -82,7 +82,7 @@ def test_detected_boxes_outside_the_region_are_ignored():
     assert score_card([found], [frame], EVERYWHERE)["precision"].values == (1, 1, 1)
 
 
-def test_a_card_without_objects_and_detections():
+def test_a_card_may_have_no_objects_and_detections():
     nothing = np.empty((0, 8, 3))
     card = score_card([nothing, nothing], [frame_of(car(5)), frame_of()], EVERYWHERE)
     assert card["recall"].values == (0, 0, 0) and card["precision"].values == (1, 1, 1)

@@ -1,4 +1,4 @@
-"""Overlaps, matching and scores, compared with polygon clipping, brute force and hand counts."""
+"""Overlaps, matching and scores agree with polygon clipping, brute force and counts by hand."""
 
 from itertools import permutations
 
@@ -96,7 +96,7 @@ def test_overlap_survives_shared_edges_corners_and_rounding(shift, size, yaw, fa
     assert_allclose(plane_iou(one, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
 
 
-def test_overlaps_computed_by_hand():
+def test_overlaps_agree_with_results_computed_by_hand():
     square = corners(0, 0, 0, 2, 2, 2)[None]
     assert_allclose(plane_iou(square, square), 1.0)
     assert_allclose(space_iou(square, square), 1.0)
@@ -153,7 +153,7 @@ def test_other_arrays_than_boxes_are_refused(shape):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_matching_is_the_best_of_all_permutations(seed):
+def test_matching_finds_the_best_of_all_permutations(seed):
     rng = np.random.default_rng(seed)
     overlaps = rng.random((4, 5)) * (rng.random((4, 5)) < 0.7)
     partners = match(overlaps, 0.4)
@@ -165,13 +165,13 @@ def test_matching_is_the_best_of_all_permutations(seed):
     assert_allclose(overlaps[paired, partners[paired]].sum(), best)
 
 
-def test_matching_empty_lists():
+def test_matching_accepts_empty_lists():
     assert match(np.zeros((0, 3))).shape == (0,)
     assert match(np.zeros((2, 0))).tolist() == [-1, -1]
     assert match(np.zeros((2, 2)), 0.0).tolist() == [-1, -1]
 
 
-def test_scores_of_a_frame_by_hand():
+def test_scores_of_a_frame_agree_with_a_count_by_hand():
     truth = np.array([corners(0), corners(10), corners(20)])
     found = np.array([corners(0.2), corners(13), corners(20, 0.1), corners(20, 0.3)])
     score = score_boxes(found, truth)
@@ -185,7 +185,7 @@ def test_scores_of_a_frame_by_hand():
     assert score_boxes(lifted, truth, overlap=space_iou).f1 == 0.0
 
 
-def test_scores_of_empty_frames():
+def test_empty_frames_have_scores():
     none, some = np.zeros((0, 8, 3)), corners()[None]
     assert (score_boxes(none, none).precision, score_boxes(none, none).f1) == (1.0, 1.0)
     assert (score_boxes(none, some).recall, score_boxes(none, some).f1) == (0.0, 0.0)
@@ -198,7 +198,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 
 
 def tracked(truth, found):
-    """Return a frame, given the x of the true and of the found boxes by label."""
+    """Return a frame, given the x of true and of detected boxes by label."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
         tuple(found),
@@ -228,7 +228,7 @@ def test_a_label_that_can_be_kept_is_kept():
     assert score_stream(frames) == Score(2, 1, 0, 0)
 
 
-def test_scores_of_empty_streams():
+def test_empty_streams_have_scores():
     assert score_stream([]) == Score()
     empty = TrackedFrame(np.zeros((0, 8, 3)), (), np.zeros((0, 8, 3)), ())
     assert score_stream([empty, tracked({1: 0}, {}), tracked({}, {3: 0})]) == Score(0, 1, 1)

@@ -1,4 +1,4 @@
-"""Similar answers: copies are found, and independent answers are not flagged."""
+"""Copies are found, and independent answers are not flagged as similar."""
 
 import ast
 import json
@@ -57,7 +57,7 @@ def names_of(comparison):
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
-    """The right answers were written independently, so even lower thresholds flag no pair."""
+    """The right answers were written independently, so no pair is flagged at lower thresholds."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
@@ -96,7 +96,9 @@ def test_answers_that_follow_the_hints_are_not_flagged():
     assert len(hints.steps) > 10
     class_ = {**answers, "bo": hints}
     assert compared("euclidean_clustering", class_).pairs == ()
-    assert names_of(compare("euclidean_clustering", class_)), "as it would be, were it not taught"
+    assert names_of(compare("euclidean_clustering", class_)), (
+        "an answer that the lesson does not suggest is flagged"
+    )
 
 
 def test_short_answers_are_never_flagged():
@@ -270,7 +272,7 @@ def get_bounding_boxes(c, n):
 @pytest.mark.parametrize("disguise", DISGUISED)
 def test_a_copy_is_found(disguise):
     class_ = written("get_bounding_boxes", right=True)
-    class_.pop("a dictionary of running extremes, printing and warning")  # much like ORIGINAL
+    class_.pop("a dictionary of running extremes, printing and warning")  # similar to ORIGINAL
     class_ |= {
         "first": answer("get_bounding_boxes", ORIGINAL),
         "second": answer("get_bounding_boxes", DISGUISED[disguise]),
@@ -322,7 +324,7 @@ def statements_in(source):
     return sum(isinstance(node, ast.stmt) and not isinstance(node, named) for node in nodes)
 
 
-# Numbers and words.
+# Numbers and sentences.
 
 
 def test_the_numbers_about_a_pair_are_counted():
@@ -332,7 +334,7 @@ def test_the_numbers_about_a_pair_are_counted():
         "cy": ORIGINAL.replace("row += 1", "row = row + 1  # next"),
     }
     answers = {name: answer("get_bounding_boxes", text) for name, text in others.items()}
-    assert answers.pop("ada") is None, "nobody wrote it"
+    assert answers.pop("ada") is None, "no student wrote it"
     answers["dee"] = answer(
         "get_bounding_boxes", "def get_bounding_boxes(a, b):\n    extremes = {}\n    return None"
     )
@@ -343,7 +345,7 @@ def test_the_numbers_about_a_pair_are_counted():
     assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
     assert pair.exclusive == 13  # all steps except the empty dictionary
     assert pair.others == (1, 4)
-    assert pair.nearest == (0.0, 0.0)  # all students have that dictionary
+    assert pair.nearest == (0.0, 0.0)  # all students have this dictionary
 
 
 @pytest.mark.parametrize(
@@ -358,7 +360,7 @@ def test_only_identical_answers_show_100_percent(share, words):
 LESSON = lesson_of("get_bounding_boxes")
 
 
-def hand_in(course, student, text, lesson=LESSON):
+def submit(course, student, text, lesson=LESSON):
     path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, "utf-8")
@@ -366,12 +368,12 @@ def hand_in(course, student, text, lesson=LESSON):
 
 @pytest.fixture
 def course(tmp_path):
-    """Return a course with six independent students and two more, one of whom copied the other."""
+    """Return a course with six independent students, one more student, and a copy of that one."""
     course = Course(tmp_path)
     others = [v for v in answers_to("get_bounding_boxes") if v.right]
     others = [v.source for v in others if not v.name.startswith("a dictionary")]
     for number, source in enumerate([*others, ORIGINAL, DISGUISED["other names"]]):
-        hand_in(course, f"s{number}", fill_in(LESSON, {"get_bounding_boxes": source}))
+        submit(course, f"s{number}", fill_in(LESSON, {"get_bounding_boxes": source}))
     return course
 
 
@@ -387,7 +389,7 @@ def test_a_stage_is_compared_and_shown(course):
     assert "numpy.minimum(smallest, p)" in page
     assert "have the same steps and differ only in names and similar details." in page
     assert "14 of 14 steps" in page
-    assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs nothing beside it"
+    assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs no other file"
 
 
 def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
@@ -416,12 +418,12 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     given = fill_in(LESSON, {})
     texts = {"ada": own, "bo": own, "cy": json.dumps(run), "dee": given, "eve": given}
     for student, text in texts.items():
-        hand_in(course, student, text)
+        submit(course, student, text)
     same = compare_stage(course, LESSON.stage).same_files
     assert [(one.students, one.same_bytes, one.own) for one in same] == [
         (("ada", "bo"), True, 1),
         (("ada", "bo", "cy"), False, 1),
-    ], "and not the two who handed in what they were given"
+    ], "but not two unchanged notebooks"
 
 
 # Hostile notebooks.
@@ -444,7 +446,7 @@ HOSTILE = {
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_a_hostile_notebook_affects_only_its_author(kind, course):
     pair = last_two(course)
-    hand_in(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
+    submit(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
     compared_ = compare_stage(course, LESSON.stage)
     assert [one.students for one in compared_.pairs] == [pair]
     assert {student for student, *_ in compared_.problems} <= {"a"}
@@ -473,7 +475,7 @@ def test_submitted_code_is_escaped_on_the_page(course):
     evil = ORIGINAL.replace("boxes = np", "'</div><script>alert(1)</script>'; boxes = np")
     for student, name in zip(last_two(course), ("<b>x", "<i>y"), strict=True):
         shutil.rmtree(course.submitted / student)
-        hand_in(course, name, fill_in(LESSON, {"get_bounding_boxes": evil}))
+        submit(course, name, fill_in(LESSON, {"get_bounding_boxes": evil}))
     page = write_similarity(course, compare_stage(course, LESSON.stage)).read_text("utf-8")
     assert "&lt;script&gt;alert(1)" in page
     assert not re.search(r"<script|<b>x|<i>y", page)

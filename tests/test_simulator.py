@@ -1,4 +1,4 @@
-"""The scanner, compared with exact formulas, marching along rays and statistics."""
+"""The scanner agrees with exact formulas, marching along rays and statistics."""
 
 import math
 from dataclasses import replace
@@ -38,7 +38,7 @@ def thing(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0
 
 
 def random_solids(rng, count):
-    """Return boxes, frusta, cylinders and balls all around the sensor, near and far."""
+    """Return boxes, frusta, cylinders and balls around the sensor, near and far."""
     solids = []
     for _ in range(count):
         centre = (*rng.uniform(-15, 15, 2), rng.uniform(-1, 3))
@@ -56,8 +56,8 @@ def random_solids(rng, count):
     return solids
 
 
-def holds(solid, points):
-    """Return a mask of the points (..., 3) that are inside a solid, from its definition."""
+def contains(solid, points):
+    """Return a mask of the points (..., 3) inside a solid, from the solid's definition."""
     if hasattr(solid, "normals"):
         return np.all(points @ solid.normals.T <= solid.offsets, axis=-1)
     if hasattr(solid, "base"):
@@ -79,10 +79,10 @@ def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
     rays = (aims / np.linalg.norm(aims, axis=1, keepdims=True)).T
     step = 0.004
     steps = np.arange(0, 30, step)
-    inside = holds(solid, rays.T[:, None] * steps[None, :, None])
+    inside = contains(solid, rays.T[:, None] * steps[None, :, None])
     enter, leave, cosine = solid.crossings(rays)
     hit = (leave >= enter) & (leave > 0)
-    # Marching may miss a part thinner than a step, but never hits something that is not there.
+    # Marching may miss a part that is thinner than a step, but never hits empty space.
     assert not np.any(inside.any(axis=1) & ~hit)
     assert np.all((leave - np.maximum(enter, 0))[hit & ~inside.any(axis=1)] <= step + 1e-9)
     outside = inside.any(axis=1) & (enter > 0)
@@ -302,7 +302,7 @@ def test_the_stated_share_of_echoes_is_lost():
 
 
 def share_seen(distance, material, weakest_signal):
-    """Return the share of rays that come back from a wall perpendicular to the beam."""
+    """Return the share of rays that return from a wall perpendicular to the beam."""
     sensor = replace(EXACT, azimuth_step=math.radians(0.2), elevations=layers(40, 1.0, -1.0))
 
     def returns(material, weakest_signal):

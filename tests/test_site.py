@@ -1,4 +1,4 @@
-"""The website: its pages show outputs, give no solution away and use no other host."""
+"""The website's pages show outputs, do not give solutions away and use no other host."""
 
 import base64
 import html
@@ -52,7 +52,7 @@ def displayed(data, about=None):
 
 
 def positions():
-    """Yield the outputs of a slider at its own value and at two others."""
+    """Yield the outputs of a slider at its initial value and at two other values."""
     yield displayed({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
     yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
@@ -71,8 +71,8 @@ def scene():
     return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
 
 
-def made_up():
-    """Return each lesson's solved notebook; `LESSON` has made-up outputs of each kind."""
+def solved_notebooks():
+    """Return each lesson's solved notebook; `LESSON` has artificial outputs of each kind."""
     ran = {lesson: nbformat.read(lesson.solved, as_version=4) for lesson in all_lessons()}
     code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
@@ -87,12 +87,12 @@ def made_up():
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site") / "pages"
-    builder.write_site(folder, made_up(), PUBLIC)
+    builder.write_site(folder, solved_notebooks(), PUBLIC)
     return folder
 
 
 def text_of(path):
-    """Return the text of a page without tags, and without using the parser of `site_checks`."""
+    """Return the text of a page without tags; this does not use `site_checks`'s parser."""
     plain = re.sub(r"<(script|style)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.S)
     return html.unescape(re.sub(r"<[^>]+>", "", plain))
 
@@ -105,7 +105,9 @@ def test_a_slider_becomes_pictures_at_some_positions_with_labels():
     (one,) = page_outputs([*positions()], pictures)
     page = one.data["text/html"]
     assert [*map(float, re.findall(r"<label [^>]*>(\S+)</label>", page))] == [-2.2, -1.2, 0.6]
-    assert re.findall(r'class="at-(\d)" checked', page) == ["0"], "the lesson's own is shown first"
+    assert re.findall(r'class="at-(\d)" checked', page) == ["0"], (
+        "the lesson's value is shown first"
+    )
     assert len(pictures.files) == 3
     assert page.count('class="position ') == 3
     assert "<pre>at 0.6 &lt;m&gt;\n</pre>" in page
@@ -127,13 +129,13 @@ def test_several_sliders_share_one_choice():
 
 
 def test_a_question_becomes_a_field_with_a_folded_answer():
-    asked = html_of(displayed({widget_states.QUESTION: QUESTION}), Pictures())
-    told = html_of(displayed({widget_states.ANSWER: ANSWER}), Pictures())
-    assert '<input type="range" min="0" max="10" step="1"' in asked
+    question = html_of(displayed({widget_states.QUESTION: QUESTION}), Pictures())
+    answer = html_of(displayed({widget_states.ANSWER: ANSWER}), Pictures())
+    assert '<input type="range" min="0" max="10" step="1"' in question
     key = f'data-question="{key_of("How many?")}"'
-    assert key in asked and key in told, "a guess finds its answer"
-    assert told.startswith("<details") and " open" not in told.partition(">")[0]
-    assert "Because 3 &lt; 4." in told
+    assert key in question and key in answer, "the page can connect the guess with the answer"
+    assert answer.startswith("<details") and " open" not in answer.partition(">")[0]
+    assert "Because 3 &lt; 4." in answer
     choices = QUESTION | {"choices": ["a < b", "b < a"]}
     radio = html_of(displayed({widget_states.QUESTION: choices}), Pictures())
     assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
@@ -148,7 +150,7 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     (view,) = (file for place, file in pictures.files.items() if place.endswith(".html"))
     assert view.lstrip().lower().startswith(b"<!doctype html>")
     instead = html.unescape(page.partition("<noscript>")[2])
-    assert 'alt="A "corner" in space"' in instead, "who runs no scripts sees a picture"
+    assert 'alt="A "corner" in space"' in instead, "without scripts, a picture is shown"
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
@@ -231,7 +233,7 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
         "why": "So it is.",
     }
     assert outputs[2].metadata["image/png"]["alt"] == "Figure. 3 things."
-    assert outputs[-1].text == "[]\n", "a lesson has no name that it did not make"
+    assert outputs[-1].text == "[]\n", "the notebook has no additional names"
 
 
 # ---- pages --------------------------------------------------------------------------------------
@@ -272,8 +274,8 @@ def test_the_front_page_has_every_lesson():
     assert re.findall(r'class="lesson-card" href="(\w+/\w+)\.html"', page) == [
         f"{lesson.stage}/{lesson.name}" for lesson in every_lesson()
     ]
-    _, beside = page.split("### Optional")
-    assert "13 · Compiled loops" in beside and "<code>snuggest_turn</code>" in beside
+    _, optional = page.split("### Optional")
+    assert "13 · Compiled loops" in optional and "<code>snuggest_turn</code>" in optional
 
 
 def test_missing_packages_are_found_in_import_statements():
@@ -293,12 +295,12 @@ except ImportError:
 def test_an_optional_lesson_runs_if_its_packages_are_installed(
     monkeypatch, tmp_path, capsys, missing
 ):
-    asked = []
+    run_lessons = []
     monkeypatch.setattr(runs, "missing_packages", lambda lesson: missing)
-    monkeypatch.setattr(runs, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
+    monkeypatch.setattr(runs, "solved_runs", lambda lessons, *_: run_lessons.extend(lessons) or {})
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
-    assert tuple(asked) == (all_lessons() if missing else every_lesson())
+    assert tuple(run_lessons) == (all_lessons() if missing else every_lesson())
     said = "The page of 13_compiled_loops shows no outputs: install numba first."
     assert (said in capsys.readouterr().out) == bool(missing)
 
@@ -307,7 +309,7 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
 
 
 def secrets():
-    """Yield each line of a solution that no student's notebook contains."""
+    """Yield each line of a solution that the released notebook does not contain."""
     notebooks = "\n".join(
         "".join(cell["source"])
         for lesson in every_lesson()
@@ -409,12 +411,12 @@ def test_a_lesson_that_did_not_run_has_a_page_without_outputs(site):
 @pytest.mark.slow
 def test_search_finds_words_of_titles_and_of_text(site):
     index = (site / "searchindex.js").read_text("utf-8")
-    assert index.startswith("Search.setIndex({"), "a script, which a page loads from a disk, too"
+    assert index.startswith("Search.setIndex({"), "a script, which pages can also load from a disk"
     index = json.loads(index.removeprefix("Search.setIndex(").rstrip().removesuffix(")"))
     lesson = index["docnames"].index(f"{LESSON.stage}/{LESSON.name}")
     (found,) = (pages for title, pages in index["alltitles"].items() if "The queue" in title)
     assert [page for page, _ in found] == [lesson]
-    assert lesson in index["terms"]["lorri"], "`lorry` stands in its text alone"
+    assert lesson in index["terms"]["lorri"], "`lorry` is only in the text"
 
 
 @pytest.mark.slow
@@ -433,7 +435,9 @@ def test_a_notebook_for_the_browser_gets_its_sliders_first():
     texts = ["".join(cell["source"]) for cell in content["cells"]]
     (place,) = (number for number, text in enumerate(texts) if "%pip install" in text)
     assert texts[place + 1].startswith(standalone.TITLE)
-    assert content["metadata"]["kernelspec"]["name"] == "python", "as its kernel calls itself"
+    assert content["metadata"]["kernelspec"]["name"] == "python", (
+        "the name of the kernel in the browser"
+    )
 
 
 @pytest.mark.slow
@@ -454,7 +458,7 @@ def test_two_builds_have_the_same_bytes(site, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     monkeypatch.setenv("PYTHONHASHSEED", "7")
     again = tmp_path / "elsewhere" / "deeper"
-    builder.write_site(again, made_up(), PUBLIC)
+    builder.write_site(again, solved_notebooks(), PUBLIC)
     files = {path.relative_to(site) for path in site.rglob("*") if path.is_file()}
     assert files == {path.relative_to(again) for path in again.rglob("*") if path.is_file()}
     assert len(files) > 80

@@ -24,7 +24,7 @@ def sliced(text, *names):
 
 
 class StandIn:
-    """An IPython stand-in that does nothing, like the one in the sandbox."""
+    """A stand-in for IPython that does nothing, like the one in the sandbox."""
 
     def __getattr__(self, name):
         return lambda *values, **options: None
@@ -107,7 +107,7 @@ class StandIn:
         "def f(): return 42  # \u4f60\u597d",
     ],
 )
-def test_keeps_what_the_function_needs(text, monkeypatch):
+def test_a_slice_keeps_statements_that_the_function_needs(text, monkeypatch):
     monkeypatch.setattr(builtins, "get_ipython", StandIn, raising=False)
     namespace, _, _ = sliced(text)
     assert namespace["f"]() == 42
@@ -144,7 +144,7 @@ def test_keeps_what_the_function_needs(text, monkeypatch):
         "class Later(slow_experiment()): pass",
     ],
 )
-def test_leaves_out_what_it_does_not_need(line):
+def test_a_slice_omits_statements_that_the_function_does_not_need(line):
     text = (
         f"import sys\nimport numpy as np\nimport this_is_not_needed\n---\n{line}\n---\n"
         "def f(): return np.int64(42)\n---\ndef slow_experiment(): raise SystemExit"
@@ -250,7 +250,7 @@ def test_a_function_checked_after_its_definition_is_an_exercise():
     assert [slicing.is_checked(name, statements) for name in names] == [False, True, False, False]
 
 
-def test_code_of_the_lesson_after_a_check_is_left_out():
+def test_code_of_the_lesson_after_a_check_is_omitted():
     text = """
 def near(point): return point + 1
 def f(point): return near(point)

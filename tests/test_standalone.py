@@ -1,4 +1,4 @@
-"""Standalone notebooks, which need no other file."""
+"""Standalone notebooks need no other file."""
 
 import base64
 import hashlib
@@ -59,14 +59,14 @@ def test_each_lesson_has_one_small_notebook(written):
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
-def test_the_same_bytes_again(written, tmp_path):
+def test_notebooks_written_again_have_the_same_bytes(written, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
     for path in tmp_path.iterdir():
         assert path.read_bytes() == (written / path.name).read_bytes()
 
 
-def test_each_has_the_checks_of_its_lesson_and_the_rules(written):
+def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written):
     for path in written.iterdir():
         names = unpacked(path.read_bytes())
         mine = {name for name in names if name.startswith("utils/checks/lesson_")}
@@ -100,7 +100,7 @@ def run_setup(folder, cell):
 
 
 def run_python(folder, program):
-    """Run a program through standard input, because it is too long for a command line."""
+    """Run a program from standard input, because it is too long for a command line."""
     return subprocess.run(
         [sys.executable, "-"], input=program, cwd=folder, capture_output=True, text=True
     )
@@ -151,14 +151,14 @@ def test_a_standalone_submission_is_judged_like_any_other(sandbox):
 @pytest.mark.parametrize(
     "hidden",
     [
-        lambda setup: f"{standalone.TITLE}\n# (The tools of the course, packed.)",
+        lambda setup: f"{standalone.TITLE}\n# (The packed tools of the course.)",
         lambda setup: setup + "\n",
         lambda setup: setup.replace("packed = ", "packed  = "),
         lambda setup: standalone.setup_cell("07_filter_by_distance"),
     ],
 )
 def test_judged_code_is_always_shown_to_the_instructor(hidden):
-    """Only an exact copy of the course's tools is left out of the instructor's copy."""
+    """The instructor's copy omits only an exact copy of the course's tools."""
     setup = standalone.setup_cell(LESSON.name)
     source = hidden(setup) + "\ndef filter_ground(cloud): return 'code that nobody sees'"
     notebook = json.loads(standalone.make_standalone(LESSON.released.read_bytes()))

@@ -1,4 +1,4 @@
-"""Statuses of submissions (missing, zero, excused, waiting), lateness, and the roster."""
+"""Each submission has the right standing (missing, excused, waiting or marked) and lateness."""
 
 import datetime
 import shutil
@@ -25,9 +25,9 @@ from tests.test_gradebook import (
     GROUND,
     LATE,
     STAGE,
-    hand_in,
     make_course,
     quiet,
+    submit,
     verdicts,
 )
 
@@ -58,14 +58,14 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Return a course with two lessons from Ada, one with 0 points, and one lesson from Bob."""
+    """Return a course with two lessons by Ada, one of which has 0 points, and one by Bob."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def standing(course):
-    """Return the standing and score of each notebook, by student and number of the lesson."""
+    """Return the standing and score of each notebook by student and number of the lesson."""
     results = class_results(course)
     return {
         (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
@@ -139,8 +139,8 @@ def test_a_submission_that_needs_manual_grading_waits(course):
 
 
 def test_a_submission_that_is_not_in_the_gradebook_waits(course):
-    hand_in(course, "bob", GROUND)
-    hand_in(course, "cleo", DISTANCE)
+    submit(course, "bob", GROUND)
+    submit(course, "cleo", DISTANCE)
     assert standing(course)["bob", "06"] == (WAITING, None)
     (course.root / "roster.csv").write_text("id\nbob\ncleo\n")
     assert standing(course)["cleo", "06"] == (MISSING, None)
@@ -177,7 +177,7 @@ def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_a_lesson_without_submissions_is_left_out(course):
+def test_a_lesson_without_submissions_is_omitted(course):
     shutil.rmtree(course.submitted / "ada" / STAGE)
     enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
@@ -197,14 +197,14 @@ def test_times_and_late_penalties_of_a_stage(course):
         MARKED,
         score=18.25,
         max_score=60,
-        penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, at 10 % each
-        handed_in=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
+        penalty=pytest.approx(3.65),  # 24.5 hours late: two days have begun, with 10 % for each
+        submitted_at=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
         due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
         late=datetime.timedelta(hours=24, minutes=30),
     )
     assert stage.points == pytest.approx(14.6)
     on_time = class_results(course).stage("bob", STAGE)
-    assert (on_time.handed_in, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
+    assert (on_time.submitted_at, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
 
 
 def test_a_student_without_a_submission_has_a_due_date(course):
@@ -212,7 +212,7 @@ def test_a_student_without_a_submission_has_a_due_date(course):
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
     assert results.stage("fay", STAGE).due == datetime.datetime(2026, 3, 4, 12, tzinfo=datetime.UTC)
-    assert results.stage("fay", STAGE).handed_in is None
+    assert results.stage("fay", STAGE).submitted_at is None
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Stored answers: a stub returns the course's answer and says so, so that students can go on."""
+"""A stub returns the course's stored answer and says so, so that students can continue."""
 
 import json
 import types
@@ -124,7 +124,7 @@ def test_keys_ignore_the_last_digits():
 
 
 def stub(cloud, level=0.0):
-    """Contain only a docstring and a plan, like the stubs of the lessons."""
+    """Contain only a docstring and a plan, like the lessons' stubs."""
     # 1. a step
     raise NotImplementedError()
 
@@ -208,7 +208,7 @@ def test_a_check_calls_the_stub_itself():
 
 
 def test_calls_of_a_check_are_not_recorded():
-    """Calls that the checked function makes are not recorded either."""
+    """Calls that the checked function makes are also not recorded."""
 
     def check(function):
         assert len(function(CLOUD, 3.0)) == int((CLOUD[:, 2] >= 3.0).sum())
@@ -280,7 +280,7 @@ def test_an_experiment_is_recorded_again_although_it_is_stored():
 
 
 def stored(**answers):
-    """Return stored answers of functions of one call each."""
+    """Return stored answers, with one call for each function."""
     functions = {name: {"key": {"answer": answer}} for name, answer in answers.items()}
     return json.dumps({"functions": functions}).encode()
 

@@ -1,4 +1,4 @@
-"""Calls into the sandbox: a student's objects, the place of an exception, and interrupts."""
+"""Calls into the sandbox reach a student's objects, locate exceptions, and can be interrupted."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def student(sandbox):
         yield proxy
 
 
-def test_attributes_and_methods_of_a_remote_object(student):
+def test_attributes_and_methods_of_a_remote_object_can_be_used(student):
     tree = student.KdTree()
     assert tree.root is None
     assert tree.search([0, 0], 1.0) == []
@@ -101,19 +101,19 @@ def test_walking_a_tree_takes_few_requests(student):
     tree = student.KdTree()
     for number in range(30):
         tree.insert([number, 0.0], number)
-    asked, seen, node = student._calls, [], tree.root
+    calls_before, seen, node = student._calls, [], tree.root
     while node is not None:
         seen.append((node.index, node.point.tolist(), node.right))
         node = node.left
     assert seen == [(number, [number, 0.0], None) for number in reversed(range(30))]
-    assert student._calls - asked <= len(seen) // 5
+    assert student._calls - calls_before <= len(seen) // 5
 
 
 def test_many_calls_are_one_request_that_ends_at_the_first_failure(student):
     tree, points = student.KdTree(), np.arange(8.0).reshape(4, 2)
-    asked = student._calls
+    calls_before = student._calls
     call_each(tree.insert, [(point, row) for row, point in enumerate(points)])
-    assert student._calls == asked + 1
+    assert student._calls == calls_before + 1
     assert (tree.count, tree.root.index) == (4, 3)
     assert tree.root.left.point.tolist() == [4.0, 5.0]
     with pytest.raises(StudentError, match="missing 1 required positional argument"):
@@ -123,25 +123,25 @@ def test_many_calls_are_one_request_that_ends_at_the_first_failure(student):
 
 def test_methods_of_a_new_object_are_known_and_looked_up_when_called(student):
     tree = student.KdTree()
-    asked = student._calls
+    calls_before = student._calls
     search, _, root = tree.search, tree.insert, tree.root
-    assert (student._calls, root) == (asked, None)
+    assert (student._calls, root) == (calls_before, None)
     assert search([0, 0], 1.0) == []
-    assert student._calls == asked + 1
+    assert student._calls == calls_before + 1
 
 
 def test_a_path_of_attributes_is_one_request(student):
     tree = student.KdTree()
     call_each(tree.insert, [([row, 0.0], row) for row in range(300)])
-    asked = student._calls
+    calls_before = student._calls
     assert reach(tree, ["root", *["left"] * 299]).index == 0
     assert reach(tree, ["root", *["left"] * 300]) is None
     with pytest.raises(StudentError, match="AttributeError"):
         reach(tree, ["root", *["left"] * 301])
-    assert student._calls <= asked + 4
+    assert student._calls <= calls_before + 4
 
 
-def test_calls_and_attribute_paths_on_local_objects():
+def test_calls_and_attribute_paths_work_on_local_objects():
     class Local:
         def __init__(self):
             self.seen = []
@@ -223,7 +223,7 @@ def answer(number):
 
 
 def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
-    """The call may be in a helper, if only this exercise uses the helper."""
+    """The call may be in a helper that only this exercise uses."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
@@ -236,7 +236,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )
-        # A hidden test shows only the place of the call, without any code.
+        # A hidden test shows only the place of the call, and no code.
         assert error.safe_sentence == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:

@@ -9,7 +9,7 @@ import pytest
 
 from grader.course.paths import PROJECT
 
-# Everything except the lessons themselves.
+# All folders except the lessons' texts.
 PLAIN = (
     "conftest.py",
     "extension",

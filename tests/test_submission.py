@@ -1,4 +1,4 @@
-"""Reading a submission and computing its fingerprint."""
+"""Submissions are read, and their fingerprints are computed."""
 
 import dataclasses
 import errno
@@ -24,12 +24,12 @@ def submitted_files(**parts):
 
 
 def test_a_module_cannot_continue_a_notebook():
-    beside = submitted_files(modules={"helper": "x = 1"})
-    behind = submitted_files(data=b"{}\0helper\0x = 1")
-    assert beside.fingerprint() != behind.fingerprint()
+    with_module = submitted_files(modules={"helper": "x = 1"})
+    with_cell = submitted_files(data=b"{}\0helper\0x = 1")
+    assert with_module.fingerprint() != with_cell.fingerprint()
 
 
-# Few letters, so that Hypothesis often draws different splits of the same text.
+# With few letters, Hypothesis often draws different splits of the same text.
 TEXTS = st.text("a\0 1", max_size=2)
 HANDED_IN = st.builds(
     SubmittedFiles,
@@ -74,7 +74,7 @@ def test_a_notebook_is_read_with_its_neighbouring_modules(tmp_path):
     path.write_bytes(b'{"cells": []}')
     (tmp_path / "zebra.py").write_text("z = 'ö'", "utf-8")
     (tmp_path / "helper.py").write_bytes(b"x = '\xff'")
-    (tmp_path / "3d.py").write_text("nobody can import it")
+    (tmp_path / "3d.py").write_text("cannot be imported")
     (tmp_path / "notes.txt").write_text("no module")
     (tmp_path / "below").mkdir()
     (tmp_path / "below" / "other.py").write_text("elsewhere")
@@ -126,7 +126,7 @@ def test_only_a_regular_file_is_opened(tmp_path):
     (tmp_path / "link.ipynb").symlink_to(path)
     link = "link.ipynb cannot be opened: it is a link to another file."
     assert refusal(tmp_path / "link.ipynb") == link
-    os.mkfifo(tmp_path / "pipe.ipynb")  # reading it would block forever
+    os.mkfifo(tmp_path / "pipe.ipynb")  # reading a pipe would block forever
     said = "is not an ordinary file. Submit the .ipynb file itself."
     assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {said}"
     (tmp_path / "folder.ipynb").mkdir()

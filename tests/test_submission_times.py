@@ -1,4 +1,4 @@
-"""The submission time, known or unknown, of a student with one or two folders."""
+"""The submission time of a student with one or two folders is known or undecided."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Return two folders of one student, whose ID has two spellings; each has a notebook."""
+    """Return two folders of one student, whose ID has two spellings; each folder has a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")
@@ -36,7 +36,7 @@ def test_the_later_of_two_times_counts(folders):
 def test_late_work_without_a_time_is_undecided(folders):
     write_record(LATE, folders[0])
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
-    with pytest.raises(SubmissionTimeUnknown, match="marks it late without a time"):
+    with pytest.raises(SubmissionTimeUnknown, match="marks it late but gives no time"):
         submission_time(folders)
     write_time(folders[0], "2026-09-01 10:00:00 UTC")  # the instructor decided
     assert submission_time(folders) == OCTOBER

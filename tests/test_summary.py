@@ -30,7 +30,7 @@ from utils.checks.summary import resolve
 
 @pytest.fixture
 def exercise(monkeypatch):
-    """Return the name of a made-up exercise; each test declares the checks of the exercise."""
+    """Return the name of an artificial exercise; each test declares the exercise's checks."""
     monkeypatch.setattr(core, "_CHECKS", dict(core._CHECKS))
     monkeypatch.setattr(diagnosis, "_KNOWN", dict(diagnosis._KNOWN))
     return "double"
@@ -107,17 +107,17 @@ def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
     @declared("doubles")
     def doubles(double):
         if double(2) != 4:
-            raise CheckFailed("2 gives no 4.")
+            raise CheckFailed("2 does not give 4.")
 
-    @declared("doubles halves, too")
+    @declared("also doubles halves")
     def halves(double):
         with needs("whole numbers are doubled"):
             doubles(double)
         if double(0.5) != 1:
-            raise CheckFailed("A half gives no 1.")
+            raise CheckFailed("A half does not give 1.")
 
     shown = shown_by(lambda number: 3, capsys)
-    assert "[waiting] doubles halves, too" in shown and "A half" not in shown
+    assert "[waiting] also doubles halves" in shown and "A half" not in shown
     shown = shown_by(lambda number: int(number) * 2, capsys)
     assert "A half" in shown and "waiting" not in shown
 
@@ -161,13 +161,13 @@ def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
     assert diagnose("another", lambda x: x) is None
 
 
-def test_a_mistake_needs_two_cases_and_no_rival(exercise):
+def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
     squared = Mistake("It is squared.", lambda right, x: x**2)
     rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
     mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
     assert diagnose("double", lambda x: x * x) is None
     mistakes("double", squared, cases=CASES[1:], right=lambda x: 2 * x)
-    assert diagnose("double", lambda x: x * x) is None, "one telling case may be chance"
+    assert diagnose("double", lambda x: x * x) is None, "a single case may agree by chance"
 
 
 def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
@@ -185,7 +185,7 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
 
     @declared("doubles")
     def doubles(double):
-        raise CheckFailed("1 gives no 2.")
+        raise CheckFailed("1 does not give 2.")
 
     def double(x):
         return x**2 if len(x) else x[0]
@@ -217,7 +217,7 @@ def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
     @declared("doubles")
     def doubles(double):
         if (double(np.array([1.0, 3.0])) != [2, 6]).any():
-            raise CheckFailed("1 and 3 give no 2 and 6.")
+            raise CheckFailed("1 and 3 do not give 2 and 6.")
 
     shown = shown_by(lambda x: x**2, capsys)
     assert "What your code does: It is squared." in shown and "Hint: Multiply by 2." in shown
@@ -230,7 +230,7 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
         core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
         if known is None or known.ask is not diagnosis._called:
-            continue  # only kept answers test mistakes that have their own calls
+            continue  # mistakes with their own calls are tested only by kept answers
         for mistake in known.mistakes:
 
             def function(*case, mistake=mistake, known=known):
@@ -241,7 +241,7 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
 
 
 class Hostile:
-    """An answer that raises an exception at every operation."""
+    """An answer that raises an exception in every operation."""
 
     def _refuse(self, *anything):
         raise RuntimeError("no")
@@ -294,7 +294,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     declared("three")(lambda double: None)
 
     def brief_deaf():
-        """Suppress the first two interrupts, then let the third one pass."""
+        """Suppress the first two interrupts, but not the third."""
         for _ in range(2):
             with contextlib.suppress(BaseException):
                 endless(0)
@@ -327,9 +327,9 @@ def test_the_time_limit_works_without_interrupts(handler):
 
 def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
-    declared("one", slow="is everybody asked twice?")(lambda double: double(0))
+    declared("one", slow="is every point visited twice?")(lambda double: double(0))
     shown = shown_by(endless, capsys)
-    assert "`. Is everybody asked twice? If" in shown and "never ends" not in shown
+    assert "`. Is every point visited twice? If" in shown and "never ends" not in shown
 
 
 def test_an_interrupt_passes_the_time_limit():
@@ -358,7 +358,7 @@ def busy_for(seconds):
         pass
 
 
-def test_without_threads_python_watches_the_clock(monkeypatch):
+def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     start = time.monotonic()
     with pytest.raises(TimeUp), limited(0.1):
@@ -392,7 +392,9 @@ def test_in_another_thread_nothing_is_limited():
     assert found == [1]
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux says what is free")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="only Linux says how much memory is free"
+)
 def test_too_much_memory_is_an_error_and_not_a_crash():
     script = """
 import numpy as np
@@ -424,7 +426,7 @@ USES = {
     "def f(x):\n    return cc(x)",
     "a helper": "import scipy.cluster.hierarchy as h\ndef g(x):\n    return h.fclusterdata(x, 1)\n"
     "def f(x):\n    return g(x)",
-    "a class of one's own": "import sklearn.cluster as c\nclass K:\n    def m(self):\n"
+    "the student's own class": "import sklearn.cluster as c\nclass K:\n    def m(self):\n"
     "        return c.DBSCAN()\ndef f(x):\n    return K().m()",
     "a loop inside": "import sklearn.cluster as c\ndef f(x):\n    return [c.DBSCAN() for _ in x]",
 }
@@ -464,7 +466,7 @@ def test_a_refused_module_is_the_only_message(capsys):
     assert "[passed]" not in shown
 
 
-def test_odd_functions_are_searched_without_harm():
+def test_unusual_functions_are_searched_without_an_error():
     for odd in (len, print, np.sqrt, math.sqrt, dict, SimpleNamespace(), 7, builtins):
         assert refused_modules(odd, "lesson_05") == []
         assert functions_used(odd) == {}
@@ -495,7 +497,7 @@ def test_a_summary_in_a_notebook_folds_and_colours():
 
 
 def test_failures_fixed_by_one_edit_have_one_cause():
-    """If one edit fixes all failures, the others count as failures for the same reason."""
+    """If one edit fixes all failures, all but the first have the same reason."""
     outcomes = [
         Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
         for name in ("first", "second", "third")
@@ -506,7 +508,7 @@ def test_failures_fixed_by_one_edit_have_one_cause():
         assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())
 
 
-def test_where_nothing_else_failed_a_precondition_is_told_itself():
+def test_a_precondition_is_shown_if_no_other_check_fails():
     def sorts_and_collects(cloud):
         good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)
         return np.unique(cloud[good], axis=0)
@@ -517,7 +519,7 @@ def test_where_nothing_else_failed_a_precondition_is_told_itself():
     story = resolve(outcomes)
     assert "This check waits" not in story.first.failure.message
     assert story.first.failure.is_about_the_check and not story.waiting
-    # The judge shows no more of a hidden test than the precondition.
+    # Of a hidden test, the judge shows only the precondition.
     hidden = Check("test_all", "drop_invalid", "All", "")
-    told = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
-    assert told.failure.reason is None
+    shared = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
+    assert shared.failure.reason is None

@@ -1,4 +1,4 @@
-"""A right answer with one edit loses points, or is still equivalent to the solution.
+"""After one edit, a right answer loses points or is still equivalent to the solution.
 
 `python -m tests.survey` prints a table for all solutions. With the name of an exercise, it prints
 the table for all right answers to that exercise.
@@ -21,31 +21,31 @@ ANSWERS = {
     for exercise in EXERCISES
     for name in (SOLUTION, *(function.name for function in right_functions(exercise)))
 }
-# Known edits that change some answers but lose no points. `KNOWN` has, for each exercise, the line
-# before and after each edit, and the reason why it may keep all points.
-_LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
+# Known edits that change some answers but lose no points. For each exercise, `KNOWN` has the line
+# before and after each edit, and the reason why the answer may keep all points.
+_LUCK = "not the plane through the sample: it finds the road by chance, as it does with this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
 _BETTER = "if np.count_nonzero(close) > np.count_nonzero(inliers):"
-_NOT_BEST = "a plane, though not the best one: good enough on this seed"
+_NOT_BEST = "a plane, although not the best one: it is good enough with this seed"
 _RANKS = "return np.argsort(np.argsort(start))[which]"
 _ANGLE = "angle = 0.5 * math.atan2(2 * m[p][q], m[q][q] - m[p][p])"
 _SMALL = "if abs(m[p][q]) < 1e-300:"
-_EIG = "how eig hands them over: on this seed in the right order, and right-handed"
+_EIG = "eig returns the axes in any order: with this seed the order is right, and right-handed"
 _ORDER = "order = np.argsort(values.real)[::-1]"
 _SIGN = "vectors[:, 0] *= np.linalg.det(vectors)"
-_JACOBI = "rotations come to the same end, but where zeros stand beside the diagonal: by the seed"
+_JACOBI = "the rotations end equal unless there are zeros next to the diagonal: with some seeds"
 _REFIT = "normal = np.linalg.svd(near - centre, full_matrices=False)[2][2]"
 _SVD = "np.linalg.svd(near - centre, full_matrices=False)[2][2]"
 _WORSE = (
-    "a plane refitted wrongly has as many inliers in tiny clouds alone; else the first one stays"
+    "a wrongly refitted plane has as many inliers only in tiny clouds; otherwise the first stays"
 )
 _HULL = "hull = points[ConvexHull(points[:, :2]).vertices, :2]"
 _EDGES = "edges = np.roll(hull, -1, axis=0) - hull"
 _BEST = "best = min(angles, key=lambda a: np.prod(np.ptp(turned(points, -a)[:, :2], axis=0)))"
-_EDGE = "an edge of many is another: seldom the one that counts, and on this seed never"
+_EDGE = "one of many edges changes: rarely the one that counts, and never with this seed"
 _NEAR = "near = np.minimum(local - local.min(axis=0), local.max(axis=0) - local).min(axis=1)"
 _SIDES = (
-    "closeness to other sides: it finds the same turn but in few clusters, and none of this seed"
+    "closeness to other sides: it finds another angle in few clusters, and in none of this seed"
 )
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 _PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
@@ -58,7 +58,7 @@ KNOWN = {
         (
             _PAIRS,
             f"{_PAIRS}[1:]",
-        ): "of thousands of pairs the first is left out: on this seed others join the same cells",
+        ): "the first of thousands of pairs is missing: with this seed, others join the same cells",
     },
     "get_oriented_boxes": {
         (_HULL, _HULL.replace("ConvexHull(points[:, :2])", "ConvexHull(points[:, :2][1:])")): _EDGE,
@@ -76,18 +76,21 @@ KNOWN = {
         (
             _EDGES,
             "edges = (abs((np.roll(hull, -1, axis=0) - hull)))",
-        ): "of two edges at a right angle one keeps its slope: other hulls are rare",
+        ): "one of two perpendicular edges keeps its slope: other hulls are rare",
         (_BEST, _BEST.replace("(points, -a)", "(points, (abs((-a))))")): _EDGE,
-        (_BEST, _BEST.replace("[:, :2]", "[:, :1]")): "the narrowest box, seldom not the smallest",
+        (
+            _BEST,
+            _BEST.replace("[:, :2]", "[:, :1]"),
+        ): "the narrowest box, which is nearly always the smallest",
         (
             _BEST,
             _BEST.replace("turned(points, -a)[:, :2]", "(abs(turned(points, -a)[:, :2]))"),
-        ): "other widths for what lies across an axis: none on this seed",
+        ): "other widths for clusters that cross an axis: there are none with this seed",
         (_NEAR, _NEAR.replace(".min(axis=1)", ".max(axis=1)")): _SIDES,
         (_NEAR, _NEAR.replace("np.minimum(", "np.maximum(")): _SIDES,
         (_NEAR, _NEAR.removesuffix(".min(axis=1)")): _SIDES,
         (_YAW, _YAW.replace("np.radians(np.arange(90))", "(np.arange(90))")): "ninety other "
-        "angles, about as dense",
+        "angles that are about as dense",
     },
     "principal_axes": {
         (_ANGLE, _ANGLE.replace("m[p][p]", "m[p][~p]")): _JACOBI,
@@ -96,7 +99,7 @@ KNOWN = {
         (_SMALL, _SMALL.replace("[q]", "[~q]")): _JACOBI,
         (_ORDER, "order = np.argsort(np.floor(values.real))[::-1]"): _EIG,
         (_ORDER, "order = np.argsort((values.real ** 0.5))[::-1]"): "a variance that rounding may "
-        "make negative: by the seed",
+        "make negative: with some seeds",
         (_SIGN, _SIGN.replace("[:,", "[:2,")): _EIG,
         (_SIGN, _SIGN.replace("[:,", "[:-1,")): _EIG,
     },
@@ -104,7 +107,7 @@ KNOWN = {
         (
             "return cloud[~np.isnan(work[:, :3]).any(axis=1)]",
             "return work[~np.isnan(work[:, :3]).any(axis=1)]",
-        ): "an intensity that is infinite comes back as one that is no number: missing, both say",
+        ): "an infinite intensity is returned as NaN: both mean that it is missing",
     },
     "detect_obstacles": {
         (_CROSS, "normal = np.cross(q / p, r - p)"): _LUCK,
@@ -114,13 +117,13 @@ KNOWN = {
         (
             f"{_RANKS} + 1",
             f"{_RANKS} - 1",
-        ): "the two clusters farthest behind get no box, and on this seed nobody asks for them",
+        ): "the two clusters farthest behind have no box, and this seed does not test them",
     },
 }
 
 
 # The checks of these exercises are slow: running all edits of all right answers would take hours.
-# All edits of the solution run, but only one in five edits of the other answers.
+# All edits of the solution are tried, but only one in five edits of the other answers.
 SLOW = (
     "ransac_plane",
     "euclidean_clustering",
@@ -143,8 +146,8 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_few_lose_more_than_three_fifths_for_one_edit(sandbox):
-    """Judge a fixed sample of edits of each solution in the sandbox, and search for the slips."""
+def test_few_answers_lose_more_than_three_fifths_for_one_edit(sandbox):
+    """Judge a fixed sample of each solution's edits in the sandbox, including the slip search."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
     severe = [(one.before, one.after) for share, one in lost if share > MOST]

@@ -52,8 +52,8 @@ def after(function, monkeypatch, slow=""):
     """Return the message about a function that hangs."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
-    asked = Check("asked", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)
-    return run_check(asked, function).failure.message
+    check = Check("check", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)
+    return run_check(check, function).failure.message
 
 
 def line_of(text):

@@ -1,4 +1,4 @@
-"""The tracker, which calls a student's functions and stores the tracks."""
+"""The tracker calls a student's functions and stores the tracks."""
 
 from types import SimpleNamespace
 
@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Match each box with the nearest previous box, or -1; enough for objects far apart."""
+    """Match each box with the nearest previous box, or -1; enough if objects are far apart."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]
@@ -47,12 +47,12 @@ def test_a_track_id_is_constant_and_never_reused():
 
 def test_without_a_prediction_the_last_position_counts():
     ways = {
-        "stands": Tracker(nearest),
+        "stays": Tracker(nearest),
         "comes": Tracker(nearest, predict=moved, newcomer=(-9, 0, 0)),
     }
     for way, tracker in ways.items():
         names = [tracker.update(boxes_at((x, 0)), 0.2).tolist() for x in (20, 18.2, 16.4)]
-        assert names == ([[1], [2], [3]] if way == "stands" else [[1], [1], [1]])
+        assert names == ([[1], [2], [3]] if way == "stays" else [[1], [1], [1]])
 
 
 def test_a_track_has_its_corrected_state():
@@ -106,7 +106,7 @@ def test_an_invalid_partner_starts_a_new_track():
     assert tracker.update(boxes_at((0, 0))).tolist() == [2]
 
 
-def test_functions_that_are_still_stubs_are_left_out():
+def test_functions_that_are_still_stubs_are_not_called():
     def coast(missed, partners, patience):
         raise NotImplementedError
 

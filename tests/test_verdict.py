@@ -1,4 +1,4 @@
-"""Storing, publishing and validating a verdict."""
+"""Verdicts are stored, published and validated."""
 
 import dataclasses
 import json

@@ -22,8 +22,8 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging import key
 from grader.judging.key import files_that_decide
 
-# Script for a separate process. It judges notebooks, and prints the paths that were opened or
-# given to new processes.
+# A script for a separate process. It judges notebooks, and prints the paths that were opened or
+# passed to new processes.
 LISTENER = """
 import os, sys
 heard = set()
@@ -32,7 +32,7 @@ def listen(event, arguments):
     if event == "open":
         names = arguments[:1]
     elif event == "subprocess.Popen":
-        # What is run, and what is shown to it; bubblewrap makes a folder for the latter to lie in.
+        # The program and the paths that it may see; bubblewrap only creates folders after --dir.
         command = arguments[1]
         names = [name for name, before in zip(command, ["", *command]) if before != "--dir"]
     else:
@@ -48,7 +48,7 @@ from pathlib import Path
 from grader.judging import judge
 from grader.sandbox import SANDBOXES
 
-judge.verdict_key = lambda *about: ""  # it reads all that it covers, which says nothing
+judge.verdict_key = lambda *about: ""  # it reads all files that it covers, used or not
 sandbox, *notebooks = sys.argv[1:]
 verdicts = [judge.judge(Path(path), 20170405, SANDBOXES[sandbox]) for path in notebooks]
 faults = [fault for verdict in verdicts for fault in verdict.faults]
@@ -62,7 +62,7 @@ def solved(lesson):
 
 
 def mistaken(lesson):
-    """Return a notebook with a mistake in every answer: a known mistake, if there is one."""
+    """Return a notebook with a mistake in every answer, if possible a known mistake."""
     answers = {
         exercise.name: max(
             (variant for variant in answers_to(exercise.name) if not variant.right),
@@ -74,7 +74,7 @@ def mistaken(lesson):
 
 
 def entangled(lesson):
-    """Return a notebook in which each answer is wrong and uses all earlier ones."""
+    """Return a notebook in which each answer is wrong and uses all earlier answers."""
     names = [exercise.name for exercise in lesson.machine_graded]
     answers = {
         name: f"def {name}(*arguments, **named):\n    return [{', '.join(names[:number])}]\n"
@@ -84,7 +84,7 @@ def entangled(lesson):
 
 
 def read_while_judging(lesson, notebooks, folder, sandbox):
-    """Return the project files that are opened, or given to new processes, during judging."""
+    """Return the project files that judging opens or passes to new processes."""
     paths = []
     for notebook in notebooks:
         path = folder / notebook.__name__ / f"{lesson.name}.ipynb"
@@ -107,7 +107,7 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
 def files_of_project(path):
     """Yield the project files at a path.
 
-    A folder yields all its modules, and a compiled module yields its source.
+    A folder stands for all its modules, and a compiled module for its source.
     """
     if not path.is_relative_to(PROJECT) or path.is_relative_to(sys.prefix):
         return
@@ -127,8 +127,8 @@ def assert_covered(lesson, notebooks, folder, sandbox):
     read = read_while_judging(lesson, notebooks, folder, sandbox)
     missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
     assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
-    # These files are always read, so the audit hook works. The solution has the right helpers,
-    # which are not needed in a lesson with one exercise.
+    # These files are always read, which shows that the audit hook works. The solution contains the
+    # right helpers, which are not needed in a lesson with one exercise.
     assert {lesson.source, lesson.released, lesson.tests} <= read
     assert lesson.solved in read or len(lesson.machine_graded) == 1
 
@@ -140,13 +140,13 @@ def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tm
 
 @pytest.mark.slow
 def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
-    """This test uses the fastest lesson; the test above covers all lessons."""
+    """Use the fastest lesson; the test above covers all lessons."""
     assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
 
 
 @pytest.mark.slow
 def test_every_imported_module_is_in_the_key(lesson):
-    """The imports include those that no test notebook reaches; Python's own parser finds them."""
+    """Python's parser also finds imports that no notebook of the tests reaches."""
     covered = files_that_decide(lesson)
     modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
     imported = {file for module in modules for file in files_of(module)}
@@ -180,7 +180,7 @@ def files_of(module):
         )
 
 
-# ---- a made-up project ------------------------------------------------------------------
+# ---- an artificial project --------------------------------------------------------------
 
 FILES = {
     "grader/__init__.py": "",
@@ -238,8 +238,8 @@ DECIDE = {
 
 
 @dataclass(frozen=True)
-class MadeUp:
-    """A lesson of the made-up project."""
+class ArtificialLesson:
+    """A lesson of the artificial project."""
 
     root: Path
     name: str = "06"
@@ -256,8 +256,8 @@ def forget():
 
 
 @pytest.fixture
-def made_up(tmp_path, monkeypatch):
-    """Return the lesson of a made-up project in its own folder."""
+def artificial_lesson(tmp_path, monkeypatch):
+    """Return the lesson of an artificial project in its own folder."""
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
@@ -267,42 +267,44 @@ def made_up(tmp_path, monkeypatch):
     monkeypatch.setattr(key, "ARRAYS", (tmp_path / "data" / "truth.npz",))
     monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
     forget()
-    yield MadeUp(tmp_path)
+    yield ArtificialLesson(tmp_path)
     forget()
 
 
-def test_files_that_decide_are_those_that_the_entries_import(made_up):
-    found = key.files_that_decide(made_up)
-    assert {file.relative_to(made_up.root).as_posix() for file in found} == DECIDE
+def test_files_that_decide_are_those_that_the_entries_import(artificial_lesson):
+    found = key.files_that_decide(artificial_lesson)
+    assert {file.relative_to(artificial_lesson.root).as_posix() for file in found} == DECIDE
 
 
-def test_the_key_changes_only_with_files_that_decide(made_up):
-    right = key.rules_key(made_up)
+def test_the_key_changes_only_with_files_that_decide(artificial_lesson):
+    right = key.rules_key(artificial_lesson)
     for name, text in FILES.items():
-        (made_up.root / name).write_text(f"{text}\n# A remark.\n")
+        (artificial_lesson.root / name).write_text(f"{text}\n# A remark.\n")
         forget()
-        assert (key.rules_key(made_up) != right) == (name in DECIDE), name
-        (made_up.root / name).write_text(text)
+        assert (key.rules_key(artificial_lesson) != right) == (name in DECIDE), name
+        (artificial_lesson.root / name).write_text(text)
     forget()
-    assert key.rules_key(made_up) == right
+    assert key.rules_key(artificial_lesson) == right
 
 
-def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(made_up, monkeypatch):
-    right = key.rules_key(made_up)
-    assert key.rules_key(MadeUp(made_up.root, "07")) != right
-    folder = made_up.root / "inside"
+def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(
+    artificial_lesson, monkeypatch
+):
+    right = key.rules_key(artificial_lesson)
+    assert key.rules_key(ArtificialLesson(artificial_lesson.root, "07")) != right
+    folder = artificial_lesson.root / "inside"
     (folder / "worker.py").rename(folder / "walker.py")
     forget()
-    assert key.rules_key(made_up) != right
+    assert key.rules_key(artificial_lesson) != right
     (folder / "walker.py").rename(folder / "worker.py")
     versions = key.versions()
     for name in versions:
         monkeypatch.setattr(key, "versions", lambda name=name: versions | {name: "0.1"})
         forget()
-        assert key.rules_key(made_up) != right
+        assert key.rules_key(artificial_lesson) != right
     monkeypatch.setattr(key, "versions", lambda: dict(versions))
     forget()
-    assert key.rules_key(made_up) == right
+    assert key.rules_key(artificial_lesson) == right
 
 
 def test_the_key_has_the_versions_of_libraries_that_decide():
@@ -353,7 +355,7 @@ def copy(tmp_path_factory):
 
 
 def keys_in(root):
-    """Return the key of each lesson's rules, from a new process."""
+    """Return the key of each lesson's rules, computed in a new process."""
     done = subprocess.run(
         [sys.executable, "-c", KEYS], cwd=root, capture_output=True, text=True, check=True
     )
@@ -401,8 +403,8 @@ def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
         (
             "solutions/stage2_clustering/05_euclidean_clustering/lesson.py",
             ("05",),
-        ),  # it has the list of forbidden modules
-        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # it has the right helpers
+        ),  # it contains the list of forbidden modules
+        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # it contains the right helpers
         ("utils/checks/clusters.py", ("05", "10")),
     ],
 )

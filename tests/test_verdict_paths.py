@@ -1,4 +1,4 @@
-"""How the judge reaches a verdict; made-up outcomes replace the runs of the checks."""
+"""The judge reaches its verdicts by these rules; artificial outcomes replace runs of checks."""
 
 import dataclasses
 import json
@@ -32,14 +32,14 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
-# One changed function, because the checks of an untouched notebook would not run at all.
+# One function is changed, because the checks of an untouched notebook would not run at all.
 WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
 
 
 def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
-    """Return results of lesson 06 with given outcomes of the checks of each exercise."""
+    """Return results for lesson 06 with given outcomes of each exercise's checks."""
     about = {"filter_ground": filter_ground, "voxel_grid": voxel_grid}
     outcomes = [
         Outcome(Check(f"{name} {number}", name, f"title {number}", "a hint", run=print), failure)
@@ -50,14 +50,14 @@ def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
 
 
 @pytest.fixture
-def judge_made_of(monkeypatch):
+def judge_with(monkeypatch):
     """Return a function that judges lesson 06 with given results, and records the runs."""
 
     def judge(*tries, complaints=(), better=None, late=False, text=None):
-        waiting, asked = list(tries), []
+        waiting, runs = list(tries), []
 
-        def ask(setting, program, wanted=every_check, explain=False):
-            asked.append(
+        def run(setting, program, wanted=every_check, explain=False):
+            runs.append(
                 SimpleNamespace(
                     setting=setting,
                     program=program,
@@ -71,7 +71,7 @@ def judge_made_of(monkeypatch):
             outcomes = tuple(one for one in again.outcomes if wanted(one.check))
             return dataclasses.replace(again, outcomes=outcomes)
 
-        monkeypatch.setattr(judging, "run_program", ask)
+        monkeypatch.setattr(judging, "run_program", run)
         monkeypatch.setattr(judging, "_FULL_MARKS", {})  # forget which submissions were right
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
@@ -79,7 +79,7 @@ def judge_made_of(monkeypatch):
         data = (text or fill_in(FILTER, WRITTEN)).encode()
         verdict = judging.judge_files(SubmittedFiles("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
-        return verdict, asked
+        return verdict, runs
 
     return judge
 
@@ -88,19 +88,19 @@ def scores(verdict):
     return {exercise.name: exercise.score for exercise in verdict.exercises}
 
 
-def test_a_right_notebook_runs_once_and_earns_everything(judge_made_of, monkeypatch):
+def test_a_right_notebook_runs_once_and_earns_everything(judge_with, monkeypatch):
     clock = iter([100.0, 103.25678])
     monkeypatch.setattr(judging.time, "perf_counter", lambda: next(clock))
-    verdict, (asked,) = judge_made_of(ended(problems=("A cell is broken.",)))
+    verdict, (runs,) = judge_with(ended(problems=("A cell is broken.",)))
     assert scores(verdict) == {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert (verdict.score, verdict.max_score, verdict.status) == (30.0, 30.0, JUDGED)
     assert (verdict.lesson, verdict.student) == (FILTER.name, "ada")
     assert verdict.problems == ("A cell is broken.",)
     assert (verdict.faults, verdict.starved, verdict.seconds) == ((), False, 3.257)
-    assert asked.explain
-    assert asked.setting == Setting(FILTER, 7, None, FEW, asked.setting.budget)
-    assert asked.setting.budget.seconds == FEW.total_seconds
-    assert len(asked.names) == 4
+    assert runs.explain
+    assert runs.setting == Setting(FILTER, 7, None, FEW, runs.setting.budget)
+    assert runs.setting.budget.seconds == FEW.total_seconds
+    assert len(runs.names) == 4
 
 
 def test_the_program_has_what_its_lesson_allows():
@@ -126,11 +126,11 @@ def test_the_program_has_what_its_lesson_allows():
 ODD = OSError("once")
 
 
-def test_only_suspicious_failures_are_retried(judge_made_of):
-    verdict, asked = judge_made_of(ended((NO, ODD), (None, ODD)), ended())
-    assert [len(one.names) for one in asked] == [4, 2] and not asked[1].explain
-    assert asked[1].names == ["filter_ground 1", "voxel_grid 1"]
-    assert asked[0].program == asked[1].program
+def test_only_suspicious_failures_are_retried(judge_with):
+    verdict, runs = judge_with(ended((NO, ODD), (None, ODD)), ended())
+    assert [len(one.names) for one in runs] == [4, 2] and not runs[1].explain
+    assert runs[1].names == ["filter_ground 1", "voxel_grid 1"]
+    assert runs[0].program == runs[1].program
     points = {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert scores(verdict) == points | {"filter_ground": points["filter_ground"] / 2}
     assert verdict.status == JUDGED and not verdict.starved
@@ -139,9 +139,9 @@ def test_only_suspicious_failures_are_retried(judge_made_of):
 @pytest.mark.parametrize(
     "failure", [None, NO, StudentError("f", "KeyError"), StudentStopped("no"), JudgeTimeout()]
 )
-def test_ordinary_failures_are_not_retried(judge_made_of, failure):
-    verdict, asked = judge_made_of(ended((failure, None)), complaints=("never asked",))
-    assert len(asked) == 1 and verdict.status == JUDGED
+def test_ordinary_failures_are_not_retried(judge_with, failure):
+    verdict, runs = judge_with(ended((failure, None)), complaints=("not used",))
+    assert len(runs) == 1 and verdict.status == JUDGED
     assert (verdict.score == 30) == (failure is None)
 
 
@@ -152,39 +152,39 @@ def test_ordinary_failures_are_not_retried(judge_made_of, failure):
         (ended((NO, ODD), (None, ODD)), RunResults((), fault="pytest ran 0 of 2 tests")),
     ],
 )
-def test_a_repeated_failure_counts_if_the_solution_passes(judge_made_of, tries):
-    verdict, _ = judge_made_of(*tries)
+def test_a_repeated_failure_counts_if_the_solution_passes(judge_with, tries):
+    verdict, _ = judge_with(*tries)
     assert (verdict.status, verdict.faults) == (JUDGED, ())
     points = {one.name: one.points for one in FILTER.machine_graded}
     assert scores(verdict) == {"filter_ground": 0.0, "voxel_grid": points["voxel_grid"] / 2}
-    verdict, _ = judge_made_of(*tries, complaints=("voxel_grid, x",))
+    verdict, _ = judge_with(*tries, complaints=("voxel_grid, x",))
     assert (verdict.status, verdict.score, verdict.max_score) == ("judge_failed", 0.0, 30.0)
     assert len(verdict.faults) == 2 and "OSError: once" in verdict.faults[0]
     assert verdict.problems == (judging.JUDGE_FAILED_NOTE,)
     assert [(exercise.score, exercise.tests) for exercise in verdict.exercises] == [(0.0, ())] * 2
 
 
-def test_an_incomplete_run_gives_no_score(judge_made_of):
-    verdict, asked = judge_made_of(RunResults((), fault="pytest ran 3 of 9 tests", starved=True))
+def test_an_incomplete_run_gives_no_score(judge_with):
+    verdict, runs = judge_with(RunResults((), fault="pytest ran 3 of 9 tests", starved=True))
     assert (verdict.status, verdict.faults) == ("judge_failed", ("pytest ran 3 of 9 tests",))
-    assert verdict.starved and len(asked) == 1
+    assert verdict.starved and len(runs) == 1
 
 
 @pytest.mark.parametrize("first", [False, True])
 @pytest.mark.parametrize("second", [False, True])
 @pytest.mark.parametrize("late", [False, True])
-def test_a_verdict_is_starved_if_any_run_was(judge_made_of, first, second, late):
+def test_a_verdict_is_starved_if_any_run_was(judge_with, first, second, late):
     tries = (ended((ODD, NO), starved=first), ended(starved=second))
-    verdict, _ = judge_made_of(*tries, late=late)
+    verdict, _ = judge_with(*tries, late=late)
     assert verdict.starved == (first or second or late)
 
 
-def test_a_starved_run_without_losses_is_final(judge_made_of):
-    verdict, _ = judge_made_of(ended((ODD, None), starved=True), ended(starved=True), late=True)
+def test_a_starved_run_without_losses_is_final(judge_with):
+    verdict, _ = judge_with(ended((ODD, None), starved=True), ended(starved=True), late=True)
     assert (verdict.score, verdict.starved) == (30, False)
 
 
-def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
+def test_a_second_definition_is_reported_if_points_are_lost(judge_with):
     twice = json.loads(fill_in(FILTER, {}))
     for name in ("filter_ground", "voxel_grid"):
         for number in (1, 2):
@@ -193,7 +193,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_made_of):
     others = tuple(ended().outcomes_of("voxel_grid"))
     better = {"voxel_grid": CarriedForward(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
-    verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
+    verdict, _ = judge_with(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
     *problems, last = verdict.problems
     assert problems == ["A cell.", "A helper is wrong."]
     assert last.startswith("filter_ground is defined 3 times")
@@ -262,9 +262,9 @@ FLIPPED = Mistake("It is upside down.", predicts=np.flip)
 
 
 def test_a_verdict_has_the_outcome_of_each_check():
-    asked = ended((None, NO), mistakes={"filter_ground": FLIPPED})
+    runs = ended((None, NO), mistakes={"filter_ground": FLIPPED})
     exercise = FILTER.machine_graded[0]
-    result = result_of(exercise, asked, None)
+    result = result_of(exercise, runs, None)
     half, said = exercise.points / 2, "It is upside down.\nno"
     more = f"{said}\nThe check in the notebook shows your answer next to the right one."
     assert result.tests == (
@@ -289,8 +289,8 @@ def test_messages_of_a_run_with_right_helpers_are_shortened():
         "A helper is wrong.",
         PROGRAM,
     )
-    asked = ended((NO, NO), mistakes={"filter_ground": FLIPPED})
-    result = result_of(FILTER.machine_graded[0], asked, better)
+    runs = ended((NO, NO), mistakes={"filter_ground": FLIPPED})
+    result = result_of(FILTER.machine_graded[0], runs, better)
     assert result.score == FILTER.machine_graded[0].points / 2
     assert result.cause == "A helper is wrong.\n… of … rows\nHint: a hint"
     assert result.tests[1].message.startswith("… of … rows\nHint: a hint\n")

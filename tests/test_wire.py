@@ -1,4 +1,4 @@
-"""The protocol between a student's process and the judge, with honest and hostile bytes."""
+"""The protocol between a student's process and the judge handles honest and hostile bytes."""
 
 import json
 import math
@@ -78,7 +78,7 @@ def is_plain(value):
 
 
 @given(VALUES)
-def test_plain_data_cross_unchanged(value):
+def test_plain_data_crosses_unchanged(value):
     assert same(there_and_back(value), value)
 
 
@@ -118,13 +118,13 @@ def test_arrays_of_any_layout_arrive_writable(array):
     ],
 )
 def test_homogeneous_and_mixed_lists_cross_alike(value):
-    """A list of one plain type is checked as a whole, which must not let more values through."""
+    """A list with one plain type is checked as a whole, which must not let other values through."""
     assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
 
 
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
-    """The time is proportional to the number of arrays; quadratic time would be minutes."""
+    """The time is proportional to the number of arrays; quadratic time would mean minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
@@ -227,19 +227,19 @@ JSON = st.recursive(
 
 
 @given(st.binary(max_size=200), st.binary(max_size=50))
-def test_any_bytes(tree, blob):
+def test_any_bytes_are_decoded_or_refused(tree, blob):
     decodes_or_refuses(tree, blob)
 
 
 @pytest.mark.slow
 @given(JSON, st.binary(max_size=100))
 @settings(max_examples=200)
-def test_any_json(tree, blob):
+def test_any_json_is_decoded_or_refused(tree, blob):
     decodes_or_refuses(json.dumps(tree).encode(), blob)
 
 
 @given(VALUES, st.data())
-def test_a_message_with_bytes_changed(value, data):
+def test_a_message_with_changed_bytes_is_decoded_or_refused(value, data):
     tree, blob = map(bytearray, parts(wire_format.encode(value)))
     for part in (tree, blob):
         if part:
@@ -406,15 +406,15 @@ def test_half_a_message_times_out(pipe):
         wire.receive(pipe[0], soon())
 
 
-def test_the_limit_holds_while_data_trickle_in(pipe):
-    """A reader that always finds more data must still watch the clock."""
-    os.write(pipe[1], wire_format.encode("here in full, and too late"))
+def test_the_time_limit_applies_while_data_trickles_in(pipe):
+    """A reader that always finds more data must still observe the time limit."""
+    os.write(pipe[1], wire_format.encode("complete, but too late"))
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], wire.within(-1))
 
 
-def test_withdrawn_data_do_not_block_the_reader(pipe, monkeypatch):
-    """The writer may read its own data back after `poll` has reported them."""
+def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
+    """The writer may read its own data back after `poll` has reported the data."""
     wait, calls = wire._wait, []
 
     def hasty(descriptor, seconds, event):

@@ -1,1 +1,1 @@
-"""Grade a class: find submissions, judge them in parallel, compare them; and a sample class."""
+"""Collect, judge and compare the submissions of a class, and create a sample class."""

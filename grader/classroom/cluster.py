@@ -1,8 +1,8 @@
 """Judge on the workers of a Dask cluster.
 
-Workers need Python, the packages of requirements-cluster.txt and, on processors other than x86-64,
+Workers need Python, the packages in requirements-cluster.txt and, on processors other than x86-64,
 the system's bubblewrap. A plugin sends the course's code to each worker once. Jobs and results
-travel as bytes, so neither the scheduler nor a worker needs a module of this project.
+are sent as bytes, so neither the scheduler nor a worker needs a module of this project.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from grader.course.portable_files import files_for_judging
 from grader.judging.key import versions
 
 LONGEST_WAIT = 15 * 60
-"""Seconds without any worker that can judge, after which grading stops."""
-SECONDS_BETWEEN_LOOKS = 1.0
-"""Seconds from one look at the scheduler to the next."""
-LONGEST_CONNECTING = 30
+"""Seconds without a suitable worker after which grading stops."""
+POLLING_INTERVAL = 1.0
+"""Seconds between two queries to the scheduler."""
+CONNECTION_TIMEOUT = 30
 """Seconds that a scheduler may take to answer."""
 
 cloudpickle.register_pickle_by_value(worker_plugin)
@@ -44,17 +44,17 @@ class _FunctionByValue:
         self._code = cloudpickle.dumps(function)
 
     def __call__(self) -> None:
-        raise TypeError("It is a function only where it arrives.")
+        raise TypeError("Unpickle this object to get the function.")
 
     def __reduce__(self) -> tuple:
         return cloudpickle.loads, (self._code,)
 
 
-def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
-    """Join a cluster.
+def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
+    """Connect to a cluster.
 
-    The address says whether the connection is encrypted (``tls://``); the certificates are in
-    Dask's own configuration.
+    An address with ``tls://`` means an encrypted connection. Dask's configuration has the
+    certificates.
 
     Parameters
     ----------
@@ -62,21 +62,21 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
         Address of the scheduler.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`, which workers must have.
-    tell : callable
-        Called with sentences for the instructor, such as on a worker that was refused.
+    notify : callable
+        Called with messages for the instructor, for example when a worker is refused.
 
     Raises
     ------
     grader.classroom.protocol.ExecutorLost
-        If no scheduler answers, or there are no certificates for it.
+        If no scheduler answers, or if certificates are required and none are configured.
     """
-    # Problems are reported in sentences below, and other versions only if they matter.
+    # Problems are reported below in full sentences, and version differences only if they matter.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
-    # A client that fails for this reason would hang when Python ends.
+    # A client that fails because it has no certificates hangs when Python exits.
     if address.startswith("tls:") and not distributed.Security().tls_client_cert:
         raise ExecutorLost(
-            f"{address} requires certificates, and Dask's configuration here has none. Add "
+            f"{address} requires certificates, and this machine's Dask configuration has none. Add "
             "them under distributed.comm.tls, as docs/platforms/cluster.md shows."
         )
     try:
@@ -87,37 +87,37 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
             "scheduler\nand one or more workers with: dask worker ADDRESS\nVerdicts are "
             "kept; the same command continues from here."
         ) from None
-    return Cluster(client, address, sandbox, tell)
+    return Cluster(client, address, sandbox, notify)
 
 
 def _client(address: str) -> distributed.Client:
     try:
-        return distributed.Client(address, timeout=LONGEST_CONNECTING, set_as_default=False)
+        return distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
     except AssertionError:  # Dask's own thread got no processor for ten seconds
-        return distributed.Client(address, timeout=LONGEST_CONNECTING, set_as_default=False)
+        return distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
 
 
 def packed_course() -> bytes:
-    """Return the files that judging reads as a zip file; the same files give the same bytes."""
+    """Return a zip of the files that judging needs; equal files give equal bytes."""
     return make_zip(files_for_judging())
 
 
 class Cluster(Executor):
-    """The fit workers of a cluster, as one executor.
+    """The suitable workers of a cluster as one executor.
 
     Parameters
     ----------
     client : distributed.Client
-    address, sandbox, tell
+    address, sandbox, notify
         As in `connect`.
     """
 
     def __init__(
-        self, client: distributed.Client, address: str, sandbox: str, tell: Callable[[str], None]
+        self, client: distributed.Client, address: str, sandbox: str, notify: Callable[[str], None]
     ) -> None:
-        self._client, self._address, self._tell = client, address, tell
+        self._client, self._address, self._notify = client, address, notify
         self._name = f"lidar-obstacle-lab-{uuid.uuid4().hex}"
-        self._fit_workers: dict[str, int] = {}
+        self._suitable_workers: dict[str, int] = {}
         self._refused_workers: dict[str, str] = {}
         self._waiting: dict[Future, distributed.Future] = {}
         self._failure: ExecutorLost | None = None
@@ -133,11 +133,11 @@ class Cluster(Executor):
 
     @property
     def capacity(self) -> int:
-        """Room for one notebook per thread, and one more that waits."""
-        return max(DEFAULT_CAPACITY, 3 * sum(self._fit_workers.values()))
+        """Number of notebooks to send at a time: three per thread, so that no thread waits."""
+        return max(DEFAULT_CAPACITY, 3 * sum(self._suitable_workers.values()))
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
-        """Schedule a call on a fit worker, as soon as there is one."""
+        """Schedule a call, which runs as soon as a suitable worker is free."""
         future = Future()
         job = pickle.dumps((function, arguments))
         with self._lock:
@@ -172,17 +172,17 @@ class Cluster(Executor):
 
     def _send(self, plugin: worker_plugin.JudgePlugin) -> None:
         """Send the plugin to every worker, including those that join later."""
-        # Each worker reports the result itself: one that hangs must not delay the others.
+        # Each worker reports for itself, so that one that hangs does not delay the others.
         _call_quietly(self._client.register_plugin, plugin, name=self._name)
 
     def _record_event(self, event: tuple[float, dict]) -> None:
         """Record what a worker reports about itself."""
         report = event[1]
         if not report["complaint"]:
-            self._fit_workers[report["worker"]] = report["threads"]
+            self._suitable_workers[report["worker"]] = report["threads"]
             return
         self._refused_workers[report["worker"]] = report["complaint"]
-        self._tell(
+        self._notify(
             f"Worker {report['worker']} on {report['machine']} gets no notebooks. "
             f"{report['complaint']}"
         )
@@ -201,44 +201,44 @@ class Cluster(Executor):
                 self._give_up(self._unreachable_message())
             return
         if isinstance(value, distributed.scheduler.KilledWorker):
-            # As often as Dask tries, the whole worker died.
+            # The whole worker died in each of Dask's attempts.
             value = BrokenExecutor(str(value))
         with self._lock:
             if self._waiting.pop(future, None) and future.set_running_or_notify_cancel():
                 future.set_result(value) if succeeded else future.set_exception(value)
 
     def _watch(self) -> None:
-        """Stop waiting when no worker is left."""
-        last_fit, is_announced = time.monotonic(), False
-        while not self._closed.wait(SECONDS_BETWEEN_LOOKS):
+        """Watch the workers, and give up when none of them can judge."""
+        last_suitable, is_announced = time.monotonic(), False
+        while not self._closed.wait(POLLING_INTERVAL):
             try:
                 present = set(self._client.nthreads())
             except Exception:
                 self._give_up(self._unreachable_message())
                 return
             now = time.monotonic()
-            for address in set(self._fit_workers) - present:
-                self._fit_workers.pop(address, None)
-            if self._fit_workers:
-                last_fit, is_announced = now, False
+            for address in set(self._suitable_workers) - present:
+                self._suitable_workers.pop(address, None)
+            if self._suitable_workers:
+                last_suitable, is_announced = now, False
             elif present and present <= set(self._refused_workers):
                 self._give_up(
-                    f"No worker of {self._address} can judge, for the reasons above. Fix one or "
-                    "start another, and run the same command again. Verdicts are kept."
+                    f"No worker at {self._address} can judge, for the reasons above. Fix a worker "
+                    "or start another, and run the same command again. Verdicts are kept."
                 )
                 return
-            elif now - last_fit > LONGEST_WAIT:
+            elif now - last_suitable > LONGEST_WAIT:
                 self._give_up(
-                    f"For {LONGEST_WAIT / 60:.0f} minutes {self._address} has had no worker that "
-                    f"can judge. Start some with: dask worker {self._address}\nand run the same "
-                    "command again. Verdicts are kept."
+                    f"The scheduler {self._address} has had no worker that can judge for "
+                    f"{LONGEST_WAIT / 60:.0f} minutes. Start one with: dask worker "
+                    f"{self._address}\nand run the same command again. Verdicts are kept."
                 )
                 return
-            elif now - last_fit > 10 and not is_announced:
+            elif now - last_suitable > 10 and not is_announced:
                 is_announced = True
-                self._tell(
-                    f"{self._address} has no worker that can judge yet. Waiting for one, for "
-                    f"{LONGEST_WAIT / 60:.0f} minutes: dask worker {self._address}"
+                self._notify(
+                    f"The scheduler {self._address} has no worker that can judge yet. Start one "
+                    f"within {LONGEST_WAIT / 60:.0f} minutes: dask worker {self._address}"
                 )
 
     def _give_up(self, reason: str) -> None:
@@ -252,13 +252,13 @@ class Cluster(Executor):
 
     def _unreachable_message(self) -> str:
         return (
-            f"The scheduler {self._address} does not answer any more. Verdicts are kept. "
+            f"The scheduler {self._address} no longer answers. Verdicts are kept. "
             "Start it and its workers again, and run the same command."
         )
 
 
 def _call_quietly(function: Callable, *arguments: object, **options: object) -> None:
-    """Call a function and ignore a failure, which is detected elsewhere or does not matter."""
+    """Call a function and ignore errors, which are noticed elsewhere or do not matter."""
     try:
         function(*arguments, **options)
     except Exception as error:

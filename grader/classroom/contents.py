@@ -21,10 +21,10 @@ class NotebookContent:
     Attributes
     ----------
     lesson : str
-        Name of the lesson in the metadata, or of the lesson whose graded cells are in the notebook;
-        empty if neither is known.
+        Name of the lesson in the metadata or, without one, of the lesson whose graded cells are in
+        the notebook; empty if the lesson is unknown.
     untouched : bool
-        True if the notebook contains only the text of the release.
+        Whether every cell is a cell of the released notebook.
     """
 
     lesson: str = ""
@@ -32,19 +32,19 @@ class NotebookContent:
 
 
 def lesson_by_name(name: str) -> Lesson | None:
-    """Return the lesson in the name of a file, which a browser may have changed."""
+    """Return the lesson that a file name contains, even if a browser has changed the name."""
     return find_lesson(name.lower())
 
 
 def copy_number(name: str) -> int:
-    """Return the number of a copy in a file name, as browsers and platforms add it; else 0."""
+    """Return the number that browsers and platforms add to the name of a copy; otherwise 0."""
     stem = re.sub(r"(?:\.[A-Za-z]{1,6})+$", "", name)
     numbers = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", stem)
     return int(numbers[-1]) if numbers else 0
 
 
 def content_of(data: bytes, name: str) -> NotebookContent:
-    """Return the content of a notebook, read in this process; see `lesson_by_content`.
+    """Read a notebook in this process and return its `NotebookContent`.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def cache_releases() -> None:
 
 
 def lesson_by_content(path: Path) -> Lesson | None:
-    """Return the lesson in a submitted notebook, read in a process of its own."""
+    """Return the lesson in a submitted notebook, which is read in a separate process."""
     try:
         status = path.lstat()
     except OSError:
@@ -76,7 +76,7 @@ def lesson_by_content(path: Path) -> Lesson | None:
 
 @functools.lru_cache(10_000)
 def _lesson_by_content(path: Path, *state: int) -> Lesson | None:
-    """Return the lesson in a notebook, cached as long as the file is the same."""
+    """Return the lesson in a notebook; the result is cached until the file changes."""
 
     def work() -> str:
         lesson = _lesson_of(decode_notebook(read_file(path), os.fspath(path.name)))

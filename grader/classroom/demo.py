@@ -41,7 +41,7 @@ NAMES = (
 )
 
 CONFIGURATION = """\
-# A nbgrader course of its own: try `nbgrader formgrader` or `nbgrader generate_feedback` here.
+# This is a complete nbgrader course: try `nbgrader formgrader` or `nbgrader generate_feedback`.
 import sys
 from pathlib import Path
 
@@ -53,7 +53,7 @@ from grader.course.nbgrader_settings import configure  # noqa: E402
 configure(get_config(), HERE)  # noqa: F821
 """
 
-# Code that tries to get full marks or to do damage without solving the exercise.
+# Code that tries to cheat or to do damage instead of solving the exercise.
 HOSTILE = """\
 import os, sys, gc
 
@@ -81,16 +81,16 @@ class SampleStudent:
 
 
 def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> Course:
-    """Make ``demo/`` with the submissions of a class.
+    """Create ``demo/`` with the submissions of a class.
 
     Parameters
     ----------
     count : int
         Number of students.
     hostile : bool
-        Whether one of them attacks the grader; must be False without a sandbox.
+        Whether one student attacks the grader; must be False without a sandbox.
     stages : sequence of str
-        The stages that all students submit.
+        Stages that every student submits.
     """
     course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
@@ -112,7 +112,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
 
 
 def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[SampleStudent]:
-    """Yield `count` students: right and wrong answers in turn, with special cases among them."""
+    """Yield `count` students: most with right or wrong answers, and a few special cases."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )
@@ -140,7 +140,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
                 },
             )
         )
-    # One student in three is a special case, so that small classes have both kinds.
+    # Every fourth student is a special case while there are any, so that small classes have some.
     students = (
         SampleStudent(
             next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}
@@ -152,7 +152,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
 
 
 def answers(lesson: Lesson, number: int) -> dict[str, str]:
-    """Return the answers of one student: two of three are right, each in another style."""
+    """Return one student's answers, which are wrong for every third student."""
     chosen = {}
     for exercise in lesson.machine_graded:
         right = number % 3 != 2

@@ -1,4 +1,4 @@
-"""Examine whether everything is ready to grade, and say what to do about each problem."""
+"""Examine whether everything is ready for grading, and say how to solve each problem."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Finding:
     subject : str
     good : bool
     text : str
-        What was found and, if it is not good, what to do.
+        What was found and, if there is a problem, what to do.
     """
 
     subject: str
@@ -53,7 +53,7 @@ def examine(
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
 ) -> Iterator[Finding]:
-    """Examine everything that grading relies on, quick things first.
+    """Examine everything that grading relies on, starting with the quickest examinations.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def _solutions(
     return Finding(
         "oracles",
         True,
-        f"the solutions of {len(all_lessons())} lessons earn everything on this seed",
+        f"the solutions of {len(all_lessons())} lessons earn all points with this seed",
     )
 
 
@@ -205,7 +205,7 @@ def _roster(course: Course) -> Iterator[Finding]:
 def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
     """Name the students without a submission, for each stage that has submissions."""
     deadlines = Deadlines({})
-    with contextlib.suppress(DeadlinesError):  # reported on its own
+    with contextlib.suppress(DeadlinesError):  # `_deadlines` reports it
         deadlines = read_deadlines(course) or deadlines
     by_stage: dict[str, set[str]] = {}
     for submission in find_submissions(course):
@@ -235,7 +235,9 @@ def _deadlines(course: Course) -> Finding:
         parts += [
             f"section {name} {_local_time(deadlines, due)}" for name, due in dates.sections.items()
         ]
-        parts += [f"{len(deadlines.extensions(stage))} later"] * bool(deadlines.extensions(stage))
+        parts += [f"{len(deadlines.extensions(stage))} with an extension"] * bool(
+            deadlines.extensions(stage)
+        )
         parts += [f"{len(dates.excused)} excused"] * bool(dates.excused)
         texts.append(f"{stage} {', '.join(parts)}")
     return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")

@@ -1,6 +1,7 @@
-"""The places where a class can be judged. To add one, write a function and a line in the table.
+"""The executors that can judge a class: processes on this machine, or a cluster.
 
-The function opens an executor as `grader.classroom.protocol` describes it.
+To add one, write a function that opens an executor as described in `grader.classroom.protocol`, and
+add it to `EXECUTORS`.
 """
 
 import math
@@ -21,13 +22,13 @@ def processors() -> int:
     try:
         quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
         count = min(count, math.ceil(int(quota) / int(period)))
-    except (OSError, ValueError):  # there is no limit or no such file
+    except (OSError, ValueError):  # no limit, or no such file
         pass
     return max(1, count)
 
 
-def scheduler(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
-    """Open the workers of a Dask cluster; see `grader.classroom.cluster.connect`."""
+def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
+    """Connect to a Dask cluster; see `grader.classroom.cluster.connect`."""
     try:
         from grader.classroom.cluster import connect  # importing Dask takes a second
     except ModuleNotFoundError as error:
@@ -38,7 +39,7 @@ def scheduler(address: str, sandbox: str, tell: Callable[[str], None]) -> Execut
             "Run: pip install -r requirements-cluster.txt"
         ) from None
 
-    return connect(address, sandbox, tell)
+    return connect(address, sandbox, notify)
 
 
 EXECUTORS: dict[str, Callable[..., Executor]] = {"processes": Pool, "scheduler": scheduler}

@@ -1,4 +1,4 @@
-"""Match the folders in ``submitted/`` with the roster, and suggest what to do about the rest."""
+"""Match the folders in ``submitted/`` with the roster, and say what to do about the others."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from grader.course.roster import Person, Roster, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
-    """A text fits no student or several; `str()` is the sentence to show."""
+    """A text matches no student or several students; `str()` is the sentence to show."""
 
 
 def find_student(course: Course, text: str) -> str:
-    """Return the id of the student that a text names.
+    """Return the id of the student whom a text names.
 
     Parameters
     ----------
@@ -32,20 +32,20 @@ def find_student(course: Course, text: str) -> str:
     people = roster.find_people(text) if roster else ()
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
-        raise UnknownStudent(f"{text!r} may be {names}: name the id.")
+        raise UnknownStudent(f"{text!r} may be {names}. Use the id.")
     if people:
         return people[0].id
     if text in _folders(course):
         return text
-    nobody = "is not on the roster, and " if roster else ""
-    raise UnknownStudent(f"{text!r} {nobody}has no folder in {course.submitted.name}/.")
+    beginning = "is not on the roster, and " if roster else ""
+    raise UnknownStudent(f"{text!r} {beginning}has no folder in {course.submitted.name}/.")
 
 
 def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
-    """Return the folders that match no student on the roster, each with a sentence on what to do.
+    """Return the folders that match no student on the roster, and for each a suggestion.
 
-    Their notebooks are judged but not entered into the gradebook: the folder may belong to a
-    student under another name, or to a person who does not take the course.
+    Their notebooks are judged, but the scores are not entered into the gradebook: the folder may
+    have another name for a student, or belong to a person who does not take the course.
     """
     return {
         folder: _question(course, roster, folder)
@@ -55,12 +55,12 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
 
 
 def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
-    """Return a sentence on each folder whose name is a student's id in another spelling."""
+    """Yield a sentence about each folder whose name is a different spelling of a student's id."""
     folders = _folders(course)
     for folder in folders:
         owner = roster.owner_of(folder)
         if owner and owner.id != folder:
-            addition = " in addition to the folder of that name" if owner.id in folders else ""
+            addition = f" in addition to {owner.id!r}" if owner.id in folders else ""
             yield (
                 f"{folder!r} in {course.submitted.name}/ belongs to {owner.display_name}{addition}."
             )
@@ -80,20 +80,20 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
         return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
-        return f"{beginning} It may be of {names}: rename the folder to the right id, or {add}."
+        return f"{beginning} It may belong to {names}: rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, people[0]))
     return f"{beginning} If it belongs to {people[0].display_name}: {commands}; otherwise {add}."
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
-    """Return commands that move a folder to a student and overwrite nothing."""
+    """Yield commands that move a folder to a student without overwriting anything."""
     source, destination = course.submitted / folder, course.submitted / person.id
     if not destination.exists():
         yield _move(course, source, destination)
         return
     for path in sorted(source.iterdir()):
         target = destination / path.name
-        if target.is_dir():  # files in subfolders are found as well, and the newest counts
+        if target.is_dir():  # files in subfolders are also found, and the newest counts
             target /= f"from {folder}"
         yield _move(course, path, target)
 

@@ -1,7 +1,8 @@
-"""Judge a class: every submission, in parallel.
+"""Judge all submissions of a class in parallel.
 
-A verdict is a file that records everything it depends on. It is looked up before judging, so an
-interrupted run goes on where it stopped, and `nbgrader autograde` finds the verdicts of `grade`.
+A verdict is a file that records everything it depends on. Before a submission is judged, the grader
+looks for its verdict. An interrupted run therefore continues where it stopped, and `nbgrader
+autograde` finds the verdicts of `grade`.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ JudgedSubmissions = list[tuple[Submission, Verdict]]
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
     """Return the verdict on disk if it is valid for this file, these rules and this seed.
 
-    It must also be reliable: the judge did not fail, and the student's code got a processor.
+    It must also be reliable: the judge did not fail, and the student's code got enough processor
+    time.
     """
     verdict = read_verdict(submission.verdict_path(course))
     if verdict is None or verdict.status != JUDGED or verdict.starved:
@@ -55,7 +57,7 @@ def judge_one(
     sandbox: str,
     is_alone: bool = False,
 ) -> Verdict:
-    """Judge one notebook on any machine that has the course's code.
+    """Judge one notebook, on any machine that has the course's code.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def judge_one(
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     is_alone : bool
-        Whether nothing else is being judged, so that a time limit is reliable.
+        Whether nothing else is being judged, so that time limits are reliable.
     """
     verdict = judge_files(submitted_files, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
     return verdict.without_starved() if is_alone else verdict
@@ -88,7 +90,7 @@ def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) ->
 
 
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
-    """Return the verdict on disk, or judge the submission."""
+    """Return the verdict on disk; without a valid one, judge the submission."""
     stored = stored_verdict(course, submission, seed)
     return stored or judge_and_store(course, submission, seed, sandbox, is_alone=True)
 
@@ -106,8 +108,8 @@ def judge_class(
     """Judge every submission without a valid verdict.
 
     Workers get data and return verdicts. Submissions are read and verdicts written only in this
-    process, each verdict when it arrives. A notebook that kills its worker is tried once more
-    alone, and so is one whose code reached a time limit because it hardly got a processor.
+    process, each verdict when it arrives. A notebook is judged once more, alone, if it kills its
+    worker, or if its code reaches a time limit because it gets too little processor time.
 
     Parameters
     ----------
@@ -119,15 +121,16 @@ def judge_class(
         One of `grader.classroom.executors`; takes the number of workers.
     workers : int
     progress : callable
-        Called with (done, total, submission) after each notebook, and with a sentence instead of
-        the submission if something else takes long.
+        Called with (done, total, submission) after each notebook, and with a text instead of the
+        submission if something else takes long.
     student : str, optional
-        Judge only this student, even if there is a valid verdict.
+        Judge only this student, even if there are valid verdicts.
 
     Raises
     ------
     grader.classroom.rehearsals.RehearsalFailed
-        Before a submission for that lesson is judged; verdicts on other lessons are kept.
+        If a lesson's solution fails, before any submission for that lesson is judged; verdicts on
+        other lessons are kept.
     """
     submissions = [
         one for one in find_submissions(course, stages) if student in (None, one.student)
@@ -149,8 +152,8 @@ def judge_class(
         verdicts[submission] = verdict
         progress(done, len(submissions), submission)
 
-    def tell(lesson: Lesson) -> None:
-        progress(done, len(submissions), f"the course's own {lesson.name} first")
+    def announce_rehearsal(lesson: Lesson) -> None:
+        progress(done, len(submissions), f"the course's solution of {lesson.name}")
 
     def job(submission: Submission) -> tuple:
         return _job(course, submission, seed, sandbox)
@@ -158,7 +161,11 @@ def judge_class(
     if waiting:
         with open_executor(workers) as executor:
             rehearsals = Rehearsals(
-                course, {submission.lesson for submission in waiting}, seed, sandbox, tell
+                course,
+                {submission.lesson for submission in waiting},
+                seed,
+                sandbox,
+                announce_rehearsal,
             )
             to_repeat = _judge_all(waiting, job, executor, workers, store_result, rehearsals)
     to_repeat += [
@@ -180,8 +187,8 @@ def _judge_all(
 ) -> list[Submission]:
     """Judge in parallel and return the submissions whose worker died.
 
-    Only as many submissions are read ahead as the executor has room for. A lesson begins when its
-    own solution has earned everything.
+    Only as many submissions are read in advance as the executor has room for. A lesson's
+    submissions are judged only after its own solution has earned all points.
     """
     coming = deque(sorted(waiting, key=lambda submission: submission.lesson.name))
     running, finished, died = {}, queue.SimpleQueue(), []
@@ -196,7 +203,7 @@ def _judge_all(
                 return
             watch(coming[0], executor.submit(judge_one, *job(coming[0])))
             coming.popleft()
-        # Not all rehearsals at once, so that the first verdict does not wait for other lessons.
+        # Not all rehearsals start at once, so that the first verdict does not wait for all lessons.
         rehearsing = sum(isinstance(task, Lesson) for task in running.values())
         for lesson in rehearsals.next_lessons(workers - rehearsing, not running):
             watch(lesson, rehearsals.start(lesson, executor))
@@ -222,7 +229,7 @@ def _judge_all(
 
 
 def _result(future: Future, submission: Submission) -> Verdict:
-    """Return the verdict of a future, or one that reports a failure of the judge."""
+    """Return the verdict in a future, or a verdict that reports a failure of the judge."""
     try:
         return future.result().compact()
     except (SandboxUnavailable, ExecutorLost):

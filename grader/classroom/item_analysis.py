@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
-# With fewer students, chance alone gives a discrimination of 0.4.
+# With fewer students, chance alone can give a discrimination of 0.4.
 LEAST_STUDENTS = 20
 
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """The number of students whose first failure in an exercise was this check."""
+    """How many students failed this check first in an exercise, and how many tried the exercise."""
 
     lesson: str
     exercise: str
@@ -28,7 +28,7 @@ class CheckSummary:
 
 @dataclass(frozen=True)
 class Item:
-    """One check of a lesson with the statistics of test theory.
+    """One check of a lesson with its statistics from test theory.
 
     Attributes
     ----------
@@ -52,8 +52,8 @@ class Item:
 def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSummary]:
     """Return the checks that most students failed first, hardest first.
 
-    Each student counts once per exercise, with the first failure, because others may have the
-    same cause. Students who wrote nothing are not counted.
+    Each student counts once per exercise, with the first failure, because further failures may
+    have the same cause. Students who wrote nothing are not counted.
     """
     tried, first_failures = Counter(), Counter()
     for verdict in verdicts:
@@ -76,7 +76,7 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
     verdicts : sequence of Verdict
         Verdicts on one lesson.
     """
-    # By name, because two checks may have the same title.
+    # The key is the name, because two checks may have the same title.
     outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}
     tests = {}
     for verdict in verdicts:
@@ -113,7 +113,7 @@ def is_not_started(exercise: ExerciseResult) -> bool:
 
 
 def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
-    """Return (exercise, number of students who did not start it), in the order of the course."""
+    """Return (exercise, number of students who have not started it), in the order of the course."""
     found = Counter(
         exercise.name
         for verdict in verdicts
@@ -124,7 +124,7 @@ def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
 
 
 def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[str, str, int]]:
-    """Return (exercise, message, number of students), most frequent first."""
+    """Return (exercise, message, number of students), the most frequent messages first."""
     students: dict[tuple[str, str], set[str]] = {}
     first_lines: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:

@@ -1,7 +1,7 @@
-"""The process in which a worker of a cluster judges, which alone imports the course's code.
+"""The judging process of a cluster's worker, the only process there that imports the course.
 
-The worker starts it in the folder with the unpacked course, and communicates through a pipe. In
-this way a worker can judge for several courses, or versions of one, at the same time.
+The worker starts it in the folder with the unpacked course, and communicates with it through a
+pipe. A worker can therefore judge for several courses, or several versions of a course, at a time.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from grader.judging.key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
 LONGEST_IDLE = 30 * 60
-"""Seconds after which nobody is waiting any more: whoever graded was killed, say."""
+"""Seconds without a job after which the process ends; the run was probably killed."""
 
 
 def serve(descriptor: int, workers: int, sandbox: str) -> None:
     """Judge the jobs that come through a pipe, until it closes.
 
-    The first message reports the versions on this machine, and why there is no sandbox, if there
-    is none. Then jobs arrive as (number, bytes), and results leave as (number, bytes), in any
+    The first message reports the versions on this machine and, if the sandbox is not available,
+    the reason. Then jobs arrive as (number, bytes), and results are sent as (number, bytes) in any
     order.
 
     Parameters
     ----------
     descriptor : int
-        This process's end of the pipe.
+        File descriptor of this process's end of the pipe.
     workers : int
         The number of notebooks to judge at a time.
     sandbox : str

@@ -21,9 +21,9 @@ class AlreadyRunning(Exception):
 
 @contextlib.contextmanager
 def course_lock(course: Course) -> Iterator[None]:
-    """Hold the lock of a course, and remove unfinished files of a run that was killed.
+    """Hold the lock of a course, and remove unfinished files of runs that were killed.
 
-    The operating system releases the lock when the process ends, however it ends.
+    The operating system releases the lock when the process ends for any reason.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Pages that need no other file, from the templates in this folder."""
+"""Render self-contained pages from the templates in this folder."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def _environment() -> jinja2.Environment:
 
 
 def render(template: str, **content: object) -> str:
-    """Fill in a template of ``templates/`` or of the course; all values are escaped.
+    """Fill in a template from ``templates/`` or ``extension/``; all values are escaped.
 
-    A template of the course is named by its path in ``extension/``.
+    The name of a template is its path in one of these folders.
     """
     return _environment().get_template(template).render(**content)
 
 
 def coded(text: str) -> Markup:
-    """Return a text as HTML, with the parts between backticks as code."""
+    """Return a text as HTML with the parts between backticks formatted as code."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def printable(student: str) -> str:
-    """Return a student's name as valid text, which the name of a folder need not be."""
+    """Return a student's name as valid Unicode, because the name of a folder may not be."""
     return student.encode("utf-8", "replace").decode()

@@ -1,10 +1,10 @@
-"""A pool of worker processes on this machine, each with a pipe of its own.
+"""A pool of worker processes on this machine, each with its own pipe.
 
-The pool of `concurrent.futures` shares one pipe between all its processes. Until Python 3.11.5 it
-hangs forever if a process dies while a notebook larger than a pipe is being sent
+The pool of `concurrent.futures` shares one pipe between all its processes. Before Python 3.11.5 it
+hangs forever if a process dies while a notebook that does not fit into the pipe is being sent
 (github.com/python/cpython/issues/94777). In every version it hangs if a process is killed while it
-answers, and the death of one process ends all. In this pool the death of a process is noticed at
-once, and costs only the job that it worked on.
+sends a result, and the death of one process ends all others. This pool notices the death of a
+process at once, and loses only the job that the process was working on.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecu
 
 SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
 LONGEST_JOB = 60 * 60
-"""Seconds that one job may take: far more than the limits of a notebook add up to."""
+"""Seconds that one job may take, far more than the sum of a notebook's time limits."""
 SECONDS_TO_END = 10
 MEMORY = 3 * 2**30
 """Bytes that one process may allocate; a right notebook needs a tenth."""
 
 
 class Pool(Executor):
-    """An executor with a fixed number of processes, started when they are needed.
+    """An executor with a fixed number of processes, which are started when needed.
 
     A job whose process dies raises `BrokenExecutor`; the next job gets a new process. Cancelling
-    pending jobs (`cancel_futures`, or an exception in the ``with`` statement) also kills the
-    processes at work. Their jobs start again in the next run.
+    pending jobs (`cancel_futures`, or an exception in the ``with`` statement) also kills busy
+    processes. Their jobs start again in the next run.
 
     Parameters
     ----------
@@ -82,12 +82,11 @@ class Pool(Executor):
         except (EOFError, OSError):
             process.end()
             raise BrokenExecutor(
-                f"The process that judged ended ({process.exit_description}). Is there enough "
-                "memory?"
+                f"The judging process ended ({process.exit_description}). Is there enough memory?"
             ) from None
         finally:
             timer.cancel()
-            # In one step, because another thread may take an idle process and mark it as busy.
+            # Both lists change under the lock, because another thread may take the idle process.
             with self._lock:
                 self._busy.discard(process)
                 if alive:

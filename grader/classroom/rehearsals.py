@@ -1,6 +1,6 @@
-"""Rehearse a lesson before a class is judged: with the course's seed its solution must earn all.
+"""Before a class is judged, check that each lesson's solution earns all points with the seed.
 
-Otherwise the tests are at fault, and would take points from right answers.
+If it does not, the tests are at fault and would take points from right answers.
 """
 
 from __future__ import annotations
@@ -20,11 +20,13 @@ from grader.sandbox import SANDBOXES, Sandbox
 
 
 class RehearsalFailed(Exception):
-    """A lesson's own solution does not earn everything; `str()` says which tests are at fault."""
+    """A lesson's own solution does not earn all points; `str()` says which tests are at fault."""
 
 
 class Rehearsals:
-    """The rehearsals of some lessons; a passed one is valid until solution or rules change.
+    """The rehearsals of some lessons.
+
+    A passed rehearsal is recorded, and is valid until the solution or the rules change.
 
     Parameters
     ----------
@@ -32,7 +34,7 @@ class Rehearsals:
     lessons : iterable of Lesson
     seed : int
     sandbox : grader.sandbox.Sandbox
-    tell : callable, optional
+    announce : callable, optional
         Called with each lesson when its rehearsal begins.
 
     Attributes
@@ -47,9 +49,9 @@ class Rehearsals:
         lessons: Iterable[Lesson],
         seed: int,
         sandbox: Sandbox,
-        tell: Callable[[Lesson], object] = lambda lesson: None,
+        announce: Callable[[Lesson], object] = lambda lesson: None,
     ) -> None:
-        self._seed, self._sandbox, self._tell = seed, sandbox, tell
+        self._seed, self._sandbox, self._announce = seed, sandbox, announce
         records = {lesson: record_of(course, lesson, seed) for lesson in lessons}
         self._missing = {
             lesson: record for lesson, record in records.items() if not _is_recorded(*record)
@@ -60,12 +62,12 @@ class Rehearsals:
         self._died: list[Lesson] = []
 
     def passed(self, lesson: Lesson) -> bool:
-        """Return whether the lesson's own solution has earned everything."""
+        """Return whether the lesson's own solution has earned all points."""
         return lesson not in self._missing
 
     @property
     def failed(self) -> bool:
-        """Whether a solution has not earned everything."""
+        """Whether a solution has failed to earn all points."""
         return bool(self._complaints)
 
     def next_lessons(self, capacity: int, is_alone: bool) -> list[Lesson]:
@@ -73,8 +75,8 @@ class Rehearsals:
         return self.waiting[: max(0, capacity)] or self._died[:is_alone]
 
     def start(self, lesson: Lesson, executor: Executor) -> Future:
-        """Start the rehearsal of a lesson; `record_result` takes its result."""
-        self._tell(lesson)
+        """Start the rehearsal of a lesson; pass the returned future to `record_result`."""
+        self._announce(lesson)
         future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
         (self.waiting if lesson in self.waiting else self._died).remove(lesson)
         self._started.append(lesson)
@@ -85,7 +87,7 @@ class Rehearsals:
         try:
             complaints = future.result()
         except BrokenExecutor as death:
-            # Perhaps others had taken all the memory, so it gets one more try alone.
+            # Other jobs may have used up the memory, so the lesson gets one more try alone.
             if self._started.count(lesson) == 1:
                 self._died.append(lesson)
                 return
@@ -97,7 +99,7 @@ class Rehearsals:
         write_atomically(json.dumps(key), path)
 
     def verify(self) -> None:
-        """Raise `RehearsalFailed` if a solution has not earned everything."""
+        """Raise `RehearsalFailed` if a solution has failed to earn all points."""
         if self.failed:
             found = sorted(self._complaints.items())
             raise RehearsalFailed(
@@ -111,13 +113,13 @@ class Rehearsals:
         executor: Executor,
         progress: Callable[[int, int, object], None] = lambda done, total, what: None,
     ) -> None:
-        """Rehearse all waiting lessons, and nothing else.
+        """Rehearse all waiting lessons.
 
         Parameters
         ----------
         executor : concurrent.futures.Executor
         progress : callable, optional
-            Called with (done, total, None) after each.
+            Called with (done, total, None) after each lesson.
 
         Raises
         ------
@@ -134,12 +136,12 @@ class Rehearsals:
 
 
 def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
-    """Return what the tests of a lesson find wrong with its own solution, as plain data."""
+    """Return the complaints of a lesson's tests about its own solution, as plain data."""
     return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
 def record_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
-    """Return the file that records a passed rehearsal, and the key that it records."""
+    """Return the file that records a passed rehearsal, and the key to write there."""
     path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
     return path, verdict_key(read_submitted_files(lesson.solved), lesson, seed)
 

@@ -1,4 +1,4 @@
-"""Find the submissions of a class and their verdicts, and account for every other file."""
+"""Find the submissions of a class, and explain why other files are not judged."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 
-# Files that nbgrader's exchange adds: the time, and the key of the feedback.
+# Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
 
 
@@ -48,17 +48,17 @@ class Submission:
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
     def stage_folder(self, course: Course) -> Path:
-        """Return the folder ``submitted/<student>/<stage>/`` of the file, as it is spelt."""
+        """Return the file's folder ``submitted/<student>/<stage>/``, as spelt on disk."""
         folder = self.path.relative_to(course.submitted).parts[0]
         return course.submitted / folder / self.lesson.stage
 
     def read(self, course: Course) -> SubmittedFiles:
-        """Read the file, unless a link leads into another folder."""
+        """Read the file, unless its path is a link into another folder."""
         if not self._is_in_its_folder(course):
             return SubmittedFiles(
                 self.path.name,
                 b"",
-                f"{self.path.name} is behind a link to another folder. Submit the file itself.",
+                f"{self.path.name} is a link or in a linked folder. Submit the file itself.",
             )
         return dataclasses.replace(
             read_submitted_files(self.path), notes=tuple(self._notes(course))
@@ -71,7 +71,7 @@ class Submission:
         return self.path.parent.resolve().is_relative_to(course.submitted.resolve() / own_folder)
 
     def read_again(self, course: Course, fingerprint: str) -> SubmittedFiles:
-        """Read the file again, if it is still the one that was judged.
+        """Read the file again, if it is still the file that was judged.
 
         Parameters
         ----------
@@ -87,8 +87,8 @@ class Submission:
         if submitted_files.fingerprint() != fingerprint:
             raise ReplacedSubmission(
                 f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module next to "
-                "it, was replaced after it was judged, so nothing of this stage was entered. "
-                "Run grade again."
+                "it, was replaced after it was judged, so this stage was not entered into "
+                "the gradebook. Run grade again."
             )
         return submitted_files
 
@@ -96,13 +96,13 @@ class Submission:
         name = f"{self.lesson.name}.ipynb"
         if self.older:
             files = [path.relative_to(course.submitted) for path in (self.path, *self.older)]
-            # A student may have several folders.
+            # A student's files may be in several folders.
             several_folders = len({file.parts[0] for file in files}) > 1
             newest, *ignored = [str(file) if several_folders else file.name for file in files]
             yield (
                 f"Several files are for this lesson. The newest, {newest}, was judged, and "
-                f"these were not: {', '.join(ignored)}. If that is the wrong one, submit only "
-                "the right one."
+                f"these were not: {', '.join(ignored)}. If the newest is the wrong file, submit "
+                "only the right one."
             )
         elif self.path.name != name:
             yield (
@@ -113,9 +113,10 @@ class Submission:
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
     """Return every notebook under ``submitted/<student>/<stage>/`` that belongs to a lesson.
 
-    Browsers and editors rename files and create folders, so the lesson of a file is found by its
-    name or, if that is unclear, by its content. Of several files for one lesson the newest counts.
-    The roster says which student a folder belongs to; two spellings of one id are one student.
+    Browsers and editors rename files and create folders, so the lesson of a file is found from its
+    name or, if the name is unclear, from its content. If a lesson has several files, the newest
+    counts. The roster says which student a folder belongs to; two spellings of an id are one
+    student.
 
     Parameters
     ----------
@@ -165,11 +166,11 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
 
 
 def _files_below(root: Path) -> Iterator[Path]:
-    """Return all files except hidden ones, sorted; links to folders are not followed."""
+    """Yield all files except hidden ones, sorted; links to folders are not followed."""
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         links = [name for name in folders if (Path(folder) / name).is_symlink()]
-        # A folder with the name of a notebook is a mistake, so it is reported.
+        # A folder named like a notebook is a mistake, so it is reported.
         misnamed_folders = [name for name in folders if name.endswith(".ipynb")]
         for name in sorted({*files, *links, *misnamed_folders}):
             if not name.startswith("."):
@@ -177,18 +178,18 @@ def _files_below(root: Path) -> Iterator[Path]:
 
 
 def _lesson_of_file(path: Path) -> Lesson | None:
-    """Return the lesson of a file, by its name or else by its content."""
+    """Return the lesson of a file, found from its name or otherwise from its content."""
     is_notebook = path.suffix.lower() == ".ipynb"
     return (lesson_by_name(path.name) or lesson_by_content(path)) if is_notebook else None
 
 
 def _age_key(path: Path) -> tuple[float, int, str]:
-    """Return a sort key: when the file was saved, then the number of the copy."""
+    """Return a sort key: the time when the file was saved, then the number of the copy."""
     return path.lstat().st_mtime, copy_number(path.name), path.name
 
 
 def _reason(course: Course, file: Path) -> str:
-    """Return why a file is not a submission and what to do; empty if it belongs to one."""
+    """Return why a file is not a submission and what to do; empty if it belongs to a submission."""
     path = file.relative_to(course.submitted)
     student, *_ = path.parts
     lesson = _lesson_of_file(file)
@@ -200,7 +201,7 @@ def _reason(course: Course, file: Path) -> str:
     if path.suffix.lower() == ".zip":
         words = [file.relative_to(course.root).as_posix(), "--stage", path.parts[1], "--who"]
         command = " ".join(map(shlex.quote, [*words, f"{path.stem}={student}"]))
-        return f"it is packed: python -m grader collect {command}, and delete it"
+        return f"it is a zip: run python -m grader collect {command}, and delete the zip"
     lesson = lesson_by_name(path.name)
     if lesson:
         return f"it is not a notebook: submit {lesson.name}.ipynb as Jupyter saves it"

@@ -1,4 +1,4 @@
-"""The plugin that brings the course's code to a cluster's worker and judges there.
+"""The plugin that takes the course's code to a cluster's worker and judges there.
 
 This module is pickled by value, because a worker has Python and the requirements but not the
 course. It therefore imports no other module of this project.
@@ -25,28 +25,28 @@ from pathlib import Path
 from distributed import Status, Worker, WorkerPlugin, get_worker
 
 SLOWEST_START = 300
-"""Seconds that Python may take to import what judging needs, from a busy disk."""
+"""Seconds that Python may take to import the modules for judging from a busy disk."""
 
 
 def judge_on_worker(name: str, job: bytes) -> bytes:
-    """Run a job on the worker of this process; `name` is that of the plugin."""
+    """Run a job on the worker in this process; `name` is the plugin's name."""
     return get_worker().plugins[name].judge(job)
 
 
 LONGEST_JOB = 70 * 60
-"""Seconds after which a job is lost; the process that judges gives up its own before."""
+"""Seconds after which a job counts as lost; the judging process gives up a job earlier."""
 SECONDS_TO_END = 10
 
 
-class UnfitWorker(Exception):
-    """A worker cannot judge reliably; `str()` says why, and what to do about it."""
+class UnsuitableWorker(Exception):
+    """A worker cannot judge reliably; `str()` gives the reason and the remedy."""
 
 
 class JudgePlugin(WorkerPlugin):
     """Unpacks the course on a worker, and judges there in separate processes.
 
-    A fit worker gets a Dask resource with the plugin's name, one unit per thread. Every job
-    requires that resource, so only fit workers get jobs, including those that join later.
+    A suitable worker gets a Dask resource with the plugin's name, one unit per thread. Every job
+    requires that resource, so only suitable workers get jobs, even if they join later.
 
     Parameters
     ----------
@@ -66,13 +66,13 @@ class JudgePlugin(WorkerPlugin):
         self.sandbox = sandbox
 
     async def setup(self, worker: Worker) -> None:
-        """Make the worker fit, or know why it is not; say which of the two."""
+        """Prepare the worker, and report whether it can judge."""
         self.threads = worker.state.nthreads
         self.lock, self.client, self.closed = threading.Lock(), None, False
         try:
             await asyncio.to_thread(self._prepare, worker.local_directory)
             complaint = ""
-        except UnfitWorker as error:
+        except UnsuitableWorker as error:
             complaint = str(error)
         except Exception as error:
             complaint = f"It cannot load the course's code: {error!r}."
@@ -94,12 +94,12 @@ class JudgePlugin(WorkerPlugin):
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def judge(self, job: bytes) -> bytes:
-        """Run a job in the process that judges.
+        """Run a job in the judging process.
 
         Raises
         ------
         BrokenExecutor
-            If the process died or hangs. The next job gets another one.
+            If the process died or hangs. The next job gets a new process.
         """
         with self.lock:
             if self.closed:
@@ -113,7 +113,7 @@ class JudgePlugin(WorkerPlugin):
         except TimeoutError:
             client.close()
             raise BrokenExecutor(
-                f"The process that judges has not answered for {LONGEST_JOB / 60:.0f} minutes."
+                f"The judging process has not answered for {LONGEST_JOB / 60:.0f} minutes."
             ) from None
 
     def _prepare(self, parent: str) -> None:
@@ -122,17 +122,17 @@ class JudgePlugin(WorkerPlugin):
         self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=parent))
         with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
             archive.extractall(self.folder)
-        # The user that student code runs as must be able to read the files in the sandbox.
+        # Student code runs as another user, who must be able to read the files in the sandbox.
         for path in self.folder.rglob("*"):
             path.chmod(0o755 if path.is_dir() else 0o644)
         self.client = JudgeClient(self.folder, self.threads, self.sandbox)
-        versions = self.client.hello["versions"]
+        versions = self.client.greeting["versions"]
         mismatches = [
             f"{name} {versions[name]} instead of {wanted}"
             for name, wanted in self.versions.items()
             if versions[name] != wanted
         ]
-        complaint = self.client.hello["complaint"]
+        complaint = self.client.greeting["complaint"]
         if mismatches:
             complaint = (
                 f"It has {', '.join(mismatches)}. Install the course's requirements-cluster.txt "
@@ -140,15 +140,15 @@ class JudgePlugin(WorkerPlugin):
             )
         if complaint:
             self.client.close()
-            raise UnfitWorker(complaint)
+            raise UnsuitableWorker(complaint)
 
 
 class JudgeClient:
-    """A process of `grader.classroom.judge_server`, which it starts, and its end of the pipe.
+    """Starts a process of `grader.classroom.judge_server` and communicates with it.
 
     Attributes
     ----------
-    hello : dict
+    greeting : dict
         The process's report about itself.
     dead : bool
     """
@@ -167,7 +167,7 @@ class JudgeClient:
                 stderr=errors,
             )
         try:
-            self.hello = self._greeting(folder)
+            self.greeting = self._receive_greeting(folder)
         except BaseException:
             self.close()
             raise
@@ -183,7 +183,7 @@ class JudgeClient:
             self._waiting[number] = future
             try:
                 self._pipe.send((number, job))
-            except OSError:  # it has just died, which `_listen` may have noticed already
+            except OSError:  # the process has just died, which `_listen` may already have noticed
                 if self._waiting.pop(number, None):
                     future.set_exception(_broken())
         return future
@@ -194,14 +194,14 @@ class JudgeClient:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(SECONDS_TO_END)
 
-    def _greeting(self, folder: Path) -> dict:
+    def _receive_greeting(self, folder: Path) -> dict:
         if not self._pipe.poll(SLOWEST_START):
-            raise UnfitWorker(f"Its Python has not started within {SLOWEST_START} s.")
+            raise UnsuitableWorker(f"Its Python has not started within {SLOWEST_START} s.")
         try:
             return self._pipe.recv()
         except EOFError:
             lines = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
-            raise UnfitWorker(
+            raise UnsuitableWorker(
                 f"It cannot run the course's code: {lines[-1] if lines else 'no reason given'}. "
                 "Install the course's requirements-cluster.txt there."
             ) from None
@@ -221,9 +221,9 @@ class JudgeClient:
 
 
 def _broken() -> BrokenExecutor:
-    return BrokenExecutor("A process that judged ended.")
+    return BrokenExecutor("The judging process ended.")
 
 
 def _path_with(folder: Path) -> str:
-    """Return a path that begins with the course, so that a worker's own modules do not hide it."""
+    """Return a path that begins with the course, so that the worker's modules do not hide it."""
     return os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))

@@ -1,1 +1,1 @@
-"""Connection to systems that store the results of a course: nbgrader's gradebook and LMSs."""
+"""Connect the course to systems that store results: nbgrader's gradebook and LMSs."""

@@ -1,4 +1,4 @@
-"""Fingerprints of written answers at the last entry, because a mark is valid only for one text."""
+"""Fingerprints of written answers, because a mark given by hand is valid for one text only."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def fingerprints(notebook: NotebookNode) -> dict[str, str]:
 
 
 def read_fingerprints(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:
-    """Return the fingerprints from the last entry, by lesson; empty if none are stored."""
+    """Return the fingerprints that were last entered, by lesson; empty if none are stored."""
     try:
         known = json.loads(_path(course, student, stage).read_text("utf-8"))
     except (OSError, ValueError):
@@ -37,14 +37,14 @@ def write_fingerprints(
 ) -> None:
     """Store the fingerprints of written answers.
 
-    Call this only after the gradebook was written. If the run is interrupted in between, answers
+    Call this only after the gradebook is written. If a run is interrupted in between, the answers
     count as changed, and a person grades them again.
     """
     write_atomically(json.dumps(known), _path(course, student, stage))
 
 
 def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
-    """Set a new automatic score of a grade, and keep the points given by a person.
+    """Set the automatic score of a grade, and keep the points that a person gave.
 
     Parameters
     ----------
@@ -52,12 +52,12 @@ def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
     auto_score : float or None
         None if a person has to grade the cell.
     unchanged : bool
-        Whether the written answer is the same as at the last entry.
+        Whether the written answer is the same as when it was last entered.
     """
     if auto_score is None:
         settled = unchanged and grade.manual_score is not None
     else:
-        # Points given by hand count only while the automatic score that they overrule is the same.
+        # Points given by hand count only while the automatic score that they replace is unchanged.
         settled = grade.manual_score is None or grade.auto_score == auto_score
         if grade.manual_score is None:
             grade.needs_manual_grade = False

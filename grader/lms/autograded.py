@@ -1,4 +1,4 @@
-"""The autograded copy of a submission, which nbgrader stores and Formgrader shows.
+"""Build the autograded copy of a submission, which nbgrader stores and Formgrader shows.
 
 The copy is built from scratch instead of repairing the submitted file. It contains the graded cells
 as they were released, with the student's work filled in. The student's own cells are placed around
@@ -52,8 +52,8 @@ def build_judged_copy(
     Returns
     -------
     (nbformat.NotebookNode, str)
-        The copy, and the reason why it contains nothing of the student's work. The reason is empty
-        if the work is included, or if the verdict already states the reason.
+        The copy, and the reason why it does not contain the student's work. The reason is empty if
+        the copy contains the work, or if the verdict already states the reason.
     """
     copy, complaint = build_copy_in_process(submitted_files, lesson)
     if complaint in verdict.problems:
@@ -71,13 +71,13 @@ def build_copy_in_process(
     Returns
     -------
     (nbformat.NotebookNode, str)
-        The copy, and the message that explains why it contains nothing of the student's work. The
+        The copy, and a message that explains why it does not contain the student's work. The
         message is empty unless the submission takes too much time or memory to show.
 
     Raises
     ------
     grader.intake.reader_process.ReadingFailed
-        If the process failed for a reason that is not the student's fault.
+        If the process fails for a reason that is not the student's fault.
     """
 
     def work() -> NotebookNode:
@@ -85,7 +85,7 @@ def build_copy_in_process(
         _render_if_long(copy, lesson)
         return copy
 
-    _released_notebook(lesson)  # fill the cache in this process, for the next copies
+    _released_notebook(lesson)  # fill the cache in this process for the next copies
     try:
         copy = run_in_child(submitted_files.name, work)
     except TooCostly as error:
@@ -96,7 +96,7 @@ def build_copy_in_process(
 def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
     """Render a long copy once, because feedback pages and Formgrader will render it later.
 
-    A copy that takes too long to render then fails here, inside the limits of the separate process.
+    A copy that takes too long to render fails here, within the limits of the separate process.
     """
     released = {cell.source for cell in _released_notebook(lesson).cells}
     if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > LONG_COPY:
@@ -128,8 +128,8 @@ def build_copy(prepared: PreparedNotebook) -> NotebookNode:
         ):
             name, show = cell.grade_id, False
         if name is None and cell.grade_id in by_id and not is_solution(by_id[cell.grade_id]):
-            # A locked cell is shown as released. If the student changed it, the changed text was
-            # judged, so it is kept next to the released one.
+            # A locked cell is shown as released. If the student changed the cell, the changed text
+            # was judged, so it is kept next to the released text.
             show = cell.source.split() != by_id[cell.grade_id].source.split()
             name = cell.grade_id if cell.grade_id not in positions else None
         if name is not None:
@@ -179,7 +179,7 @@ def verdict_key_of_copy(course: Course, student: str, stage: str, lesson_name: s
 
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:
-    """Build a cell output with the score for nbgrader and the reasons for people."""
+    """Build a cell output with the score for nbgrader and an explanation for readers."""
     folded = summarise_checks(exercise)
     failures = [test for test in (folded.first, *folded.others) if test]
     rows = [_row("✗ failed", test.title, test.message) for test in failures]
@@ -201,7 +201,7 @@ def score_output(exercise: ExerciseResult) -> NotebookNode:
 
 
 def _row(mark: str, title: str, message: str) -> str:
-    """Format one row of the table below an exercise; single rows carry no points."""
+    """Format one row of the table below an exercise."""
     lines = "".join(f"<br>{escape(line)}" for line in message.splitlines())
     return (
         f"<tr><td style='text-align:left;vertical-align:top;white-space:nowrap;"
@@ -216,9 +216,9 @@ def _released_notebook(lesson: Lesson) -> NotebookNode:
 
 
 def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> NotebookNode:
-    """Build the copy of a student's ungraded cell, as released if its text is unchanged."""
+    """Build the copy of a student's ungraded cell; an unchanged cell is shown as released."""
     if is_setup_cell(cell.source, lesson.name):
-        return _cell(f"{TITLE}\n# (The tools of the course, packed.)", kind="code")
+        return _cell(f"{TITLE}\n# (The packed tools of the course.)", kind="code")
     if released is not None and released.cell_type == "markdown" and cell.kind == "markdown":
         new_cell = _cell(released.source)
         if "attachments" in released:
@@ -226,7 +226,7 @@ def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> 
         return new_cell
     if cell.kind == "code":
         return _cell(cell.source, kind="code")
-    if cell.kind == "raw":  # some programs take raw text for HTML
+    if cell.kind == "raw":  # some programs treat raw text as HTML
         return _cell(sanitize_markdown(as_code(cell.source)))
     return _with_pictures(_cell(sanitize_markdown(cell.source)), cell.attachments)
 
@@ -239,7 +239,7 @@ def _cell(source: str, kind: str = "markdown") -> NotebookNode:
 
 
 def _with_pictures(cell: NotebookNode, attachments: dict) -> NotebookNode:
-    """Attach harmless pictures and disable all other references, which nbconvert cannot handle."""
+    """Attach harmless pictures and disable other references, which nbconvert cannot handle."""
     pictures = harmless_pictures(attachments)
     if pictures:
         cell.attachments = pictures
@@ -274,7 +274,7 @@ def _add_missing(
     for name, cell in by_id.items():
         if name not in positions:
             filled = _filled_cell(cell, None, prepared.answers.get(name))
-            if name in prepared.graded:  # it shares a cell with another one
+            if name in prepared.graded:  # it is in a cell with another exercise
                 filled.source = f"# {name} is in the cell of another exercise."
             copy.cells.insert(before + 1, filled)
             positions.update(

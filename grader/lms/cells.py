@@ -1,4 +1,4 @@
-"""Points and comments of single cells in the gradebook."""
+"""Points and comments for individual cells in the gradebook."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from sqlalchemy.orm import Query
 
 @dataclass(frozen=True)
 class CellMark:
-    """Points of one graded cell of a student.
+    """A student's points for one graded cell.
 
     Attributes
     ----------
     score : float
-        Points that count: those given by hand if there are any, otherwise the automatic ones, plus
-        extra points.
+        The points that count: points given by hand or, without them, automatic points; in both
+        cases plus extra points.
     by_hand : bool
         Whether a person gave or changed the points.
     waiting : bool
@@ -39,7 +39,7 @@ class CellMark:
 
 @dataclass(frozen=True)
 class CellMarks:
-    """Marks and comments of all cells of a stage.
+    """Marks and comments for all cells of a stage.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def cell_marks(book: Gradebook, stage: str) -> CellMarks:
 
 
 def _rows(book: Gradebook, stage: str, table: type, *columns: object) -> Query:
-    """Query columns of all grades or all comments, preceded by student, lesson and cell."""
+    """Query columns of all grades or comments of a stage, with student, lesson and cell first."""
     return (
         book.db.query(SubmittedAssignment.student_id, Notebook.name, BaseCell.name, *columns)
         .select_from(table)

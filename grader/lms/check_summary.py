@@ -1,4 +1,4 @@
-"""Summarize the checks of an exercise for a student: the first failure in full, others in groups.
+"""Summarise the checks of an exercise for a student: the first failure in full, others in groups.
 
 One mistake fails many checks. Checks whose message says nothing new share one line.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 
-# Kinds of messages that are grouped, with the words for one check and for several.
+# Kinds of messages that are grouped, each with the wording for one check and for several.
 GROUPED_OPENINGS = {
     MessageKind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
     MessageKind.WAITING: ("cannot be tested before this is right",) * 2,
@@ -30,7 +30,7 @@ class CheckGroup:
         One line about the group.
     count : int
     titles : tuple of str
-        Titles of the checks, with a number if several have the same.
+        Titles of the checks, with a count if several have the same title.
     """
 
     says: str
@@ -52,7 +52,7 @@ class ExerciseSummary:
     groups : tuple of CheckGroup
     passed : tuple of CheckResult
     started : bool
-        False for an untouched stub, about which only `not_started` has a sentence.
+        False for an untouched stub; then only `not_started` has something to say.
     """
 
     exercise: str
@@ -64,13 +64,13 @@ class ExerciseSummary:
 
     @property
     def not_started(self) -> str:
-        """The sentence on a stub, without the advice that the notebook gives."""
+        """The sentence about a stub, without the advice that the notebook shows."""
         stub = self.first.subject
         return f"{stub} is not started." if stub == self.exercise else self.first.message
 
     @property
     def in_words(self) -> str:
-        """The number of checks that passed, in words."""
+        """The number of checks that pass, in words."""
         failed = (
             (self.first is not None) + len(self.others) + sum(group.count for group in self.groups)
         )
@@ -83,7 +83,7 @@ class ExerciseSummary:
 
 
 def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
-    """Summarize the checks of an exercise."""
+    """Summarise the checks of an exercise."""
     passed = tuple(test for test in exercise.tests if test.passed)
     failed = [test for test in exercise.tests if not test.passed]
     first = next((test for test in failed if test.name == exercise.first), None)
@@ -104,7 +104,7 @@ def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
 
 
 def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
-    """Return the group of a check: its message, or the words for one check and for several."""
+    """Return a check's group: its message, or the wording for one check and for several."""
     if test.kind in GROUPED_OPENINGS:
         return GROUPED_OPENINGS[test.kind]
     message = without_numbers(test.message)

@@ -1,4 +1,4 @@
-"""The folder of autograded copies and the other submitted files, for viewing in Formgrader."""
+"""Write the folder that Formgrader shows: autograded copies and the other submitted files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from utils.notebooks.reading import UnreadableNotebook
 def write_draft(
     course: Course, entry: StageEntry, copies: dict, modules: dict[Path, bytes], draft: Path
 ) -> None:
-    """Write the copies, the modules as judged and all other submitted files to a draft folder."""
+    """Write the copies, the judged modules and all other submitted files to a draft folder."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
     for place in entry.places(course):

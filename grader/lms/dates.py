@@ -1,9 +1,9 @@
 """Enter due dates and extensions into the gradebook, so that nbgrader's penalties are right.
 
 nbgrader stores one due date per stage, and each student's extension with the submission. An
-extension granted before a student submits is therefore entered together with the submission. Each
-entered date is recorded in ``verdicts/``. Dates deleted from the file are then also removed from
-the gradebook, while dates that a person entered there are kept.
+extension that is granted before a student submits is therefore entered with the submission. Each
+entered date is recorded in ``verdicts/``, so that a date deleted from deadlines.toml is also
+removed from the gradebook, and a date that a person entered there is kept.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from grader.lms.gradebook import gradebook_exists, open_gradebook
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
     """Enter the due date of each stage that the gradebook contains.
 
-    If a date was deleted from the file, the gradebook gets back the date that it had before.
+    If a date was deleted from the file, the gradebook's earlier date is restored.
     """
     for stage in stages():
         with contextlib.suppress(MissingEntry):
@@ -55,7 +55,7 @@ def _enter_due_date(
 
 
 def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
-    """Return the due date that was entered, and the date that the gradebook had before."""
+    """Return the due date that was entered, and the gradebook's earlier date."""
     try:
         entered, before = json.loads(path.read_text("utf-8"))
         return datetime.fromisoformat(entered), before and datetime.fromisoformat(before)
@@ -75,7 +75,7 @@ def extension_of(
     dates = deadlines.stages.get(stage, StageDates())
     granted = submission.extension
     if granted is not None and granted == _entered_extension(course, student, stage):
-        granted = None  # it came from the file and was not granted by a person
+        granted = None  # the extension came from the file and was not granted by a person
     if dates.due is None:
         return granted
     wanted = deadlines.due(student, stage) - dates.due
@@ -148,5 +148,5 @@ def _extension_path(course: Course, student: str, stage: str) -> Path:
 
 
 def _naive(time: datetime) -> datetime:
-    """Convert a time to a naive one in UTC, as nbgrader stores it."""
+    """Convert a time to a naive time in UTC, as nbgrader stores it."""
     return time.astimezone(UTC).replace(tzinfo=None)

@@ -1,4 +1,4 @@
-"""Comparison of the gradebook and the autograded copies with the verdicts."""
+"""Compare the gradebook and the autograded copies with the verdicts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def differences(
     late: AssignLatePenalties,
     deadlines: Deadlines,
 ) -> list[str]:
-    """List the differences between the verdicts and the gradebook with its autograded copies.
+    """List how the gradebook and the autograded copies differ from the verdicts.
 
     Returns
     -------
@@ -37,9 +37,9 @@ def differences(
         return [f"{entry.name}: it is not in the gradebook"]
     sentences = []
     if submission.timestamp != known_time(entry.places(course)):
-        sentences.append(f"{entry.name}: the gradebook has another submission time")
+        sentences.append(f"{entry.name}: the gradebook has a different submission time")
     if submission.extension != extension_of(course, submission, deadlines):
-        sentences.append(f"{entry.name}: the gradebook has another extension")
+        sentences.append(f"{entry.name}: the gradebook has a different extension")
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
     for notebook in submission.notebooks:
         label = f"{entry.name}, {notebook.name}"
@@ -56,7 +56,7 @@ def differences(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
         if not _is_close(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
-            sentences.append(f"{label}: the late penalty differs")
+            sentences.append(f"{label}: the gradebook has a different late penalty")
         if (
             verdict
             and verdict_key_of_copy(course, entry.student, entry.stage, notebook.name)
@@ -70,7 +70,7 @@ def differences(
 
 
 def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:
-    """Return (score, maximum score) by nbgrader's name of the cell with the points."""
+    """Return (score, maximum score) by nbgrader's name for the graded cell."""
     return {
         f"test_{exercise.name}": (exercise.score, exercise.max_score)
         for exercise in (verdict.exercises if verdict else ())

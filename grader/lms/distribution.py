@@ -1,4 +1,4 @@
-"""Distribution of the scores of a class in one lesson."""
+"""The distribution of a class's scores in one lesson."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ BINS = 10
 
 @dataclass(frozen=True)
 class Distribution:
-    """Distribution of the scores of one lesson, before penalties for lateness.
+    """The distribution of the scores in one lesson, before penalties for lateness.
 
     Attributes
     ----------
     name, stage : str
     count : int
-        Number of students with a score, over whom mean and median are computed.
+        Number of students with a score; mean and median are computed from these.
     waiting : int
-        Number of these students whose submission a person still has to grade in part.
+        Number of these students for whom a person still has to grade a part.
     not_entered, missing, excused : int
         Numbers of students without a score, by reason.
     mean, median, max_score : float
@@ -49,7 +49,7 @@ class Distribution:
 
     @property
     def population(self) -> str:
-        """Phrase that says which students mean and median include and which they leave out."""
+        """A phrase that says which students the mean and the median include and exclude."""
         phrase = (
             f"of the {self.count} students with a score"
             if self.count > 1
@@ -69,7 +69,7 @@ class Distribution:
 def distribution_of(
     lesson: Lesson, results: ClassResults, verdicts: Sequence[Verdict]
 ) -> Distribution:
-    """Return the distribution of a lesson from the gradebook, or from the verdicts without one."""
+    """Return a lesson's distribution from the gradebook or, without one, from the verdicts."""
     judged = [verdict for verdict in verdicts if verdict.lesson == lesson.name]
     own = [result for result in results.notebooks if result.lesson == lesson.name]
     scores = [result.score for result in own if result.score is not None]

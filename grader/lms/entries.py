@@ -1,4 +1,4 @@
-"""Entries for the gradebook: one student's stage each, entered completely or not at all."""
+"""Entries for the gradebook: each is a student's stage, entered completely or not at all."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class StageEntry:
 
     @property
     def name(self) -> str:
-        """Student and stage, for use in messages."""
+        """Student and stage, for messages."""
         return f"{self.student}, {self.stage}"
 
     def places(self, course: Course) -> tuple[Path, ...]:
-        """Return the submission folders; several if the student's folder has several spellings."""
+        """Return the submission folders; several if the student's ID is spelt in several ways."""
         places = {submission.stage_folder(course) for submission, _ in self.judged}
         return tuple(sorted(places))
 
@@ -35,7 +35,7 @@ def group_entries(
 ) -> tuple[list[StageEntry], list[str]]:
     """Return the entries, and one sentence for each submission that cannot be entered.
 
-    `unknown` maps each ID that is not on the roster to such a sentence.
+    `unknown` has such a sentence for each ID that is not on the roster.
     """
     groups: dict[tuple[str, str], list] = {}
     for submission, verdict in judged:

@@ -39,9 +39,9 @@ class NotCollected(Exception):
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):
-    """Release the notebooks of the course with its tools packed into their setup cell.
+    """Releases the notebooks of the course with its tools packed into their setup cell.
 
-    The rest of a notebook is not changed, so the judge reads the same from both versions.
+    The rest of a notebook is unchanged, so both versions are the same for the judge.
     """
 
     def do_copy(self, src: str, dest: str, log: object = None) -> None:
@@ -182,7 +182,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
 
 
 def _is_lesson(path: Path) -> bool:
-    """Return whether a notebook is part of the course; instructors may release others as well."""
+    """Return whether a notebook is part of the course; instructors may also release others."""
     try:
         metadata = json.loads(path.read_bytes())["metadata"]["lidar_obstacle_lab"]
         return metadata["lesson"] in {lesson.name for lesson in all_lessons()}

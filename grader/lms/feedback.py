@@ -1,4 +1,4 @@
-"""Feedback for a student on one stage: every lesson, exercise, mark and comment."""
+"""Collect the feedback for a student on one stage: lessons, exercises, marks and comments."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from grader.lms.standings import class_results
 
 
 @dataclass(frozen=True)
-class SanitisedText:
-    """Markdown written by a person, with all HTML disabled, and its pictures."""
+class SanitizedText:
+    """Markdown that a person wrote, with all HTML disabled, and its pictures."""
 
     markdown: str
     attachments: dict = field(default_factory=dict)
@@ -52,9 +52,9 @@ class ExerciseFeedback:
         None if a person grades the exercise.
     folded : grader.lms.check_summary.ExerciseSummary or None
         Summary of the checks; None if a person grades the exercise.
-    answer : Text or None
+    answer : SanitizedText or None
         The student's written answer; None if it is blank or the exercise does not require one.
-    comment : Text or None
+    comment : SanitizedText or None
         The grader's comment on the answer.
     """
 
@@ -62,8 +62,8 @@ class ExerciseFeedback:
     mark: CellMark
     judged: ExerciseResult | None
     folded: ExerciseSummary | None
-    answer: SanitisedText | None
-    comment: SanitisedText | None
+    answer: SanitizedText | None
+    comment: SanitizedText | None
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class Feedback:
             "No exercise of this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
-        about = "A part of this still waits for a grader, so the points are not final."
+        about = "A grader still has to grade a part of this, so the points are not final."
         return (
             *([untouched] if self.is_untouched else ()),
             *([about] if waiting else ()),
@@ -159,7 +159,7 @@ class FeedbackWriter:
             self._cells: CellMarks = cell_marks(book, stage)
 
     def people(self, wanted: Collection[str] = ()) -> list[Person]:
-        """Return the students with a submission, limited to the wanted IDs if there are any."""
+        """Return the students with a submission; if IDs are wanted, only these."""
         return [
             person
             for person in self._results.people
@@ -176,7 +176,7 @@ class FeedbackWriter:
 
         Raises
         ------
-        NotReady
+        FeedbackNotReady
             If the latest submission has not been judged and entered yet.
         """
         lessons = [self._lesson(result) for result in self._notebooks(person.id)]
@@ -198,7 +198,7 @@ class FeedbackWriter:
         place = (result.student, lesson.stage)
         verdict = read_verdict(self._course.verdicts.joinpath(*place, f"{lesson.name}.json"))
         copy = self._copy(*place, lesson)
-        # A student with a mark given by hand and without a file has neither a key nor a verdict.
+        # A student with a mark given by hand but without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
             raise FeedbackNotReady(
                 f"{result.student}, {lesson.name}: the latest verdict is not in the gradebook. "
@@ -241,20 +241,20 @@ class FeedbackWriter:
             _written_answer(written, exercise.cell, find_lesson(result.lesson))
             if written
             else None,
-            SanitisedText(sanitize_markdown(comment)) if comment else None,
+            SanitizedText(sanitize_markdown(comment)) if comment else None,
         )
 
 
-def _written_answer(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> SanitisedText | None:
-    """Return a written answer, already sanitized in the copy, or None if it is blank."""
+def _written_answer(cell: nbformat.NotebookNode, name: str, lesson: Lesson) -> SanitizedText | None:
+    """Return a written answer, or None if it is blank; the copy is already sanitized."""
     if cell.source.strip() in ("", _placeholders(lesson).get(name)):
         return None
-    return SanitisedText(cell.source, dict(cell.get("attachments", {})))
+    return SanitizedText(cell.source, dict(cell.get("attachments", {})))
 
 
 @functools.cache
 def _placeholders(lesson: Lesson) -> dict[str, str]:
-    """Return the released text of each written answer's cell, by ``grade_id``."""
+    """Return the released text in the cell of each written answer, by ``grade_id``."""
     released = nbformat.v4.reads(lesson.released.read_text("utf-8"))
     return {cell.metadata.nbgrader.grade_id: cell.source.strip() for cell in graded_cells(released)}
 
@@ -270,16 +270,16 @@ def title_of(lesson: Lesson) -> str:
 
 
 def lateness_sentences(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
-    """Yield sentences on the submission time of a stage, in a zone, and on the late penalty."""
+    """Yield sentences about the submission time of a stage and about the late penalty."""
     if result.undecided:
         yield (
             "The time of your submission is unknown, so your instructor has to decide whether it "
             "is late."
         )
-    elif result.handed_in and result.due:
-        handed_in, due = (_format_time(when, zone) for when in (result.handed_in, result.due))
+    elif result.submitted_at and result.due:
+        submitted_at, due = (_format_time(when, zone) for when in (result.submitted_at, result.due))
         punctuality = f"{_format_span(result.late)} late" if result.late else "on time"
-        yield f"Submitted {punctuality}, on {handed_in}. It was due on {due}."
+        yield f"Submitted {punctuality}, on {submitted_at}. It was due on {due}."
     if result.penalty:
         yield f"{format_points(result.penalty)} points are subtracted because it is late."
 

@@ -1,4 +1,4 @@
-"""Zip archives of feedback, with file names that an LMS can match with its students.
+"""Build zips of feedback with file names that an LMS can match with its students.
 
 Canvas and Moodle use the names of the submitted files, which `collect` records with the submission.
 """
@@ -21,9 +21,9 @@ from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, Less
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 
-# `Source.archive` ends with the owner's name in the archive and the name of the submitted file.
+# `FileOrigin.archive` ends with the owner's name in the archive and the submitted file's name.
 _OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
-_TEAM = "submitted as {}, which may be a team: give each member their own page"
+_TEAM = "submitted as {}, which may be a team. Give each member their own page"
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FeedbackArchive:
     files : dict of str to bytes
         File contents by name.
     left : tuple of str
-        One sentence about each student for whom the archive has no feedback.
+        One sentence for each student for whom the archive has no feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
@@ -48,9 +48,9 @@ def build_moodle_archive(
     """Build a page for each student, for *Upload multiple feedback files in a zip*.
 
     Moodle finds a participant by the number in ``{name}_{number}_assignsubmission_file_{file}``. A
-    team also has a number, which may be the participant number of a different student. The number
-    of a student differs between assignments. A student who submitted to several gets one page for
-    each, and Moodle ignores the pages that belong to other assignments.
+    team also has a number, which may be another student's participant number. A student has a
+    different number in each assignment. The archive has one page for each number, and Moodle
+    ignores the pages that belong to other assignments.
     """
     sources, roster = _sources(course, stage), read_roster(course)
     teams = _team_owners(sources)
@@ -78,8 +78,7 @@ def build_canvas_archive(
     """Build a notebook for each submitted notebook, for *Upload Submissions*.
 
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
-    feedback the same name. If a student submitted a zip, the feedback is a zip that contains the
-    page.
+    feedback the same name. For a submitted zip, the feedback is a zip that contains the page.
     """
     sources = _sources(course, stage)
     teams = _team_owners(sources)
@@ -100,7 +99,7 @@ def build_canvas_archive(
         if team:
             skipped.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
-            skipped.append(f"{id}: no notebook of theirs was collected from a Canvas zip")
+            skipped.append(f"{id}: none of their notebooks was collected from a Canvas zip")
     return FeedbackArchive(files, tuple(skipped))
 
 
@@ -124,12 +123,12 @@ PLATFORMS = {
     "moodle": Platform(
         build_moodle_archive,
         "In Moodle: the assignment's Submissions, Actions, Upload multiple feedback files in a "
-        "zip; where lessons of the stage are assignments of their own, in each of them. It is "
-        "offered where the assignment's feedback types include feedback files.",
+        "zip. If each lesson of the stage is a separate assignment, do this in each of them. "
+        "Moodle offers it if the assignment's feedback types include feedback files.",
     ),
     "canvas": Platform(
         build_canvas_archive,
-        "In Canvas: Grades, the assignment's menu, Upload Submissions. It is offered after "
+        "In Canvas: Grades, the assignment's menu, Upload Submissions. Canvas offers it after "
         "Download Submissions. Each file becomes an attachment to a comment.",
     ),
 }
@@ -137,7 +136,7 @@ PLATFORMS = {
 
 @dataclass(frozen=True)
 class WrittenFeedback:
-    """Files written by `write_feedback`.
+    """The files that `write_feedback` wrote.
 
     Attributes
     ----------
@@ -146,7 +145,7 @@ class WrittenFeedback:
     archive : pathlib.Path or None
         The zip for the LMS; None if it would be empty.
     left : tuple of str
-        One sentence about each student without a page, or without a file in the zip.
+        One sentence for each student without a page, or without a file in the zip.
     """
 
     pages: tuple[Path, ...]
@@ -207,15 +206,15 @@ def write_feedback(
 
 @dataclass(frozen=True)
 class _SubmittedFile:
-    """Identification of a submitted file in an LMS.
+    """What identifies a submitted file in an LMS.
 
     Attributes
     ----------
     owner, file : str
     attachment : int
-        Canvas's number of the file; 0 for other platforms.
+        Canvas's number for the file; 0 for other platforms.
     participant : str
-        Moodle's number of the owner; empty for other platforms.
+        Moodle's number for the owner; empty for other platforms.
     """
 
     owner: str
@@ -225,7 +224,7 @@ class _SubmittedFile:
 
 
 def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]:
-    """Return the origins of the files that count, by student and lesson."""
+    """Return the files that count, as an LMS identifies them, by student and lesson."""
     sources: dict[str, dict[str, _SubmittedFile]] = {}
     for submission in find_submissions(course, [stage]):
         source = read_record(submission.stage_folder(course)).files.get(submission.path.name)
@@ -237,7 +236,7 @@ def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]
 
 
 def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
-    """Return the owners whose files belong to more than one student, which are teams."""
+    """Return the owners whose files belong to several students, because they are teams."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}
     )
@@ -245,7 +244,7 @@ def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
 
 
 def _feedback_file(feedback: Feedback, lesson: LessonFeedback, file: str) -> bytes | None:
-    """Build the feedback for one submitted file, in a format that matches the file's suffix."""
+    """Build the feedback on one submitted file, in the format of the submitted file."""
     if file.lower().endswith(".zip"):
         return make_zip(
             {f"{feedback.result.stage}_feedback.html": feedback_page(feedback).encode()}

@@ -1,7 +1,7 @@
-"""Feedback on a lesson as a notebook.
+"""Write the feedback on a lesson as a notebook.
 
 Canvas gives a feedback file the name of the submitted file, which is a notebook. An HTML page with
-that name could not be opened. Notebook viewers show HTML, but neither style sheets nor MathML, so
+that name could not be opened. Notebook viewers show HTML, but not style sheets or MathML, so
 formulas stay as they were written.
 """
 
@@ -11,7 +11,7 @@ import re
 
 import nbformat
 
-from grader.lms.feedback import Feedback, LessonFeedback, SanitisedText
+from grader.lms.feedback import Feedback, LessonFeedback, SanitizedText
 from grader.lms.feedback_page import render_template
 
 SENTENCE = "This notebook contains the feedback. Your own notebook is unchanged."
@@ -32,12 +32,12 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
 
 
 def _html(text: str) -> nbformat.NotebookNode:
-    """Build a cell that Markdown reads as one HTML block, which an empty line would end."""
+    """Build a cell that is one HTML block in Markdown; an empty line would end the block."""
     block = re.sub(r"\n\s*\n", "\n", text).strip()
     # Two dollar signs would be read as a formula.
     return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
 
 
-def _markdown(text: SanitisedText) -> nbformat.NotebookNode:
+def _markdown(text: SanitizedText) -> nbformat.NotebookNode:
     fields = {"attachments": text.attachments} if text.attachments else {}
     return nbformat.v4.new_markdown_cell(text.markdown, **fields)

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from grader.classroom.pages import coded
 from grader.course.mathml import STYLE, markdown_page
 from grader.course.settings import course_title, stage_title
-from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitisedText
+from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitizedText
 from grader.lms.results import format_points
 
 
@@ -22,7 +22,7 @@ def feedback_page(feedback: Feedback) -> str:
 
 
 def render_template(template: str, **content: object) -> str:
-    """Fill in a template; text in `content` is escaped."""
+    """Fill in a template; texts in `content` are escaped."""
     return _environment().get_template(template).render(content)
 
 
@@ -56,12 +56,12 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def _as_html(text: SanitisedText) -> Markup:
+def _as_html(text: SanitizedText) -> Markup:
     return Markup(markdown_page(text.markdown, text.attachments))
 
 
 def _name(feedback: ExerciseFeedback) -> str:
-    """Return a function's name unchanged, and the name of a written answer as words."""
+    """Return the name of a function unchanged, and the name of a written answer as words."""
     name = feedback.exercise.name
     return name.replace("_", " ") if feedback.exercise.by_hand else name
 

@@ -1,9 +1,9 @@
-r"""Sanitizer for formulas in untrusted text: MathJax obeys only commands on an allow-list.
+r"""Sanitize formulas in untrusted text, so that MathJax obeys only commands on an allow-list.
 
 Some MathJax commands create links and styles, load more commands, or define new names for these. A
-formula with a command that is not known to draw only mathematics is therefore shown as source text.
-In addition, a zero-width space separates the backslash of every such command from its name, inside
-and outside formulas. This protects every page, however a program detects formulas.
+formula with a command that is not on the list is therefore shown as source text. In addition, a
+zero-width space separates the backslash of every such command from its name, inside and outside
+formulas. This protects pages no matter how a program detects formulas.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ _ENVIRONMENT = re.compile(
 )
 _COLOR = re.compile(r"\s{0,9}\{(?:[A-Za-z]{1,20}|#[0-9A-Fa-f]{3,6})\}")
 _LENGTH = re.compile(r"\s{0,9}\{\s{0,9}\d{0,2}(?:\.\d{0,3})?\s{0,9}(?:em|ex|mu|pt|px|mm|cm|in)\}")
-# Allowed only with these arguments.
+# Commands that are allowed only with these arguments.
 WITH_ARGUMENT = {
     "begin": _ENVIRONMENT,
     "end": _ENVIRONMENT,
@@ -120,7 +120,7 @@ WITH_ARGUMENT = {
     "hspace": _LENGTH,
 }
 
-# Only longer names are checked, because one-letter commands of MathJax draw one character at most.
+# Only longer names are checked, because MathJax's one-letter commands draw at most one character.
 _COMMAND = re.compile(r"\\([A-Za-z]{2,}+)")
 _MATHJAX_TOKEN = re.compile(r"\\(?:([A-Za-z]{2,}+)|[\s\S])")
 # Entities that become a backslash, or a letter of a command name, after formulas are detected.
@@ -128,8 +128,8 @@ _ENTITY = re.compile(
     r"&(?=#0*+(?:\d{1,2}|1[01]\d|12[0-7])(?!\d)|#[xX]0*+[0-7]?[0-9A-Fa-f](?![0-9A-Fa-f])|bsol;)"
 )
 _MAY_CONTAIN_FORMULAS = re.compile(r"[$&]|\\[(\[]|\\begin")
-# Each alternative ends before the next match could begin, so no character is scanned repeatedly.
-# Atomic groups, because Python 3.11.2 of Debian fails to match a possessive `(?:(?!...)...)*+`.
+# Each alternative ends before the next match could begin, so no character is scanned twice. The
+# groups are atomic, because Debian's Python 3.11.2 cannot match a possessive `(?:(?!...)...)*+`.
 _FORMULA = re.compile(
     r"\$\$[^$]++\$\$|\$[^$]++\$"
     r"|\\\\?\[(?>(?:(?!\\\\?[\[\]])[\s\S])*)\\\\?\]"
@@ -144,7 +144,7 @@ def sanitize_formulas(markdown: str) -> str:
     Returns
     -------
     str
-        A formula with any other command becomes inline code, which is not rendered as a formula.
+        The Markdown; a formula with any other command becomes inline code.
     """
     if not _MAY_CONTAIN_FORMULAS.search(markdown):
         return markdown

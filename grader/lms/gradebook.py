@@ -1,4 +1,4 @@
-"""Location and opening of a course's nbgrader gradebook."""
+"""Find and open a course's nbgrader gradebook."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def open_gradebook(course: Course) -> Gradebook:
 
     Raises
     ------
-    GradebookUnreachable
+    GradebookUnavailable
         If the database driver is missing or the database cannot be opened.
     """
-    # nbgrader would start a program to find this version, which takes seconds for each new
+    # nbgrader would start a program to find the version, which takes seconds for each new
     # gradebook.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
@@ -41,7 +41,7 @@ def open_gradebook(course: Course) -> Gradebook:
     except SQLAlchemyError as error:
         reason = str(error).splitlines()[0].rstrip(".")
         raise GradebookUnavailable(
-            f"The gradebook cannot be opened: {reason}. Its address is "
+            f"The gradebook cannot be opened: {reason}. Correct its address "
             "c.CourseDirectory.db_url in nbgrader_config.py."
         ) from error
 
@@ -53,7 +53,7 @@ def gradebook_exists(course: Course) -> bool:
 
 
 def gradebook_location(course: Course) -> str:
-    """Return the location of the gradebook without its password."""
+    """Return the location of the gradebook, without the password."""
     url = make_url(database_url(course))
     return url.database if url.drivername == "sqlite" else url.render_as_string(True)
 

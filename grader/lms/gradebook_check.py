@@ -1,4 +1,4 @@
-"""Checks of the gradebook for the `doctor` command."""
+"""Examine the gradebook for the `doctor` command."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from grader.lms.standings import class_results
 
 
 def check_gradebook(course: Course) -> Iterator[Finding]:
-    """Check that the gradebook opens and that all students with marks are on the roster."""
+    """Examine whether the gradebook opens and all students with marks are on the roster."""
     try:
         results = class_results(course)
     except GradebookUnavailable as error:
         yield Finding("gradebook", False, str(error))
         return
     except (RosterError, DeadlinesError):
-        return  # other checks of `doctor` report these problems
+        return  # other examinations of `doctor` report these problems
     marked = {result.student for result in results.notebooks if result.score is not None}
     yield Finding(
         "gradebook", True, f"{gradebook_location(course)}, with marks of {len(marked)} students"

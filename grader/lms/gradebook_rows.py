@@ -1,4 +1,4 @@
-"""The gradebook's data on each notebook of each student, read in one query."""
+"""Read the gradebook's data about each notebook of each student in one query."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nbgrader.api import (
 )
 from sqlalchemy import exists, func, or_
 
-# Condition on a notebook: a person has given points for it.
+# SQL condition on a notebook: a person has given points for it.
 MARKED_BY_HAND = exists().where(
     Grade.notebook_id == SubmittedNotebook.id,
     or_(Grade.manual_score.is_not(None), func.coalesce(Grade.extra_credit, 0.0) != 0.0),
@@ -24,7 +24,7 @@ MARKED_BY_HAND = exists().where(
 
 @dataclass(frozen=True)
 class GradebookRow:
-    """The gradebook's data on one notebook of a student.
+    """The gradebook's data about one notebook of a student.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class GradebookRow:
         Whether a person still has to grade a part of it.
     has_mark_by_hand : bool
         Whether a person has given points for it.
-    handed_in, due : datetime or None
+    submitted_at, due : datetime or None
         Naive times in UTC, as nbgrader stores them.
     extension : timedelta or None
     """
@@ -47,15 +47,15 @@ class GradebookRow:
     penalty: float
     needs_person: bool
     has_mark_by_hand: bool
-    handed_in: datetime | None
+    submitted_at: datetime | None
     due: datetime | None
     extension: timedelta | None
 
 
 def read_rows(book: Gradebook) -> list[GradebookRow]:
     """Read all rows of a gradebook."""
-    # One query for everything: separate objects take three each, which is slow with a remote
-    # server.
+    # One query reads everything, because nbgrader's objects take three queries each, which is slow
+    # with a remote server.
     columns = (
         SubmittedAssignment.student_id,
         Assignment.name,

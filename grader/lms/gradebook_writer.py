@@ -1,8 +1,8 @@
 """Enter verdicts into nbgrader's gradebook, each submission completely or not at all.
 
-The expected content of the gradebook is compared with its actual content, before and after. Every
-difference is entered again. This also covers an interrupted run, a deleted gradebook, a new due
-date and changed points. Only one process may write at a time.
+The gradebook's content is compared with the expected content before and after. If they differ, the
+submission is entered again, for example after an interrupted run, for a deleted gradebook, or with
+a new due date or changed points. Only one process may write at a time.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from grader.lms.withdrawal import withdraw
 
 
 class GradebookError(Exception):
-    """The gradebook does not contain everything it should; `str()` is the message to show."""
+    """The gradebook is not complete; `str()` is the message to show."""
 
 
 def enter_verdicts(
@@ -55,16 +55,16 @@ def enter_verdicts(
     course : grader.course.paths.Course
     judged : list of (Submission, Verdict)
     stages : iterable of str
-        Stages that were graded. Students without a submission are withdrawn from these stages.
+        Stages that were graded. In these stages, withdrawn submissions are removed.
     progress : callable
         Called with (done, total, student) after each student's stage.
     student : str, optional
-        Enter only this student; the others stay as they are.
+        Enter only this student, and do not change the others.
 
     Raises
     ------
     GradebookError
-        If some submissions could not be entered; all others have been entered by then.
+        If some submissions could not be entered; all others are entered first.
     grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
@@ -102,7 +102,7 @@ def _try_to_enter(
     """Enter one submission and return a sentence about each remaining problem."""
     try:
         trouble = _enter_one(course, book, entry, late, deadlines)
-    except ReplacedSubmission as replaced:  # the entered marks stay until the new file is judged
+    except ReplacedSubmission as replaced:  # the old marks stay until the new file is judged
         return [str(replaced)]
     except Exception as error:  # one student's failure must not stop the others
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
@@ -121,7 +121,7 @@ def _enter_one(
     Returns
     -------
     list of str
-        One sentence for each copy that shows nothing of the student's work.
+        One sentence for each copy that does not show the student's work.
     """
     copies, modules, trouble = {}, {}, []
     for submission, verdict in entry.judged:
@@ -130,8 +130,8 @@ def _enter_one(
         copies[submission.lesson.name] = copy
         if complaint:
             trouble.append(
-                f"{entry.name}: its points are entered, and its copy in autograded/ shows nothing "
-                f"of the student's. {complaint}"
+                f"{entry.name}: the points are entered, but the copy in autograded/ does not show "
+                f"the student's work. {complaint}"
             )
         for name, source in submitted_files.modules.items():
             path = submission.path.with_name(f"{name}.py").relative_to(
@@ -171,7 +171,7 @@ def _save(
     before: dict[str, str],
     now: dict[str, str],
 ) -> None:
-    """Take the scores from the cells of a copy, as nbgrader's SaveAutoGrades does."""
+    """Save the scores in the cells of a copy, as nbgrader's SaveAutoGrades does."""
     cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
     for grade in notebook.grades:
         score, _ = determine_grade(cells[grade.name])
@@ -189,7 +189,7 @@ def _enter_as_missing(notebook: SubmittedNotebook) -> None:
 
 @contextlib.contextmanager
 def _one_transaction(book: Gradebook) -> Iterator[None]:
-    """Defer nbgrader's step-by-step commits until all steps have succeeded."""
+    """Combine nbgrader's separate commits into one at the end, or none after an error."""
     session: Session = book.db()
     commit, session.commit = session.commit, session.flush
     try:

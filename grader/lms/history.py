@@ -1,8 +1,8 @@
-"""A log of every mark that changed: old and new value, time, and the verdict or person behind it.
+"""Keep a log of every changed mark: old and new points, time, and the verdict or person behind it.
 
-``marks.jsonl`` in the course folder has one line per change and is only ever appended to. Each run
-compares the last known marks with the gradebook, so marks that a person entered in between are
-noticed. A line that was lost or truncated by a power cut is written again.
+``marks.jsonl`` in the course folder has one line per change, and lines are only appended. Each run
+compares the last known marks with the gradebook, so it notices marks that a person entered in
+between. If a power cut loses or truncates a line, the next run writes it again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from grader.course.paths import Course
 from grader.lms.autograded import verdict_key_of_copy
 
 TOLERANCE = 1e-6  # points are written with two decimal places
-LATE_PENALTY = "late penalty"  # used in place of an exercise name
+LATE_PENALTY = "late penalty"  # used instead of an exercise's name
 A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
 REMOVED = "removed from the gradebook"
 
@@ -43,16 +43,16 @@ class MarkChange:
     Attributes
     ----------
     when : str
-        Time at which the change was noticed, in ISO 8601.
+        When the change was noticed, in ISO 8601.
     student, stage, lesson : str
     exercise : str
-        Name of the exercise, or `LATE_PENALTY`, whose points are a deduction.
+        Name of the exercise, or `LATE_PENALTY`, whose points are subtracted.
     before, after : float or None
         None if there is no mark.
     by : str
-        "verdict" with its key, "a person", or one of the module's other reasons.
+        "verdict" with its key, or one of this module's other causes, such as "a person".
     by_hand : tuple of (float or None, float or None) or None
-        The mark and the extra points that a person has given so far.
+        The mark and the extra points that a person gave.
     """
 
     when: str
@@ -72,7 +72,7 @@ class MarkChange:
 
 
 def read_changes(course: Course) -> Iterator[MarkChange]:
-    """Yield all changes, oldest first, skipping unreadable lines."""
+    """Yield all changes, the oldest first; unreadable lines are skipped."""
     try:
         text = _path(course).read_text("utf-8", errors="surrogateescape")
     except FileNotFoundError:
@@ -92,7 +92,7 @@ def read_changes(course: Course) -> Iterator[MarkChange]:
 def log_changes(
     course: Course, book: Gradebook, keys: Mapping[tuple[str, str], str] | None = None
 ) -> None:
-    """Append a line for each mark that differs from the last line about it.
+    """Append a line for each mark that differs from the last line about that mark.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def _cause(
 
 
 def _marks(course: Course, book: Gradebook) -> dict[Place, tuple[float | None, tuple | None]]:
-    """Return (mark, points given by a person) for every graded cell."""
+    """Return (mark, points given by a person) for each graded cell."""
     columns = (
         SubmittedAssignment.student_id,
         Assignment.name,
@@ -165,7 +165,7 @@ def _marks(course: Course, book: Gradebook) -> dict[Place, tuple[float | None, t
 
 
 def _penalties(book: Gradebook) -> dict[Place, tuple[float, None]]:
-    """Return the points deducted for lateness, for notebooks with a deduction."""
+    """Return the points subtracted for lateness, for each notebook with a late penalty."""
     columns = (
         SubmittedAssignment.student_id,
         Assignment.name,

@@ -12,7 +12,7 @@ from grader.lms.results import ClassResults, StageResult
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes on late work and enrolment that a person has to decide after grading."""
+    """Yield notes about late work and enrolment that a person has to decide after grading."""
     for stage in results.stages:
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
@@ -25,9 +25,9 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
-                f"until {until:%Y-%m-%d %H:%M} UTC, and that counts. To have it in the file as "
-                f'well, write below [{stage.stage}.students]: "{stage.student}" = '
-                f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there replaces it."
+                f"until {until:%Y-%m-%d %H:%M} UTC, and this date counts. To keep it, add it to "
+                f'the file below [{stage.stage}.students]: "{stage.student}" = '
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. To replace it, write another date there."
             )
     yield from unlisted_notes(results)
 
@@ -36,13 +36,13 @@ def unlisted_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each student with marks who is not on the roster."""
     for student in results.strangers:
         yield (
-            f"{student!r} has marks in the gradebook and is not on the roster; no table and no "
-            "export has them. Add a line to roster.csv, or take them out: "
+            f"{student!r} has marks in the gradebook and is not on the roster, so tables and "
+            "exports omit them. Add a line to roster.csv, or remove the marks: "
             f"nbgrader db student remove {shlex.quote(student)} --force"
         )
 
 
 def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
-    """Return whether the gradebook grants more time than the file with the due dates."""
+    """Return whether the gradebook grants more time than deadlines.toml."""
     due = deadlines.due(stage.student, stage.stage)
     return due is not None and stage.due is not None and stage.due > due

@@ -1,4 +1,4 @@
-"""A late penalty per day, for `nbgrader_config.py`; nbgrader's own plugins offer all or nothing.
+"""A late penalty per day, for `nbgrader_config.py`; nbgrader itself offers only all or nothing.
 
 ::
 
@@ -17,22 +17,25 @@ SECONDS_OF_A_DAY = 24 * 60 * 60
 
 
 class PercentPerDay(LateSubmissionPlugin):
-    """Deduct a percentage of the score for each day begun after the due date."""
+    """Subtract a percentage of the score for each day or part of a day after the due date."""
 
     percent = Float(
-        10.0, min=0.0, max=100.0, help="Part of the score, in percent, for each day begun."
+        10.0,
+        min=0.0,
+        max=100.0,
+        help="Percentage of the score to subtract for each day or part of a day.",
     ).tag(config=True)
     grace_minutes = Float(
-        0.0, min=0.0, help="Work that is late by no more than this counts as on time."
+        0.0, min=0.0, help="Minutes after the due date during which work counts as on time."
     ).tag(config=True)
     most_percent = Float(
-        100.0, min=0.0, max=100.0, help="Largest part of the score, in percent, that is subtracted."
+        100.0, min=0.0, max=100.0, help="Largest percentage of the score to subtract."
     ).tag(config=True)
 
     def late_submission_penalty(
         self, student_id: str, score: float, total_seconds_late: float
     ) -> float | None:
-        """Return the points to deduct from a notebook, or None if it is on time; see nbgrader."""
+        """Return the points to subtract from a notebook, or None if it is on time; see nbgrader."""
         if total_seconds_late <= 60 * self.grace_minutes:
             return None
         days = math.ceil(total_seconds_late / SECONDS_OF_A_DAY)

@@ -20,12 +20,12 @@ from grader.lms.results import (
     rounded_points,
 )
 
-JUDGE_FAILED_TEXT = "the judge failed: grade again"
+JUDGE_FAILED_TEXT = "the judge failed; grade again"
 
 
 @dataclass(frozen=True)
 class MarkCell:
-    """Text of a cell, its explanation, and the number used for sorting."""
+    """The text of a cell, its explanation, and the number for sorting."""
 
     text: str
     means: str = ""
@@ -40,7 +40,7 @@ class StudentRow:
     ----------
     person : grader.course.roster.Person
     is_known : bool
-        False for a student who submitted but is not in the gradebook.
+        Whether the student is in the gradebook; False if the student only submitted.
     cells : tuple of MarkCell
     late : MarkCell
     sum : MarkCell
@@ -65,9 +65,9 @@ class Section:
     name : str
         Empty for students without a section.
     people, marked : int
-        Number of students in the section, and number of those with a mark.
+        The number of students in the section, and how many of them have a mark.
     mean : float or None
-        Mean share of points among the students with a mark, from 0 to 1.
+        Mean share of the possible points of students with a mark, from 0 to 1.
     """
 
     name: str
@@ -78,13 +78,13 @@ class Section:
 
 @dataclass(frozen=True)
 class MarksTable:
-    """All rows of the table, and the points available in each column.
+    """All rows of the table, and the possible points in each column.
 
     Attributes
     ----------
     lessons : tuple of Lesson
     most : tuple of str
-        Points available in each lesson.
+        Possible points in each lesson.
     rows : tuple of StudentRow
     sections : tuple of Section
         Empty if no student has a section.
@@ -116,7 +116,7 @@ def marks_table(
     results : ClassResults
         Marks from the gradebook.
     verdicts : dict of str to dict of str to Verdict
-        Verdicts by student and lesson. They provide the scores of students without results.
+        Verdicts by student and lesson, which give the scores of students without results.
     """
     worth = {v.lesson: v.max_score for by_lesson in verdicts.values() for v in by_lesson.values()}
     worth |= results.lessons
@@ -181,7 +181,7 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
     if result.standing == EXCUSED:
         text, notes = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
-        text, notes = f"{text} …", ["a grader has to grade a part of it"]
+        text, notes = f"{text} …", ["a grader still has to grade a part"]
     if result.penalty:
         notes.append(
             f"{rounded_points(result.score)} minus {rounded_points(result.penalty)} for lateness"
@@ -190,7 +190,7 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
 
 
 def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
-    """Build the cell with the total of all lessons that count and its maximum."""
+    """Build the cell with the total and the maximum of all lessons that count."""
     counted = [result for result in results if result.standing != EXCUSED]
     if not counted:
         return MarkCell("exc." if results else "–")

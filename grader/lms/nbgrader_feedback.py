@@ -1,4 +1,4 @@
-"""nbgrader's feedback pages, with a name at each score and formulas that work offline."""
+"""Improve nbgrader's feedback pages: exercise names next to scores, and offline formulas."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _PICTURES = "img { max-width: 100%; height: auto; }"
 
 
 class FeedbackExporter(MathPage):
-    """Pages of ``nbgrader generate_feedback``."""
+    """Exports the pages of ``nbgrader generate_feedback``."""
 
     def from_notebook_node(
         self, nb: NotebookNode, resources: dict | None = None, **options: object

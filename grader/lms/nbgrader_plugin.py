@@ -31,24 +31,24 @@ from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
 class ClearEarlier(NbGraderPreprocessor):
-    """Remove the functions of earlier lessons from the cell into which students paste them."""
+    """Removes functions of earlier lessons from the cell into which students paste them."""
 
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict, cell_index: int
     ) -> tuple[NotebookNode, dict]:
-        """Empty the cell if it has the tag for earlier lessons."""
+        """Empty a cell that has the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.without_solution(cell.source)
         return cell, resources
 
 
 class Judge(NbGraderPreprocessor):
-    """Judge the submission, and write scores and messages below the graded cells of its copy."""
+    """Judges a submission, and writes scores and messages below the graded cells of its copy."""
 
     seed = Integer(
         None,
         allow_none=True,
-        help="Seed of the hidden scenes; by default the course's own secret, in .course_seed.",
+        help="Seed of the hidden scenes; by default the course's secret seed in .course_seed.",
     ).tag(config=True)
     sandbox = Enum(
         (AUTO, *SANDBOXES),
@@ -83,7 +83,7 @@ class Judge(NbGraderPreprocessor):
 
 
 class SaveGrades(SaveAutoGrades):
-    """Save scores as nbgrader does, but keep marks given by a person while they are valid."""
+    """Saves scores as nbgrader does, but keeps marks given by a person while they are valid."""
 
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
         """Save the scores of a notebook; see nbgrader."""
@@ -122,7 +122,7 @@ def _enter_dates(course: Course, names: dict) -> None:
 
 
 class CopyExporter(NotebookExporter):
-    """Read a submission as the judge does; an unreadable file becomes a notebook without answers.
+    """Reads a submission as the judge does; an unreadable file becomes a notebook without answers.
 
     nbgrader drops a student's whole submission if one of its files is damaged. The judge gives such
     a file a verdict, so nbgrader only needs a notebook into which the verdict can be written.

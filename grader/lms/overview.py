@@ -1,4 +1,4 @@
-"""The first lines of the report: the mean, what is missing, and what needs the instructor."""
+"""The first lines of the report: the mean, missing work, and matters for the instructor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from grader.lms.marks_table import MarksTable
 from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults
 
-# For each kind of entry: the section of the report, and the words for one entry and for several.
+# For each kind of entry: the section of the report, and the wording for one entry and for several.
 SECTIONS = {
     "waiting": ("marks", "notebook waits for a grader", "notebooks wait for a grader"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
@@ -23,7 +23,7 @@ SECTIONS = {
 
 @dataclass(frozen=True)
 class AttentionItem:
-    """Something that the instructor should look at, and the section of the report about it."""
+    """A matter for the instructor, and the section of the report about it."""
 
     text: str
     anchor: str
@@ -38,7 +38,7 @@ class Overview:
     mean, missing : str
         Sentences.
     attention : tuple of AttentionItem
-        Empty if nothing needs the instructor.
+        Empty if nothing needs the instructor's attention.
     """
 
     mean: str
@@ -81,8 +81,8 @@ def _mean(shares: Sequence[float | None]) -> str:
         return "no student has a mark yet."
     percent = f"{100 * statistics.mean(marked):.0f} % of the possible points"
     if len(marked) == 1:
-        return f"{percent}, from the one student with a mark."
-    return f"{percent}, over the {len(marked)} students with a mark."
+        return f"{percent}, for the only student with a mark."
+    return f"{percent}, for {len(marked)} students with a mark."
 
 
 def _missing(results: ClassResults) -> str:

@@ -1,4 +1,4 @@
-"""nbgrader's penalties for lateness, computed by the plugin that the course configured."""
+"""Compute nbgrader's late penalties with the plugin that the course has configured."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from grader.course.paths import Course
 
 
 def load_penalty_plugin(course: Course) -> AssignLatePenalties:
-    """Create nbgrader's preprocessor for late penalties with the course's plugin."""
+    """Create nbgrader's preprocessor for late penalties, with the course's plugin."""
     penalties = AssignLatePenalties(config=course_settings(course.root))
     penalties.init_plugin()
     return penalties
@@ -19,7 +19,7 @@ def load_penalty_plugin(course: Course) -> AssignLatePenalties:
 def penalty_of(
     submission: SubmittedAssignment, notebook: SubmittedNotebook, late: AssignLatePenalties
 ) -> float | None:
-    """Return the points to deduct from a notebook, or None if it is on time."""
+    """Return the points to subtract from a notebook, or None if it is on time."""
     if submission.assignment.duedate is None or not submission.total_seconds_late:
         return None
     penalty = late.plugin_inst.late_submission_penalty(

@@ -1,4 +1,4 @@
-"""Students in the gradebook: names, e-mail addresses and LMS IDs."""
+"""Write and read the students in the gradebook: names, e-mail addresses and LMS IDs."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from grader.course.roster import Person, Roster
 
 
 def enrol(book: Gradebook, roster: Roster) -> None:
-    """Enter all students on the roster, and update details that changed.
+    """Enter all students on the roster, and update details that have changed.
 
-    Fields that the roster leaves blank are not changed in the gradebook. Students are never
-    removed, because their marks would be removed with them.
+    Fields that are blank on the roster are not changed in the gradebook. Students are never
+    removed, because their marks would be removed as well.
     """
     known = {student.id: student for student in book.students}
     for person in roster.people:
@@ -22,7 +22,7 @@ def enrol(book: Gradebook, roster: Roster) -> None:
 
 
 def students_in_gradebook(book: Gradebook) -> list[Person]:
-    """Return the students in a gradebook with the details that it stores."""
+    """Return the students in a gradebook, with the details stored there."""
     return [
         Person(
             student.id,

@@ -1,4 +1,4 @@
-"""Registration of the released lessons, their cells and points in the gradebook."""
+"""Register the released lessons in the gradebook, with their cells and points."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from grader.lms.gradebook import database_url
 def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
     """Register stages in the gradebook, with the cells and points of the release.
 
-    The release is only read. Lessons in the gradebook are compared with it, so that changed points
-    are entered.
+    The release is only read. Lessons in the gradebook are compared with the release, so that
+    changed points are entered.
 
     Returns
     -------
     list of str
-        One sentence for each lesson that could not be changed.
+        One sentence for each lesson that nbgrader refuses to change.
     """
     trouble = []
     for stage in stages:
@@ -40,8 +40,8 @@ def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> l
                 SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": names})
             except RuntimeError as error:
                 trouble.append(
-                    f"{lesson.name}: its graded cells are others than when submissions were "
-                    f"entered, and nbgrader refuses to change them: {error}"
+                    f"{lesson.name}: its graded cells have changed since submissions were entered, "
+                    f"and nbgrader refuses to change them: {error}"
                 )
         book.db.expire_all()
     return trouble
@@ -63,7 +63,7 @@ def _released_notebook(lesson: Lesson) -> nbformat.NotebookNode:
 
 
 def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
-    """Return whether the gradebook has a lesson's cells as they are released."""
+    """Return whether the gradebook has the cells of a lesson as they were released."""
     notebook = book.find_notebook(lesson.name, lesson.stage)
     cells = graded_cells(_released_notebook(lesson))
     checksums = {

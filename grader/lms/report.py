@@ -1,4 +1,4 @@
-"""The report on a class: one self-contained HTML page, and a second one without names.
+"""Write the report on a class: one self-contained HTML page, and a second page without names.
 
 Marks come from the gradebook; failures come from the judge's verdicts.
 """
@@ -40,7 +40,7 @@ from grader.lms.overview import overview_of
 from grader.lms.results import ClassResults, rounded_points
 
 NO_RESULTS = ClassResults((), (), ())
-# Results of a lesson with fewer submissions could be traced to single students, even without names.
+# With fewer submissions, results could be traced to individual students even without names.
 MIN_SUBMISSIONS = 5
 
 JudgedSubmissions = Sequence[tuple[Submission, Verdict]]
@@ -57,7 +57,7 @@ class GradingRun:
     seconds : float
         Wall-clock time of judging.
     sandbox : str
-        Program that built the sandbox; empty if the workers of a cluster each chose their own.
+        Program that built the sandbox; empty if each worker of a cluster chose one.
     """
 
     judged: int
@@ -171,7 +171,7 @@ def _items(lessons: Sequence[Lesson], counted: Sequence[Verdict]) -> list[tuple[
 
 
 def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[str]]]:
-    """Return (lesson, students with identical files), without notebooks left as released."""
+    """Return (lesson, students with identical files), except for unchanged notebooks."""
     by_content: dict[tuple[str, str], list[str]] = {}
     for student, verdict in pairs:
         if verdict.fingerprint:
@@ -194,7 +194,7 @@ def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[st
 def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
 ) -> list[tuple[Person, list, dict[str, Verdict]]]:
-    """Return each student with their stage results and the verdicts on their notebooks."""
+    """Return each student with the student's stage results and verdicts."""
     known = {person.id: person for person in results.people}
     ids = dict.fromkeys([*known, *by_student])
     stages: dict[str, list] = {}
@@ -204,17 +204,17 @@ def _people(
 
 
 def _namesakes(results: ClassResults) -> set[str]:
-    """Return the names shared by more than one student."""
+    """Return the names that several students share."""
     counts = Counter(person.name for person in results.people)
     return {name for name, count in counts.items() if count > 1}
 
 
 def _links(course: Course) -> list[tuple[str, str]]:
-    """Return (address, link text) of each file next to the report."""
+    """Return (address, link text) for each file next to the report."""
     links = [("anonymous.html", "this report without names")]
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
-        links.append((quote(path.name), f"which answers of {stage} are alike"))
+        links.append((quote(path.name), f"similar answers in {stage}"))
     for more in course_constant("REPORT_LINKS"):
         links += more(course)
     for path in sorted(course.root.glob("scores*.csv")):
@@ -225,9 +225,9 @@ def _links(course: Course) -> list[tuple[str, str]]:
 
 
 def _anonymous(common: dict, counted: Sequence[Verdict]) -> str:
-    """Render the page without names from numbers and check titles, never from student text."""
-    handed_in = Counter(verdict.lesson for verdict in counted)
-    few = sorted(lesson for lesson, count in handed_in.items() if count < MIN_SUBMISSIONS)
+    """Render the page without names from numbers and check titles, without any student's text."""
+    submission_counts = Counter(verdict.lesson for verdict in counted)
+    few = sorted(lesson for lesson, count in submission_counts.items() if count < MIN_SUBMISSIONS)
     shown = [verdict for verdict in counted if verdict.lesson not in few]
     content = {
         **common,

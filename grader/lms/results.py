@@ -13,8 +13,8 @@ from datetime import datetime, timedelta
 from grader.course.roster import Person
 
 MISSING = "missing"  # the lesson was not submitted
-EXCUSED = "excused"  # the student is exempt from the lesson
-WAITING = "waiting"  # a person has to grade a part, or the submission is not entered yet
+EXCUSED = "excused"  # the student is excused from the lesson
+WAITING = "waiting"  # a person still has to grade a part, or the submission is not entered yet
 MARKED = "marked"  # there is a mark, which may be 0
 
 
@@ -34,11 +34,11 @@ class NotebookResult:
     standing : str
         `MISSING`, `EXCUSED`, `WAITING` or `MARKED`.
     score : float or None
-        Points earned so far, by machine and by hand, before the penalty. None if nothing is
-        entered, because the lesson is missing or waits to be entered.
+        Points earned so far, by machine and by hand, before the penalty. None if the lesson is
+        missing or not entered yet.
     max_score : float
     penalty : float
-        Points that nbgrader deducts for lateness.
+        Points that nbgrader subtracts for lateness.
     """
 
     student: str
@@ -68,13 +68,13 @@ class StageResult:
     score : float or None
     max_score, penalty : float
         Sums over all lessons of the stage; see `NotebookResult`.
-    handed_in, due : datetime or None
-        Aware times of submission and due date; None if unknown.
+    submitted_at, due : datetime or None
+        Submission time and due date, with time zones; None if unknown.
     late : timedelta
         Time between due date and submission; zero if the submission was on time.
     undecided : str
-        Reason why the time of submission is unknown although the stage has a due date. A person
-        then has to decide whether it is late. Empty in all other cases.
+        Why the submission time is unknown, if the stage has a due date; otherwise empty. A person
+        then has to decide whether the submission is late.
     """
 
     student: str
@@ -83,7 +83,7 @@ class StageResult:
     score: float | None
     max_score: float
     penalty: float = 0.0
-    handed_in: datetime | None = None
+    submitted_at: datetime | None = None
     due: datetime | None = None
     late: timedelta = timedelta()
     undecided: str = ""
@@ -96,18 +96,18 @@ class StageResult:
 
 @dataclass(frozen=True)
 class ClassResults:
-    """Results of a class in all lessons that at least one student submitted.
+    """The results of a class in all lessons that at least one student submitted.
 
     Attributes
     ----------
     people : tuple of grader.course.roster.Person
-        All students on the roster, in its order. Without a roster, all students who submitted.
+        All students on the roster, in the roster's order; without a roster, all who submitted.
     notebooks : tuple of NotebookResult
-        One for each student and lesson, in this order.
+        One result for each student and lesson, in this order.
     stages : tuple of StageResult
-        One for each student and stage.
+        One result for each student and stage.
     strangers : tuple of str
-        IDs that have marks in the gradebook but are not on the roster. They have no results here.
+        IDs with marks in the gradebook that are not on the roster. They have no results here.
     """
 
     people: tuple[Person, ...]
@@ -120,7 +120,7 @@ class ClassResults:
         return self._notebooks.get((student, lesson))
 
     def stage(self, student: str, stage: str) -> StageResult | None:
-        """Return a student's result in a stage, or None if no student submitted any of it."""
+        """Return a student's result in a stage, or None if no student submitted to the stage."""
         return self._stages.get((student, stage))
 
     @functools.cached_property
@@ -153,7 +153,7 @@ def format_points(points: float, decimal_mark: str = ".") -> str:
 def rounded_points(points: float) -> str:
     """Format points with one decimal place, or with two if one would look like a whole number.
 
-    29.97 points never look like all 30. Halves are rounded up.
+    29.97 points never look like the full 30. Halves are rounded up.
     """
     short = f"{points + 1e-6:.1f}"
     if float(short).is_integer() and abs(points - float(short)) >= 0.005:

@@ -1,9 +1,9 @@
-"""Sanitizer for untrusted text, so that browsers show it without interpreting it.
+"""Sanitize untrusted text, so that browsers show it without interpreting it.
 
 Formgrader, feedback pages and the report convert Markdown to HTML, and keep any HTML in it. A
 zero-width space disarms everything that could become a tag, the address of a script or a command of
-MathJax. Text, code and formulas still look as they were typed. This works without a Markdown
-parser, and each of those programs uses a different one.
+MathJax. Text, code and formulas still look as they were typed. This does not need a Markdown
+parser, because each of these programs uses a different one.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from grader.lms.formula_sanitizer import ZERO_WIDTH_SPACE, sanitize_formulas
 
 PICTURES = ("image/png", "image/jpeg", "image/gif")
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
-# Allowed after a bracket are these schemes and relative addresses: up to 200 characters without a
-# colon, followed by a slash, `?`, `#`, `)`, a space or the end.
+# After a bracket, only these schemes and relative addresses are allowed. A relative address has up
+# to 200 characters without a colon before a slash, `?`, `#`, `)`, a space or the end.
 _ADDRESS = re.compile(
     r"\](?=[(:])"
     r"(?![(:]\s*+<?(?i:https?|mailto|attachment):)"
     r"(?![(:]\s*+[^:&\\<>()/?#\s\x00-\x1f\u200b-\u200f]{0,200}+(?:[/?#)\s]|\Z))"
 )
-# A picture from another address would be fetched with the cookies of the person viewing the page.
+# A browser would fetch a picture from another address with the cookies of the page's reader.
 _FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
 _FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")

@@ -1,4 +1,4 @@
-"""Results of each student, combined from gradebook, roster, due dates and submitted files."""
+"""Combine each student's results from the gradebook, the roster, due dates and submitted files."""
 
 from __future__ import annotations
 
@@ -75,16 +75,16 @@ def class_results(course: Course) -> ClassResults:
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:
-    """Return whether a row belongs to submitted work; nbgrader also has rows for missing work.
+    """Return whether a row is about submitted work; nbgrader also has rows for missing work.
 
-    A row with points or with a mark given by hand counts even if the files are gone.
+    A row with points or with a mark given by hand counts even if the files no longer exist.
     """
     copy = course.autograded / row.student / row.stage / f"{row.lesson}.ipynb"
     return row.score > 0 or row.has_mark_by_hand or copy.is_file()
 
 
 def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
-    """Return the maximum score of each lesson, from the gradebook or else from the release."""
+    """Return the maximum score of each lesson, from the gradebook or otherwise the release."""
     released = {
         lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
     }
@@ -92,15 +92,15 @@ def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str,
 
 
 def _without_roster(
-    in_gradebook: Sequence[Person], handed_in: Iterable[tuple[str, str]]
+    in_gradebook: Sequence[Person], submitted: Iterable[tuple[str, str]]
 ) -> tuple[Person, ...]:
-    """Return the students who submitted, with their names from the gradebook if known."""
+    """Return the students who submitted, with names if the gradebook has them."""
     by_id = {person.id: person for person in in_gradebook}
-    return tuple(by_id.get(id, Person(id)) for id in sorted({student for student, _ in handed_in}))
+    return tuple(by_id.get(id, Person(id)) for id in sorted({student for student, _ in submitted}))
 
 
 def _standing(row: GradebookRow | None, is_submitted: bool) -> str:
-    """Return the standing in a lesson of a student who is not excused."""
+    """Return the standing in a lesson for a student who is not excused."""
     if row is None:
         return WAITING if is_submitted else MISSING
     return WAITING if row.needs_person else MARKED
@@ -127,7 +127,7 @@ def _stage(
     files: Sequence[Submission],
     deadlines: Deadlines,
 ) -> StageResult:
-    """Combine the results in the lessons of a stage, and determine when it was submitted.
+    """Combine the results in a stage's lessons, and determine when the stage was submitted.
 
     The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
@@ -136,10 +136,12 @@ def _stage(
     due = deadlines.due(student, stage)
     if row and row.due:
         due = (row.due + (row.extension or timedelta())).replace(tzinfo=UTC)
-    handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
-    if not handed_in:
+    submitted_at, undecided = row and row.submitted_at and row.submitted_at.replace(tzinfo=UTC), ""
+    if not submitted_at:
         try:
-            handed_in = submission_time({submission.stage_folder(course) for submission in files})
+            submitted_at = submission_time(
+                {submission.stage_folder(course) for submission in files}
+            )
         except SubmissionTimeUnknown as error:
             undecided = str(error) if due else ""
     return StageResult(
@@ -149,8 +151,8 @@ def _stage(
         sum(scores) if scores else None,
         sum(result.max_score for result in lessons),
         sum(result.penalty for result in lessons),
-        handed_in,
+        submitted_at,
         due,
-        max(timedelta(), handed_in - due) if handed_in and due else timedelta(),
+        max(timedelta(), submitted_at - due) if submitted_at and due else timedelta(),
         undecided,
     )

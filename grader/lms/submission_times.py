@@ -1,4 +1,4 @@
-"""Submission times, read from nbgrader's ``timestamp.txt`` next to the submitted files."""
+"""Read submission times from nbgrader's ``timestamp.txt`` next to the submitted files."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 class SubmissionTimeUnknown(Exception):
-    """The time of submission is unknown; `str()` is the reason."""
+    """The submission time is unknown; `str()` is the reason."""
 
 
 def submission_time(places: Iterable[Path]) -> datetime | None:
-    """Return the time at which a student's work for a stage was submitted.
+    """Return the time when a student's work for a stage was submitted.
 
     Parameters
     ----------
@@ -29,20 +29,20 @@ def submission_time(places: Iterable[Path]) -> datetime | None:
     Returns
     -------
     datetime or None
-        Aware; None if no folder has a time.
+        With a time zone; None if no folder has a time.
 
     Raises
     ------
-    Undecided
-        If the time of a folder cannot be read, or if its work was collected as late or from a table
-        without a time for it. Times of other folders do not change this.
+    SubmissionTimeUnknown
+        If a folder's time cannot be read, or if the collected work is marked late or has no time in
+        the table of times. Times of other folders do not change this.
     """
     times = [_time(place) for place in sorted(places)]
     return max((time for time in times if time), default=None)
 
 
 def known_time(places: Iterable[Path]) -> datetime | None:
-    """Return the submission time as nbgrader stores it, naive in UTC; None if it is undecided."""
+    """Return the submission time as nbgrader stores it, naive in UTC; None if it is unknown."""
     try:
         time = submission_time(places)
     except SubmissionTimeUnknown:
@@ -58,7 +58,7 @@ def _time(place: Path) -> datetime | None:
         return None
     try:
         text = read_file(path).decode().strip()
-        if not text:  # nbgrader leaves an empty file on a full disk
+        if not text:  # nbgrader leaves an empty file if the disk is full
             raise SubmissionTimeUnknown("timestamp.txt is empty")
         return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
@@ -66,10 +66,10 @@ def _time(place: Path) -> datetime | None:
 
 
 def _with_known_zone(text: str) -> str:
-    """Rewrite a time so that nbgrader reads its zone correctly.
+    """Rewrite a time so that nbgrader reads its time zone correctly.
 
-    nbgrader reads a zone that the machine does not know as UTC, such as the CEST that
-    `Exchange.timezone` makes it write. It reads +0200 as 200 seconds.
+    nbgrader treats a zone that the machine does not know as UTC, such as the CEST that it writes
+    because of `Exchange.timezone`. It reads +0200 as 200 seconds.
     """
     match = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
     if not match:

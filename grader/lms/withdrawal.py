@@ -1,4 +1,4 @@
-"""Removal of withdrawn submissions from the gradebook, unless a person has graded them."""
+"""Remove withdrawn submissions from the gradebook, unless a person has graded them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from sqlalchemy import exists, func, or_
 from grader.course.paths import Course
 from grader.lms.gradebook_rows import MARKED_BY_HAND
 
-# Condition on a notebook: a person has commented on it.
+# SQL condition on a notebook: a person has commented on it.
 _COMMENTED = exists().where(
     Comment.notebook_id == SubmittedNotebook.id, func.coalesce(Comment.manual_comment, "") != ""
 )
@@ -27,8 +27,8 @@ def withdraw(
 ) -> list[str]:
     """Remove withdrawn submissions; those with manual marks or comments stay and are reported.
 
-    `known` contains the (student, stage) of each existing submission. `only` limits the removal to
-    one student; None means all.
+    `known` has the (student, stage) of each existing submission. With `only`, just that student's
+    submissions are removed.
     """
     trouble = []
     for stage in stages:
@@ -43,11 +43,10 @@ def withdraw(
                 )
                 if graded_by_hand.first():
                     trouble.append(
-                        f"{student}, {stage}: there is no submission any more, but the gradebook "
-                        "has marks or comments of a grader. Put the submission back, or remove it "
-                        "with: "
-                        f"nbgrader db assignment list, and Gradebook.remove_submission({stage!r}, "
-                        f"{student!r})"
+                        f"{student}, {stage}: the submission is gone, but the gradebook has a "
+                        "grader's marks or comments on it. Put the submission back, or remove it "
+                        "from the gradebook with nbgrader's "
+                        f"Gradebook.remove_submission({stage!r}, {student!r})"
                     )
                     continue
                 book.remove_submission(stage, student)

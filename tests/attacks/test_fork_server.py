@@ -17,7 +17,7 @@ from grader.sandbox import Limits, bubblewrap, fork_client, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.usage import tree
 from tests.attacks.attack import SANDBOX, attack, function, outcome_of
-from tests.prerequisites import PATIENCE, not_here
+from tests.prerequisites import PATIENCE, skip_or_fail
 
 LOOK = """
 import gc, os, resource, signal, sys
@@ -49,7 +49,7 @@ def f():
 def forked():
     """Skip these tests if workers cannot be forked."""
     if not bubblewrap._can_join_namespaces():
-        not_here("the permission to enter namespaces; run: sudo make test")
+        skip_or_fail("the permission to enter namespaces; run: sudo make test")
 
 
 def looked(monkeypatch, forks):

@@ -260,7 +260,7 @@ def test_a_hostile_text_in_any_field_or_name_has_no_effect_on_the_page():
     verdict = judge_files(released, 1, None, lesson)
     copy = build_copy(prepare(released, lesson))
     write_verdict(copy, replace(verdict, problems=("A sentence.",)))
-    ours, quoted = obeyed(page_of(copy)), []
+    ours, quoted = active_parts(page_of(copy)), []
     for submitted in hostile_submissions():
         try:
             notes = prepare(submitted, lesson).notes
@@ -269,7 +269,7 @@ def test_a_hostile_text_in_any_field_or_name_has_no_effect_on_the_page():
         quoted += [text for text in notes if "javascript" in text]
         copy = build_copy(prepare_to_show(submitted, lesson))
         write_verdict(copy, replace(verdict, problems=notes))
-        assert [danger for danger in obeyed(page_of(copy)) if danger not in ours] == []
+        assert [danger for danger in active_parts(page_of(copy)) if danger not in ours] == []
     assert len(quoted) >= 5
 
 

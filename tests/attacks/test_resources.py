@@ -23,7 +23,7 @@ from tests.attacks.attack import (
     stopped_by,
     with_attacks,
 )
-from tests.prerequisites import PATIENCE, not_here
+from tests.prerequisites import PATIENCE, skip_or_fail
 
 TOO_MUCH = "too much memory"
 
@@ -365,7 +365,7 @@ def numbers():
     """Return the numbers of the system calls on this machine, by name."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
-        not_here(f"an x86-64 or arm64 processor, not {machine}: another machine")
+        skip_or_fail(f"an x86-64 or arm64 processor, not {machine}: another machine")
     return syscalls.MACHINES[machine][1]
 
 

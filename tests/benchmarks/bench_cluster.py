@@ -1,8 +1,8 @@
 """Measure the cost of grading on a cluster, in core seconds per notebook and in money.
 
 The sample class submits right and wrong answers of many kinds to all lessons. One worker judges
-them with all processors of this machine. Run the script on a quiet machine, and state the price of
-a core per hour at your provider: ``python tests/benchmarks/bench_cluster.py --price 0.03``
+them with all processors of this machine. Run the script on an otherwise idle machine, and give your
+provider's price per core and hour: ``python tests/benchmarks/bench_cluster.py --price 0.03``
 """
 
 import argparse
@@ -25,13 +25,13 @@ from grader.sandbox import choose_sandbox
 
 SEED = 1
 CLASSES = (1_000, 100_000, 1_000_000)
-# Assumed price in USD per hour of one virtual core of an on-demand c5.2xlarge in US East. The user
+# Assumed price in USD per hour for one virtual core of an on-demand c5.2xlarge in US East. The user
 # guide of Amazon EC2 Auto Scaling uses 0.34 USD for eight cores as an example.
 PRICE = 0.0425
 
 
 def make_class(root, students):
-    """Return a course in which the students submit different stored answers to each exercise."""
+    """Return a course in which the students submit different kept answers to each exercise."""
     course = Course(root)
     for number in range(students):
         for lesson in all_lessons():
@@ -46,7 +46,7 @@ def make_class(root, students):
 
 
 def cpu_seconds(course, sandbox):
-    """Return the processor seconds per notebook if this process judges all, one after another.
+    """Return the processor seconds per notebook when this process judges one after another.
 
     This is a lower bound, because processes of a killed sandbox are not counted.
     """
@@ -65,7 +65,7 @@ def judge(course, submission, sandbox):
 
 
 def core_seconds(course, sandbox):
-    """Return the paid core seconds per notebook: the run's time, with joining, times the cores."""
+    """Return the paid core seconds per notebook: cores times the time from joining to the end."""
     with LocalCluster(
         n_workers=1, threads_per_worker=processors(), dashboard_address=None
     ) as cluster:
@@ -86,15 +86,15 @@ def core_seconds(course, sandbox):
 def main():
     """Measure the costs and print them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--price", type=float, default=PRICE, help="of a core for an hour")
-    parser.add_argument("--students", type=int, default=5, help="to measure with")
+    parser.add_argument("--price", type=float, default=PRICE, help="price of a core per hour")
+    parser.add_argument("--students", type=int, default=5, help="size of the sample class")
     options = parser.parse_args()
     sandbox = choose_sandbox()
     with tempfile.TemporaryDirectory() as folder:
         course = make_class(Path(folder).resolve(), options.students)
         seconds, paid = cpu_seconds(course, sandbox), core_seconds(course, sandbox)
-    print(f"At least {seconds:.2f} CPU seconds a notebook; {paid:.2f} core seconds paid")
-    print(f"at {options.price} for a core and hour:")
+    print(f"Per notebook: at least {seconds:.2f} CPU seconds; {paid:.2f} core seconds to pay")
+    print(f"At a price of {options.price} per core and hour:")
     print("submissions   core hours        money   hours on 100 cores")
     for count in CLASSES:
         hours = count * paid / 3600

@@ -1,10 +1,10 @@
-"""Time exact clustering and box detection on full scans: the lessons against other libraries.
+"""Time exact clustering and box detection on full scans, in the lessons and in other libraries.
 
 All implementations run in turn on the same cloud, and ratios compare times of the same round. The
 clouds are `cloud.txt`, a random street, and the files in the folder REAL_CLOUDS. The latter are
 KITTI frames, which are not part of the project. The lessons and dbscan also run on two worst cases
-for a grid of cells. `peers.py` explains how to install the other libraries; a missing one is
-skipped with a message. ROUNDS and PATIENCE (seconds for a slow peer) limit the time.
+for a grid of cells. `implementations.py` explains how to install the other libraries; a missing one
+is skipped with a message. ROUNDS and PATIENCE (seconds for a slow implementation) limit the time.
 
 The script prints a table in Markdown. It writes `.bench/measured.json` (under "clustering") and
 `.bench/clustering.png`.
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks.peers import CLUSTERING, DETECTORS, RADIUS, all_pairs
+from tests.benchmarks.implementations import CLUSTERING, DETECTORS, RADIUS, all_pairs
 from tests.benchmarks.racing import (
     FOLDER,
     PATIENCE,
@@ -29,7 +29,7 @@ from tests.benchmarks.racing import (
     exponent,
     race,
     same_partition,
-    write_down,
+    save_results,
 )
 from utils import load_cloud, scenes
 
@@ -42,7 +42,7 @@ SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 
 
 def scans() -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the name and points of every cloud; the name of the random street has its seed."""
+    """Yield the name and points of every cloud; a random street's name contains its seed."""
     yield "cloud.txt", load_cloud("cloud.txt")[:, :3]
     seed = int(os.environ.get("SEED", np.random.SeedSequence().entropy % 10**6))
     yield f"random street {seed}", scenes.city_block(seed=seed, frames=1)[0].cloud[:, :3]
@@ -53,19 +53,23 @@ def scans() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield the name, points and right labels of clouds for which a grid of cells saves least."""
+    """Yield the name, points and right labels of clouds for which a grid of cells helps least."""
     rng = np.random.default_rng(3)
     inner, outer = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.normal(size=(2, 30_000, 3)))
     nested = np.vstack([0.05 * inner, (0.05 + RADIUS + 1e-4) * outer])
-    yield "a heap of 30 000 points within a shell of as many", nested, np.arange(60_000) // 30_000
+    yield (
+        "30 000 points in a ball inside a shell of 30 000 points",
+        nested,
+        np.arange(60_000) // 30_000,
+    )
     edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # one point per ten cells
     sparse = rng.uniform(0, edge, (1_000_000, 3))
-    yield "a million points, one to ten cells", sparse, all_pairs(sparse)()
+    yield "a million points, one for every ten cells", sparse, all_pairs(sparse)()
 
 
-def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
-    """Return the cells of one line of the table."""
-    middle, low, high = result.times_as_long_as(mine)
+def row(name: str, result: Result, ours: Result, right: str) -> list[str]:
+    """Return the cells in one row of the table."""
+    middle, low, high = result.times_as_long_as(ours)
     spread = np.nanpercentile(result.seconds, (25, 75)) * 1000
     return [
         name,
@@ -80,14 +84,14 @@ def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
 
 def print_table(title: str, rows: list[list[str]], last: str) -> None:
     """Print a table in Markdown."""
-    head = ["", "least ms", "median ms", "quartiles", "times as long", "memory MB", last]
+    head = ["", "shortest ms", "median ms", "quartiles", "times as long", "memory MB", last]
     print(f"\n{title}\n\n| {' | '.join(head)} |\n|---|---:|---:|---:|---:|---:|---|")
     for cells in rows:
         print(f"| {' | '.join(cells)} |")
 
 
-def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarray | None) -> dict:
-    """Race on one cloud, print the table and return the record for the JSON file."""
+def compare(ways: dict, name: str, cloud: np.ndarray, ours: str, truth: np.ndarray | None) -> dict:
+    """Time all implementations on a cloud, print a table and return a record for the JSON file."""
     results = race(ways, cloud)
     rows, record = [], {}
     for way, result in results.items():
@@ -95,12 +99,12 @@ def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarr
             right = str(len(result.answer))
         else:
             right = "right" if same_partition(result.answer, truth) else "WRONG"
-        rows.append(row(way, result, results[mine], right))
+        rows.append(row(way, result, results[ours], right))
         record[way] = {
             "seconds": result.seconds[~np.isnan(result.seconds)].tolist(),
             "bytes": result.memory,
             "answer": right,
-            "times as long": result.times_as_long_as(results[mine]),
+            "times as long": result.times_as_long_as(results[ours]),
         }
     last = "boxes" if truth is None else "partition"
     print_table(f"**{name}**, {len(cloud):,} points, {ROUNDS} rounds", rows, last)
@@ -108,14 +112,14 @@ def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarr
 
 
 def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
-    """Return `count` points: whole turns of the scanner, 300 m apart, and part of one more."""
+    """Return `count` points: whole turns of the scanner, 300 m apart, and a part of another."""
     turns = [scan + [0, 300.0 * number, 0] for number in range(-(-count // len(scan)))]
     few = np.random.default_rng(0).permutation(turns.pop())[: count - len(scan) * len(turns)]
     return np.ascontiguousarray(np.vstack([*turns, few]))
 
 
 def scale(scan: np.ndarray) -> dict[str, dict]:
-    """Time each implementation at growing sizes until it is too slow; print and return times."""
+    """Time each implementation on growing clouds until it is too slow; print and return times."""
     found: dict[str, dict] = {}
     ways = dict(CLUSTERING)
     for size in SIZES:
@@ -129,7 +133,7 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
             for name, way in ways.items()
             if name in results and 4 * results[name].median < PATIENCE
         }
-    print("\n**Growing clouds**: whole turns side by side; seconds, and the fitted exponent\n")
+    print("\n**Growing clouds**: whole turns side by side, times in seconds, fitted exponent\n")
     for name, series in found.items():
         series["exponent"] = exponent(series["points"], series["seconds"])
         times = ", ".join(f"{seconds:.3f}" for seconds in series["seconds"])
@@ -138,7 +142,7 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
 
 
 def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
-    """Draw the shortest round of each implementation on one cloud as bars."""
+    """Draw the shortest time of each implementation on one cloud as bars."""
     least = {way: 1000 * min(found["seconds"]) for way, found in measured["ways"].items()}
     ordered = sorted(least, key=least.get, reverse=True)
     colours = ["#0072B2" if way.startswith("ours") else "#BBBBBB" for way in ordered]
@@ -188,7 +192,7 @@ def main() -> None:
     for name, cloud in clouds.items():
         record["detector"][name] = compare(DETECTORS, name, cloud, "ours", None)
     record["scaling"] = scale(clouds["cloud.txt"])
-    path = write_down("clustering", record)
+    path = save_results("clustering", record)
     draw(record, FOLDER / "clustering.png")
     print(f"\nWritten: {path} and {FOLDER / 'clustering.png'}")
 

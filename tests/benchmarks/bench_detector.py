@@ -1,4 +1,4 @@
-"""Time the steps of lesson 12's detector next to PCL's pipeline, and measure its quality.
+"""Time lesson 12's detector step by step, compare it with PCL's, and measure its quality.
 
 The two detectors run in turn on `cloud.txt`, ROUNDS times each. Quality is the F1 score over one
 frame of each of the eight streets of lesson 12, and of eight other streets. The standard errors
@@ -23,8 +23,8 @@ from types import FunctionType
 import numpy as np
 
 from grader.course.lessons import load_reference
-from tests.benchmarks.peers import detect_by_pcl
-from tests.benchmarks.racing import ROUNDS, Missing, write_down
+from tests.benchmarks.implementations import detect_by_pcl
+from tests.benchmarks.racing import ROUNDS, Missing, save_results
 from utils import load_cloud, scenes
 from utils.boxes import Box, plane_iou
 from utils.scoring.card import OVERLAPS, score_card, within
@@ -45,9 +45,10 @@ STEPS = (
 CARRIAGEWAY = ((-15, 35), (-4, 6.4))
 SEEN_BY_IT = ((-15, 35), (-7, 9))
 CAUTION = """
-Real frames are labelled where a camera looked: false boxes cannot be counted there, and who is
-asked for are cars. Simulation flatters: its labels are exact, nothing in it reflects or is wet, and
-one hand drew the streets and chose the parameters by them; and it asks for people, too."""
+Real frames have labels only in the view of a camera, so false boxes cannot be counted there, and
+only cars count. Simulated frames make a detector look better: their labels are exact, nothing in
+them reflects or is wet, and the same author drew the streets and used them to choose the
+parameters. In simulated frames, people also count."""
 STREETS = {"lesson 12's streets": range(8), "eight others": range(100, 108)}
 
 
@@ -58,26 +59,26 @@ def detector_with(change: Callable[[dict], dict]) -> Callable[[np.ndarray], np.n
     return FunctionType(detect.__code__, steps | change(steps), argdefs=detect.__defaults__)
 
 
-class Watched:
+class TimedDetector:
     """The detector, with a timer around each step that it calls."""
 
     def __init__(self) -> None:
         self._seconds: dict[str, float] = {}
         self._detect = detector_with(
-            lambda steps: {name: self._clocked(name, steps[name]) for name in STEPS}
+            lambda steps: {name: self._timed(name, steps[name]) for name in STEPS}
         )
 
-    def _clocked(self, step: str, function: Callable) -> Callable:
-        def clocked(*arguments):
+    def _timed(self, step: str, function: Callable) -> Callable:
+        def timed(*arguments):
             begin = time.perf_counter()
             answer = function(*arguments)
             self._seconds[step] = time.perf_counter() - begin
             return answer
 
-        return clocked
+        return timed
 
     def __call__(self, cloud: np.ndarray) -> dict[str, float]:
-        """Return the seconds of each step, of the rest, and of the whole detector."""
+        """Run the detector; return the seconds of each step, of the rest, and of the whole."""
         self._seconds.clear()
         begin = time.perf_counter()
         self._detect(cloud)
@@ -86,19 +87,19 @@ class Watched:
         return self._seconds | {"the rest": rest, "ours, whole": whole}
 
 
-def steps_beside_pcl(cloud: np.ndarray) -> dict[str, list[float]]:
+def step_times(cloud: np.ndarray) -> dict[str, list[float]]:
     """Return the seconds of each step, and of PCL if it is installed, in each round."""
-    watched, pcl = Watched(), None
-    watched(cloud)
+    detector, pcl = TimedDetector(), None
+    detector(cloud)
     try:
         pcl = detect_by_pcl(np.ascontiguousarray(cloud[:, :3], dtype=float))
         pcl()
     except Missing as reason:
-        print(f"  PCL is left out: {reason}")
+        print(f"  PCL is skipped: {reason}")
         pcl = None
     found: dict[str, list[float]] = {}
     for _ in range(ROUNDS):
-        seconds = watched(cloud)
+        seconds = detector(cloud)
         if pcl:
             begin = time.perf_counter()
             pcl()
@@ -119,7 +120,7 @@ def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
 def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
     """Yield each labelled recording, and the corners of its boxes in the region, (N, 8, 3).
 
-    Boxes with fewer than 30 returns are left out.
+    Boxes with fewer than 30 returns are omitted.
     """
     for table in sorted(folder.rglob("*_boxes.csv")):
         with table.open() as file:
@@ -149,7 +150,7 @@ def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def recall_on_real(folder: Path) -> dict[str, tuple[int, int]]:
-    """Return the hits and the number of labelled cars at each of `OVERLAPS`."""
+    """Return the number of hits and of labelled cars at each of `OVERLAPS`."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     hits, count = dict.fromkeys(OVERLAPS, 0), 0
     for path, truth in labelled(folder):
@@ -162,9 +163,9 @@ def recall_on_real(folder: Path) -> dict[str, tuple[int, int]]:
 
 def main() -> None:
     """Measure, print the tables and record the results."""
-    seconds = steps_beside_pcl(load_cloud("cloud.txt"))
+    seconds = step_times(load_cloud("cloud.txt"))
     print(f"\n**The detector on cloud.txt**, {ROUNDS} rounds\n")
-    print("| | least ms | median ms | quartiles |\n|---|---:|---:|---:|")
+    print("| | shortest ms | median ms | quartiles |\n|---|---:|---:|---:|")
     for name, values in seconds.items():
         least, low, middle, high = 1000 * np.percentile(values, (0, 25, 50, 75))
         print(f"| {name} | {least:.1f} | {middle:.1f} | {low:.1f} to {high:.1f} |")
@@ -172,8 +173,8 @@ def main() -> None:
         ratios = np.divide(seconds["ours, whole"], seconds["PCL, whole"])
         print(
             f"\nOurs takes {np.median(ratios):.2f} times as long as PCL "
-            f"({ratios.min():.2f} to {ratios.max():.2f}). Ours turns the closest rectangle around "
-            "each cluster, PCL's parts the smallest."
+            f"({ratios.min():.2f} to {ratios.max():.2f}). Ours fits the rectangle with the "
+            "closest sides to each cluster, and the program with PCL fits the smallest rectangle."
         )
     quality: dict[str, object] = {}
     print(f"\n| F1 at an IoU of | {' | '.join(map(str, OVERLAPS))} |\n|---|---:|---:|---:|")
@@ -191,8 +192,8 @@ def main() -> None:
         ]
         print(f"| recall, real cars with 30 returns | {' | '.join(texts)} |")
     print(CAUTION)
-    write_down("detector by steps", seconds)
-    write_down("quality", quality)
+    save_results("detector by steps", seconds)
+    save_results("quality", quality)
 
 
 if __name__ == "__main__":

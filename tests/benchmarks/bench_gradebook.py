@@ -1,7 +1,7 @@
 """Time how fast one writer enters a class into a growing gradebook, in SQLite and PostgreSQL.
 
 All students submit the solved notebooks of the first stage, which are judged only once. The script
-leaves PostgreSQL out if Debian's ``postgresql`` is not installed.
+skips PostgreSQL if Debian's package ``postgresql`` is not installed.
 """
 
 import argparse
@@ -28,14 +28,14 @@ STAGE = stages()[0]
 
 
 def make_course(root, database):
-    """Return a course without students."""
+    """Return a course without students that uses a database."""
     shutil.copytree(PROJECT / "notebooks" / STAGE, root / "notebooks" / STAGE)
     line = f"get_config().CourseDirectory.db_url = {database!r}\n" if database else ""
     (root / "nbgrader_config.py").write_text(CONFIGURATION.format(project=str(PROJECT)) + line)
     return Course(root)
 
 
-def hand_in(course, verdicts, students):
+def submit(course, verdicts, students):
     """Submit the solved notebooks for these students; return (submission, verdict) pairs."""
     judged = []
     for student in students:
@@ -59,7 +59,7 @@ def measure(name, course, verdicts, students, step):
     judged, told = [], lambda *news: None
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]
-        judged += hand_in(course, verdicts, names)
+        judged += submit(course, verdicts, names)
         before = seconds(enter_verdicts, course, judged[: -step * len(verdicts)], [STAGE], told)
         both = seconds(enter_verdicts, course, judged, [STAGE], told)
         again = seconds(enter_verdicts, course, judged, [STAGE], told)
@@ -72,10 +72,12 @@ def measure(name, course, verdicts, students, step):
 
 
 def main():
-    """Measure both databases and print the times."""
+    """Measure with both databases and print the times."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--students", type=int, default=120, help="to end with")
-    parser.add_argument("--step", type=int, default=40, help="to enter at a time")
+    parser.add_argument("--students", type=int, default=120, help="final number of students")
+    parser.add_argument(
+        "--step", type=int, default=40, help="number of students to enter at a time"
+    )
     options = parser.parse_args()
     sandbox = choose_sandbox()
     verdicts = {
@@ -83,7 +85,7 @@ def main():
         for lesson in all_lessons()
         if lesson.stage == STAGE
     }
-    print("gradebook     students   ms to enter a student   ms to look again   s to read them all")
+    print("gradebook     students   ms to enter a student   ms to compare one  s to read all marks")
     with contextlib.ExitStack() as stack:
         databases = {"SQLite": ""}
         try:

@@ -3,14 +3,14 @@
 Both programs grade copies of each lesson's solved notebook. They run in turn from the command line,
 each in its own copy of the course. The benchmark stops if either gives less than full marks.
 nbgrader executes one notebook after another in a kernel. Its time per notebook is the difference
-between a class of two and a class of one, which excludes the start. The judge is timed on a whole
-class, including the start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
+between a class of two and a class of one, which excludes its start. The judge is timed on a whole
+class, including its start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
 
-The time for a class of 200 in all lessons is computed from a run inside this process, which can
-observe each verdict as it arrives.
+The time for a class of 200 in all lessons is extrapolated from a run inside this process, which
+can observe each verdict as it arrives.
 
-Run the benchmark on an otherwise idle machine. nbgrader keeps one hardware thread busy, and has the
-whole core while the core's other thread is idle. The judge fills all threads anyway. Other work on
+Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and has a whole
+core as long as the core's other thread is idle. The judge uses all threads anyway. Other work on
 the machine may therefore slow nbgrader more than the judge.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
@@ -41,13 +41,13 @@ from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.registration import register_stages
 from grader.sandbox import choose_sandbox
-from tests.benchmarks.racing import write_down
+from tests.benchmarks.racing import save_results
 
 STUDENTS = 20
 ROUNDS = int(os.environ.get("ROUNDS", 3))
 # Seconds that nbgrader took for one of the shorter notebooks of the course's first edition.
 FIRST_EDITION = 4.0
-# Configuration of plain nbgrader, which executes notebooks and counts the visible checks that pass.
+# Configuration of plain nbgrader, which runs notebooks and counts the visible checks that pass.
 PLAIN = """\
 c = get_config()
 c.CourseDirectory.source_directory = "solutions"
@@ -61,7 +61,7 @@ SEED = 1
 class Times:
     """Seconds for a stage, and peak megabytes of this process, which reads and writes files.
 
-    `further` has the seconds to judge one more notebook, by the name of the lesson.
+    `further` has the seconds for each further notebook, by the lesson's name.
     """
 
     first: float
@@ -81,7 +81,7 @@ def make_course(root, students, lessons):
             root / folder,
             ignore=shutil.ignore_patterns("*.py", "*.md", "*.png", "*.gif"),
         )
-    # nbgrader runs notebooks in their own folder, from which they find the course above them.
+    # nbgrader runs notebooks in their own folder, where they find the course in a folder above.
     for name in ("utils", "data"):
         (root / name).symlink_to(PROJECT / name)
     for number in range(students):
@@ -140,7 +140,7 @@ def time_ours(lessons, folder):
 
 
 def steady(times):
-    """Return the mean seconds between verdicts in the middle half, which excludes the start."""
+    """Return the mean seconds between verdicts in the middle half, which excludes start-up."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
 
@@ -150,7 +150,7 @@ def stages_of(lessons):
 
 
 def command_line(root, *words):
-    """Return the seconds that a command takes in a course, run from a shell."""
+    """Run a command in a course, as from a shell, and return the seconds that it takes."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # nbgrader runs alembic
     environment = {**os.environ, "PATH": path, "PYTHONPATH": str(root)}
     begin = time.perf_counter()
@@ -163,7 +163,7 @@ def command_line(root, *words):
 
 
 def assert_full_marks(root, stage, notebooks):
-    """Assert that the gradebook has full automatic marks for this many notebooks."""
+    """Assert that the gradebook has this many notebooks, all with full automatic marks."""
     with Gradebook(f"sqlite:///{root / 'gradebook.db'}") as book:
         graded = [
             notebook
@@ -178,7 +178,7 @@ def assert_full_marks(root, stage, notebooks):
 
 
 def time_theirs(lessons, folder, students):
-    """Return the seconds of plain nbgrader, with a gradebook that already has the stage."""
+    """Return the seconds that plain nbgrader takes if its gradebook already has the stage."""
     stage, course = lessons[0].stage, make_course(folder, students, lessons)
     with open_gradebook(course) as book:
         register_stages(course, book, [stage])
@@ -189,7 +189,7 @@ def time_theirs(lessons, folder, students):
 
 
 def time_grade(lessons, folder):
-    """Return the seconds of `python -m grader grade` in a copy of the project."""
+    """Return the seconds that `python -m grader grade` takes in a copy of the project."""
     stage, _ = lessons[0].stage, make_course(folder, STUDENTS, lessons)
     shutil.copytree(PROJECT / "grader", folder / "grader")
     shutil.copytree(PROJECT / "extension", folder / "extension")
@@ -202,7 +202,7 @@ def time_grade(lessons, folder):
 
 
 def race(lessons):
-    """Return the seconds per notebook of nbgrader and the judge, and the start time of nbgrader.
+    """Time nbgrader and the judge in turn.
 
     Returns
     -------
@@ -226,7 +226,7 @@ def race(lessons):
 def main(wanted):
     """Measure, print and record the results."""
     if os.getloadavg()[0] > 0.5:
-        print("Others are at work on this machine, which may flatter ours.")
+        print("Other work on this machine may make the judge look better.")
     record, estimate, count = {}, 0.0, 0
     for stage in wanted or stages():
         lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
@@ -234,18 +234,18 @@ def main(wanted):
         ratios = seconds[:, 0] / seconds[:, 1]
         theirs, mine = np.median(seconds, axis=0)
         print(
-            f"{stage}: nbgrader autograde {theirs:.2f} s a notebook, after {np.median(starts):.1f} "
-            f"s to start; ours {mine:.2f} s, start and gradebook included: "
-            f"{np.median(ratios):.1f} x as fast ({min(ratios):.1f} to {max(ratios):.1f} in "
-            f"{ROUNDS} rounds). A notebook of the first edition took nbgrader {FIRST_EDITION:.0f} "
-            f"s: {FIRST_EDITION / mine:.1f} x"
+            f"{stage}: nbgrader autograde takes {theirs:.2f} s per notebook, after "
+            f"{np.median(starts):.1f} s to start. The judge takes {mine:.2f} s, including start-up "
+            f"and gradebook, and is {np.median(ratios):.1f} times as fast ({min(ratios):.1f} to "
+            f"{max(ratios):.1f} in {ROUNDS} rounds). A notebook of the first edition took nbgrader "
+            f"{FIRST_EDITION:.0f} s, {FIRST_EDITION / mine:.1f} times as long."
         )
         with tempfile.TemporaryDirectory() as folder:
             ours = time_ours(lessons, Path(folder).resolve())
         print(
-            f"  {ours.notebooks} notebooks: the first after {ours.first:.1f} s, all judged after "
+            f"  {ours.notebooks} notebooks: the first judged after {ours.first:.1f} s, all after "
             f"{ours.judging:.1f} s, entered in {ours.entering:.1f} s; memory "
-            f"{ours.memory[0]:.0f} MB after a quarter of them, {ours.memory[-1]:.0f} MB after all"
+            f"{ours.memory[0]:.0f} MB after a quarter of them, {ours.memory[-1]:.0f} MB at the end"
         )
         print(
             "  each further notebook, in ms: "
@@ -256,17 +256,17 @@ def main(wanted):
         estimate += ours.judging + ours.entering + (CLASS - STUDENTS) * each
         count += len(lessons)
         record[stage] = {
-            "seconds a notebook": {
+            "seconds per notebook": {
                 "nbgrader": seconds[:, 0].tolist(),
                 "ours": seconds[:, 1].tolist(),
             },
             "seconds to start nbgrader": starts.tolist(),
             "times as fast": ratios.tolist(),
-            "seconds a further student": each,
-            "seconds a further notebook": ours.further,
+            "seconds per further student": each,
+            "seconds per further notebook": ours.further,
         }
     print(f"{CLASS} students x {count} lessons, at this rate: {estimate / 60:.0f} min")
-    write_down("judge", record)
+    save_results("judge", record)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ def seconds(call: Callable[[], object], runs: int = 7) -> float:
 
 
 def street_of(obstacles: int) -> Callable[[], Frame]:
-    """Return a function that makes the least crowded random street with this many obstacles."""
+    """Return a function that creates the least crowded random street with this many obstacles."""
     for percent in range(101):
         if len(random_street(0, percent / 100).boxes) >= obstacles:
             return partial(random_street, 0, percent / 100)
@@ -73,7 +73,7 @@ def main() -> None:
 
     boxes = np.array([box.corners for box in street().boxes])
     print(
-        f"overlaps of {len(boxes)} boxes with themselves: "
+        f"overlaps between {len(boxes)} boxes: "
         f"{1000 * seconds(lambda: plane_iou(boxes, boxes)):.1f} ms"
     )
     fresh = [sys.executable, "-c", "import utils.simulator"]

@@ -44,7 +44,7 @@ def highway_counts(points: np.ndarray) -> list[int]:
 
 
 def neighbours(cloud: np.ndarray) -> list[float]:
-    """Return quartiles of the number of neighbours within 0.5 m, for every 30th point."""
+    """Return quartiles of the number of neighbours within 0.5 m of every 30th point."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(cloud[:, :3])
@@ -61,20 +61,20 @@ def read_pcd(path: Path) -> np.ndarray:
 
 
 def labelled_cars(folder: Path) -> list[tuple[float, int]]:
-    """Return the distance and number of points of each labelled car with truncation below 0.3."""
+    """Return the distance and number of points of each labelled car that is truncated below 0.3."""
     with (folder / "kitti_000008_boxes.csv").open() as table:
         rows = [row for row in csv.DictReader(table) if float(row["trunc"]) < 0.3]
     return [(float(np.hypot(float(r["cx"]), float(r["cy"]))), int(r["npts"])) for r in rows]
 
 
 def returns_at_ten_metres(cars: list[tuple[float, int]]) -> str:
-    """Return the quartiles of returns per car, scaled to 10 m by the square of the distance."""
+    """Return quartiles of the returns per car, scaled to 10 m by the square of the distance."""
     scaled = [count * (reach / 10) ** 2 for reach, count in cars if 5 < reach < 25]
     return " / ".join(f"{value:.0f}" for value in np.percentile(scaled, (25, 50, 75)))
 
 
 def simulated_cars(frame: Frame) -> list[tuple[float, int]]:
-    """Return the distance and returns of every simulated car."""
+    """Return the distance and number of returns of every simulated car."""
     cars = (box for box in frame.boxes if box.kind == "car")
     return [(float(np.hypot(*box.centre[:2])), box.returns) for box in cars]
 
@@ -94,7 +94,7 @@ def print_table(clouds: dict[str, np.ndarray]) -> None:
 
 
 def _figures(cloud: np.ndarray):
-    """Yield the label and text of every number in a cloud's column."""
+    """Yield the label and the text of every number in a cloud's column."""
     reach = np.hypot(cloud[:, 0], cloud[:, 1])
     yield "returns", f"{len(cloud):,}".replace(",", " ")
     for low, high, value in zip(RANGES, RANGES[1:], share(reach, RANGES), strict=False):
@@ -152,7 +152,7 @@ def draw_street(frame: Frame, folder: Path) -> None:
 
 
 def draw(simulated: Frame, folder: Path, cars: list[tuple[float, int]], clouds: dict) -> None:
-    """Draw shares of returns by distance and height, and returns per car, but no real points."""
+    """Plot returns by distance and height, and returns per car, without showing real points."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -185,7 +185,7 @@ def draw(simulated: Frame, folder: Path, cars: list[tuple[float, int]], clouds: 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pictures", type=Path, help="folder to write the two pictures to")
+    parser.add_argument("--pictures", type=Path, help="folder for the two pictures")
     arguments = parser.parse_args()
     lesson, city = lesson_street(), city_block()[0]
     if arguments.pictures:

@@ -1,9 +1,8 @@
 """Check that right notebooks lose no points on a busy machine.
 
-The script judges a class of right answers with one job per processor. At first the machine is
-otherwise idle. Then there are one, two and four busy processes for each processor. Rehearsals come
-first. The exit status is 1 if a right notebook has lost a point. Run the script on an otherwise
-idle machine:
+The script judges a class of right answers with one job per processor: first on an otherwise idle
+machine, then with one, two and four busy processes for each processor. Rehearsals come first. The
+exit status is 1 if a right notebook loses a point. Run the script on an otherwise idle machine:
 
     PYTHONPATH=. python tests/benchmarks/load.py [NOTEBOOKS]     # 100 by default; an hour or two
 """
@@ -32,7 +31,7 @@ NOTEBOOKS = 100
 SEED = 1
 
 
-def hand_in(course, count):
+def submit(course, count):
     """Write `count` submissions, cycling through the lessons and their right answers."""
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
@@ -46,7 +45,7 @@ def hand_in(course, count):
 
 @contextlib.contextmanager
 def busy(count):
-    """Run `count` busy processes of the same priority as this one."""
+    """Run `count` busy processes with the same priority as this one."""
     # Each process has its own session, because some kernels divide processor time by session.
     command = [sys.executable, "-c", "while True: pass"]
     others = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
@@ -58,8 +57,8 @@ def busy(count):
             process.wait()
 
 
-def judge_beside(load, course, sandbox):
-    """Judge the class under a load and return (verdicts, submissions judged again, seconds)."""
+def judge_under_load(load, course, sandbox):
+    """Judge the class under a load; return verdicts, submissions judged again, and seconds."""
     for verdicts in course.verdicts.glob("student*"):
         shutil.rmtree(verdicts)
     judged_submissions = []
@@ -85,14 +84,14 @@ def main(count=NOTEBOOKS):
 
 
 def try_loads(course, count):
-    """Judge under each load, print a line for each and the lost points; return the exit status."""
+    """Judge under each load, print a row for each and the lost points; return the exit status."""
     sandbox, lost, twice = choose_sandbox(), [], []
-    hand_in(course, count)
+    submit(course, count)
     with EXECUTORS["processes"](processors()) as executor:
         Rehearsals(course, all_lessons()[:count], SEED, sandbox).finish(executor)
     print("load | right | points lost | judged again | slowest (s) | all (s)", flush=True)
     for load in LOADS:
-        judged, again, seconds = judge_beside(load, course, sandbox)
+        judged, again, seconds = judge_under_load(load, course, sandbox)
         short = [
             (submission, verdict)
             for submission, verdict in judged

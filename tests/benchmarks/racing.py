@@ -1,4 +1,4 @@
-"""Races between implementations, timed in turn so that a busy machine slows all of them."""
+"""Time implementations in turn, so that a busy machine slows all of them alike."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Result:
     Attributes
     ----------
     seconds : ndarray, shape (rounds,)
-        Time of each round; NaN for rounds that were left out.
+        Time of each round; NaN for skipped rounds.
     answer : ndarray
     memory : float
         Peak bytes of a separate process, minus its bytes before the call; NaN if the system does
@@ -56,7 +56,7 @@ class Result:
         return float(np.nanmin(self.seconds))
 
     def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
-        """Return the median, lowest and highest ratio to the other's seconds in the same round."""
+        """Return the median, lowest and highest ratio to another result's times, round by round."""
         quotients = self.seconds / other.seconds
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 
@@ -69,7 +69,7 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
     ways : dict of str to callable
     cloud : ndarray, shape (n, 3)
     memory : bool
-        Whether to measure memory as well, in a separate process for each implementation.
+        Whether to also measure memory, in a separate process for each implementation.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
             answers[name] = work()  # imports, compiles, warms up
             ready[name] = work
         except (ImportError, Missing) as reason:
-            print(f"  {name} is left out: {reason}")
+            print(f"  {name} is skipped: {reason}")
     seconds = {name: np.full(ROUNDS, np.nan) for name in ready}
     for number in range(ROUNDS if ready else 0):
         names = list(ready)
@@ -101,7 +101,7 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
 
 
 def peak_of(way: Way, cloud: np.ndarray) -> float:
-    """Return the additional bytes at the peak of a second call in a separate process."""
+    """Return the additional bytes that a second call needs at its peak, in a separate process."""
     if not Path("/proc/self/clear_refs").exists():
         return float("nan")
     with multiprocessing.get_context("spawn").Pool(1) as pool:
@@ -134,7 +134,7 @@ def exponent(sizes: Iterable[float], seconds: Iterable[float]) -> float:
     return float(np.polyfit(np.log(list(sizes)), np.log(list(seconds)), 1)[0])
 
 
-def write_down(subject: str, found: dict) -> Path:
+def save_results(subject: str, found: dict) -> Path:
     """Add measurements under a subject to `.bench/measured.json` and return its path."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "measured.json"

@@ -9,11 +9,11 @@ The best five settings then run on streets that were held back from the search. 
 settings was partly lucky in the search, but this luck does not carry over to other streets. Today's
 parameters run there as well, and so does FINER, with voxels of half the side and at least 30 points
 in a cluster. The centroid of a voxel is up to half a voxel inside the surface, which matters for a
-person but hardly for a car. The result is the difference from today's score, street by street, with
-a standard error by the jackknife.
+person but hardly for a car. The result is the mean difference from today's score on these streets,
+with a jackknife standard error.
 
-Lesson 12 still keeps today's parameters. Its detector is also used for driving, with a scanner
-that has a third of the returns. There, a minimum of 30 points would detect a child too late.
+Lesson 12 keeps today's parameters. Its detector is also used for driving, with a scanner that has a
+third of the returns. There, with a minimum of 30 points, a child would be detected too late.
 
     python tests/benchmarks/search_detector.py
 """
@@ -48,8 +48,8 @@ class Setting:
     Attributes
     ----------
     threshold, voxel, near_road, tolerance : float
-        In metres: distance threshold of clustering, side of a voxel, largest distance of a road
-        return from the plane, and inlier distance of RANSAC.
+        In metres: the distance threshold of clustering, the side of a voxel, the largest distance
+        of a road return from the plane, and RANSAC's inlier distance.
     least : int
         Smallest number of points in a cluster.
     """
@@ -80,7 +80,7 @@ def drawn(rng: np.random.Generator) -> Setting:
 
 
 def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
-    """Return lesson 12's detector with a setting; steps are patched for its fixed values."""
+    """Return lesson 12's detector with a setting; steps with fixed values are patched."""
 
     def changed(steps: dict) -> dict:
         search, fit, thin = steps["ransac_plane"], steps["fit_plane"], steps["voxel_grid"]
@@ -104,7 +104,7 @@ def corners_of(boxes: Sequence[Box]) -> np.ndarray:
 
 
 def counts(boxes: np.ndarray, frame: Frame) -> list[int]:
-    """Count hits at each overlap, found plus true boxes, detected people, and all people."""
+    """Count hits at each overlap, detected plus true boxes, detected people, and all people."""
     near = boxes[within(boxes, CARRIAGEWAY)]
     truth = corners_of(counted(frame, CARRIAGEWAY))
     people = corners_of([box for box in counted(frame, SEEN_BY_IT) if box.kind in PEOPLE])
@@ -120,7 +120,7 @@ def f1(sums: np.ndarray) -> float:
 
 
 def recall(sums: np.ndarray) -> float:
-    """Return the recall of people."""
+    """Return the share of people that were detected."""
     return float(sums[4] / sums[5])
 
 
@@ -129,7 +129,7 @@ def quality(sums: np.ndarray) -> float:
     return (f1(sums) + recall(sums)) / 2
 
 
-def asked(setting: Setting, frames: Sequence[Frame]) -> np.ndarray:
+def counts_of(setting: Setting, frames: Sequence[Frame]) -> np.ndarray:
     """Run a setting on frames and return the counts of each frame, (frames, 6)."""
     detect = detector(setting)
     return np.array([counts(detect(frame.cloud), frame) for frame in frames])
@@ -155,19 +155,19 @@ def main() -> None:
     rng = np.random.default_rng(0)
     settings = [TODAY, FINER, *(drawn(rng) for _ in range(SETTINGS))]
     frames = first_frames(SEARCHED)
-    searched = {setting: quality(asked(setting, frames).sum(axis=0)) for setting in settings}
+    searched = {setting: quality(counts_of(setting, frames).sum(axis=0)) for setting in settings}
     ranks = sorted(settings[2:], key=searched.get, reverse=True)
     better = sum(searched[rank] > searched[TODAY] for rank in ranks)
-    print(f"{better} of {SETTINGS} settings do better than today's on {len(frames)} streets.")
+    print(f"{better} of {SETTINGS} settings are better than today's on {len(frames)} streets.")
     print(f"On {len(HELD_BACK)} streets held back:\n")
     names = [field.name.replace("_", " ") for field in fields(Setting)]
-    head = [*names, "searched", "held back", "more than today", "F1", "recall of people", "ms"]
+    head = [*names, "searched", "held back", "gain over today", "F1", "recall of people", "ms"]
     print(f"| | {' | '.join(head)} |\n|---|{'---:|' * len(head)}")
     frames = first_frames(HELD_BACK)
-    today = asked(TODAY, frames)
+    today = counts_of(TODAY, frames)
     places = {f"number {place}": setting for place, setting in enumerate(ranks[:BEST], start=1)}
     for name, setting in {"today": TODAY, "finer": FINER, **places}.items():
-        row = asked(setting, frames)
+        row = counts_of(setting, frames)
         whole, boxes, people = (with_error(row, metric) for metric in (quality, f1, recall))
         gain = with_error(np.hstack([row, today]), lambda s: quality(s[:6]) - quality(s[6:]))
         cells = [

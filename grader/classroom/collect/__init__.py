@@ -1,13 +1,17 @@
 """Collect the submissions of a class: ``python -m grader collect ARCHIVE… --stage STAGE``.
 
-`collection` runs these steps. An archive is opened (`sources`, `zips`), one of `ARCHIVE_READERS`
-says which owner each file belongs to, and `owners` finds the owners on the roster or in `answers`.
-For each `student`, files are opened in a process of their own (`inspection`), `identification`
-finds the lesson of a notebook, `selection` the newest file, and `storage` puts it into
-``submitted/``. The `outcome` has the result and the open questions.
+`collection` runs these steps:
 
-To add a kind of archive, write a module with a function from `Archive` to submitted files, and add
-a line to the table.
+1. `sources` and `zips` open an archive.
+2. One of `ARCHIVE_READERS` says which owner each file belongs to.
+3. `owners` finds the owners on the roster, in Moodle's worksheet or in `answers`.
+4. `student` collects the files of one student. `inspection` opens them in a separate process,
+   `identification` finds the lesson of each notebook, `selection` picks the newest file, and
+   `storage` copies it to ``submitted/``.
+5. `outcome` holds the results and the open questions.
+
+To support another archive format, write a module with a function that turns an `Archive` into
+submitted files, and add it to `ARCHIVE_READERS`.
 """
 
 from collections.abc import Iterable
@@ -16,8 +20,8 @@ from pathlib import Path
 from grader.classroom.collect.canvas import read_canvas
 from grader.classroom.collect.folder import read_folder
 from grader.classroom.collect.github import read_github
+from grader.classroom.collect.models import ArchiveReader, CollectError, SubmittedFile
 from grader.classroom.collect.moodle import read_moodle
-from grader.classroom.collect.protocol import ArchiveReader, CollectError, SubmittedFile
 from grader.classroom.collect.sources import open_archive
 
 __all__ = ["ARCHIVE_READERS", "CollectError", "SubmittedFile", "open_archives"]
@@ -28,11 +32,11 @@ ARCHIVE_READERS: dict[str, ArchiveReader] = {
     "GitHub Classroom": read_github,
     "a folder for each student": read_folder,
 }
-"""By what people call them, in the order in which they are tried; the last takes everything."""
+"""Readers by format, in the order in which they are tried; the last one reads any archive."""
 
 
 def open_archives(paths: Iterable[Path]) -> list[tuple[Path, str, list[SubmittedFile]]]:
-    """Open archives, and return the kind of each and the submitted files in it.
+    """Open archives, and return the format of each and the submitted files in it.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""The instructor's answers to questions about owners and lessons of files.
+"""The instructor's answers to questions about a file's owner or lesson.
 
 Answers about owners are stored in ``submitted/.whose.jsonl``, one line for each student that an
 answer names, so that the next archive of the stage does not raise the question again. Answers
-about lessons follow from the record in the student's folder, which lists the placed files.
+about lessons need no file, because the record in a student's folder lists the collected files.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.collect.protocol import CollectError
+from grader.classroom.collect.models import CollectError
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
@@ -31,10 +31,10 @@ class Answers:
     Attributes
     ----------
     owners : dict of str to (tuple of str)
-        The ids of all owners, by the label in an archive (`normalized`); empty if the work belongs
-        to no student.
+        The ids of all owners, by the label in an archive (`normalized`); empty if the work does not
+        belong to a student.
     lessons : dict of str to grader.course.lessons.Lesson
-        The lesson of a file, by the file's name.
+        Lessons by the file's name.
     earlier : frozenset of str
         Labels in `owners` whose answers were given earlier.
     """
@@ -51,13 +51,13 @@ def read_answers(
     owners: dict[str, str],
     lessons: dict[str, str],
 ) -> Answers:
-    """Return the new answers, and the stored ones that they do not replace.
+    """Return the new answers, and the stored answers that they do not replace.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     roster : grader.course.roster.Roster or None
-        Stored answers that name a student who is no longer on it are ignored.
+        Stored answers about students who are no longer on the roster are ignored.
     stages : sequence of str
         The stages that are collected.
     owners, lessons : dict of str to str
@@ -66,7 +66,7 @@ def read_answers(
     Raises
     ------
     CollectError
-        If there is no such lesson.
+        If an answer names an unknown lesson.
     """
     earlier: dict[str, list[str]] = {}
     for stage, label, id in _read_entries(course):
@@ -83,7 +83,7 @@ def read_answers(
 def store_answers(
     course: Course, stages: Sequence[str], answers: Answers, labels: Collection[str]
 ) -> None:
-    """Store the new answers about owners, for these stages."""
+    """Store the new answers about owners for these stages."""
     new = {normalized(label): label for label in labels}
     new = {
         key: label for key, label in new.items() if key in answers.owners.keys() - answers.earlier
@@ -103,7 +103,7 @@ def store_answers(
 
 
 def normalized(label: str) -> str:
-    """Return a normal form of a label, equal for labels with the same meaning."""
+    """Return the normal form of a label, which is equal for labels with the same meaning."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 
@@ -113,13 +113,16 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     for file, answer in answers.items():
         lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
         if lesson is None:
-            raise CollectError(f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}.")
+            raise CollectError(
+                f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}. Write a lesson's "
+                "number, such as 06."
+            )
         chosen_lessons[file] = lesson
     return chosen_lessons
 
 
 def _read_entries(course: Course) -> list[tuple[str, str, str]]:
-    """Yield stage, label and id of each readable line."""
+    """Return the stage, label and id in each readable line."""
     entries = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():
@@ -131,7 +134,7 @@ def _read_entries(course: Course) -> list[tuple[str, str, str]]:
 
 def _json_line(entry: tuple[str, str, str]) -> str:
     stage, label, id = entry
-    # The README deletes a student by what stands here.
+    # The guide's command for deleting a student's data searches for this text.
     return json.dumps({"student": id, "stage": stage, "label": label}, ensure_ascii=False) + "\n"
 
 

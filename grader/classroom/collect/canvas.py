@@ -3,14 +3,14 @@
 File names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder; `name` has
 only letters and digits. With hidden names they are
 ``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment:
-``…_{user id}_text.html``, ``…_link.html``. A group has one file, with the number of one member.
+``…_{user id}_text.html``, ``…_link.html``. A group submits one file, with one member's user id.
 """
 
 from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 
 _OWNER = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
@@ -20,8 +20,8 @@ _FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
 _RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
 _REMARKS = {
-    "text": "was typed into Canvas, which cannot hold a notebook: ask for the .ipynb file",
-    "link": "is a link, and its target may have changed: ask for the .ipynb file",
+    "text": "was typed into Canvas, which cannot hold a notebook. Ask for the .ipynb file",
+    "link": "is a link, and its target may have changed. Ask for the .ipynb file",
 }
 
 

@@ -1,4 +1,4 @@
-"""Copy submissions from archives into ``submitted/``; ask if the owner is unknown."""
+"""Copy submissions from archives into ``submitted/``, and ask about unknown owners."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 from grader.classroom.collect import open_archives
 from grader.classroom.collect.answers import Answers, normalized, read_answers, store_answers
 from grader.classroom.collect.inspection import OTHER, kind_of
+from grader.classroom.collect.models import Owner, SubmittedFile
 from grader.classroom.collect.outcome import CollectionReport, Question
 from grader.classroom.collect.owners import Owners, UnknownOwner
-from grader.classroom.collect.protocol import Owner, SubmittedFile
 from grader.classroom.collect.student import StudentCollector
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_worksheet
 from grader.classroom.submissions import Submission, find_submissions
@@ -21,7 +21,7 @@ from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
 ArchivedFile = tuple[Path, SubmittedFile]
-"""What somebody handed in, and the archive that it is in."""
+"""The archive and a submitted file in it."""
 
 
 def collect(
@@ -33,7 +33,7 @@ def collect(
     lesson_answers: dict[str, str],
     progress: Callable[[int, int, object], None],
 ) -> CollectionReport:
-    """Collect what a class handed in.
+    """Collect the submissions of a class.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def _excused(
 def _as_work_of_one_student(
     path: Path, submitted: list[SubmittedFile], owners: Owners
 ) -> list[SubmittedFile]:
-    """Return the archive as one student's work, if an answer says so and no other is named."""
+    """Assign all files to one student if an answer says so and the archive names no other."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
     if not owners.owns_whole_archive(owner, {file.owner for file in submitted} - {owner}):
@@ -112,14 +112,14 @@ def _by_owner(
     answers: Answers,
     report: CollectionReport,
 ) -> Iterator[tuple[tuple[str, ...], list[ArchivedFile]]]:
-    """Group the submitted files by owner, with the ids of the owners."""
+    """Yield each known owner's ids and files, and add questions about the other owners."""
     groups: dict[tuple[Path, Owner], list[ArchivedFile]] = {}
     for archive, file in archived_files:
         groups.setdefault((archive, file.owner), []).append((archive, file))
     ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
-        has_no_owner = owner.label in (archive.name, archive.stem)  # the archive's own files
-        if has_no_owner and all(_is_useless(file) for _, file in files):
+        is_unnamed = owner.label in (archive.name, archive.stem)  # outside the students' folders
+        if is_unnamed and all(_is_useless(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
         try:
@@ -128,7 +128,7 @@ def _by_owner(
             report.add_question(owner.label, f"{_files(len(files))} from this student. {question}")
     for (archive, owner), ids in ids_by_owner.items():
         if normalized(owner.label) in answers.earlier:
-            decision = f"assigned to {', '.join(ids)}" if ids else "left out"
+            decision = f"assigned to {', '.join(ids)}" if ids else "ignored"
             report.remarks.append(Question(owner.label, f"{decision}, as you answered before"))
         rivals = [
             other_owner
@@ -151,7 +151,7 @@ def _existing_submissions(course: Course) -> dict[str, dict[Lesson, Submission]]
 
 
 def _rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[SubmissionRow]:
-    """Return the rows of the table of times about a student."""
+    """Return a student's rows in the table of submission times."""
     return [
         row for owner in {file.owner for _, file in submitted} for row in owners.rows(owner, id)
     ]

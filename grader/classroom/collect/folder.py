@@ -1,6 +1,6 @@
 """Any other zip or folder: ``{student}/…``, ``{student}.zip``, ``{student}_06_….ipynb``.
 
-If no name occurs, all files belong to one student, with the name of the archive.
+If no student is named, all files belong to one student with the name of the archive.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
@@ -20,7 +20,7 @@ def read_folder(archive: Archive) -> list[SubmittedFile]:
 
 
 def _wrapper_depth(archive: Archive) -> int:
-    """Return the number of folders around those of the students."""
+    """Return the number of folders around the students' folders."""
     tops = {entry.path[0] for entry in archive.entries}
     seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
     only_folders = all(len(entry.path) > 2 for entry in archive.entries)
@@ -39,7 +39,7 @@ def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]
 
 
 def _student_in(name: str) -> str:
-    """Return the student in the name of a file; empty if it names only a lesson."""
+    """Return the student's name in a file name; empty if it names only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
     match = re.search(lessons, stem, re.IGNORECASE)
@@ -50,5 +50,5 @@ def _student_in(name: str) -> str:
 
 
 def _is_course_folder(name: str) -> bool:
-    """Return whether a folder has the name of a folder of the course, and so of no student."""
+    """Return whether a folder is named like a folder of the course, and not after a student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

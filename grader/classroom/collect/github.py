@@ -1,8 +1,8 @@
 """GitHub Classroom: a folder of checkouts, called ``{assignment}-{login}`` or ``…-{team}``.
 
-``classroom_roster.csv``, next to the checkouts or among them, connects logins with the teacher's
-identifiers. The date of a commit is set by the student, so it is not read. Every repository
-contains all notebooks, so unchanged ones do not count as submitted.
+``classroom_roster.csv``, next to the checkouts or among them, maps logins to the teacher's
+identifiers. Students can set the date of a commit, so it is not read. Every repository contains
+all notebooks, so unchanged ones do not count as submitted.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import csv
 import io
 import os
 
-from grader.classroom.collect.protocol import Archive, Owner, SubmittedFile, UnreadableFile
+from grader.classroom.collect.models import Archive, Owner, SubmittedFile, UnreadableFile
 
 ROSTER = "classroom_roster.csv"
 
@@ -40,8 +40,8 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
 def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
     """Return the owner of a repository, by the login at the end of its name.
 
-    Logins may contain hyphens, so a login may begin within the common beginning of all names, and
-    always contains the part after it. With a single repository, its beginning is unknown.
+    Logins may contain hyphens, so a login may begin within the common prefix of all names. It
+    always contains the part after the prefix. With a single repository, the prefix is unknown.
     """
     rest = repository.removeprefix(f"{prefix}-") if prefix else repository
     parts = repository.split("-")
@@ -55,7 +55,7 @@ def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:
-    """Return the teacher's identifier of each login."""
+    """Return the teacher's identifiers by login."""
     texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
     roster_path = archive.path.parent / ROSTER
     if roster_path.is_file():

@@ -15,7 +15,7 @@ class Unrecognised(Exception):
 
 
 class Contradiction(Exception):
-    """The name and the content of a file state different lessons; `str()` is the question."""
+    """A file's name and content belong to different lessons; `str()` is the question to show."""
 
     def __init__(self, text: str, lessons: tuple[Lesson, Lesson]) -> None:
         super().__init__(text)
@@ -27,7 +27,7 @@ def lesson_of(
     existing: Collection[Lesson],
     is_placed: Callable[[Lesson, StudentFile], bool],
 ) -> Lesson:
-    """Return the lesson of a notebook without a new answer.
+    """Return the lesson of a notebook that no new answer is about.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def lesson_of(
     existing : collection of Lesson
         Lessons for which the student already has a file in place.
     is_placed : callable
-        Takes a lesson and a file, and returns whether the file was collected for it earlier.
+        Takes a lesson and a file, and returns whether the file was collected for that lesson.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def lesson_of(
         if named in existing and is_placed(inside, file):
             return inside
         raise Contradiction(
-            f"is named {named.name}, but its content is {inside.name}. Look at it, and add "
+            f"is named {named.name}, but its content is {inside.name}. Open it, and add "
             f"{lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
             (named, inside),
         )
@@ -56,8 +56,8 @@ def lesson_of(
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.unpacked.complaint
-        reason = f"{complaint}. " if complaint else "names no lesson and does not contain one. "
-        raise Unrecognised(f"{reason}If it is one, add {lesson_option(file, 'NN')}")
+        reason = complaint or "has no lesson in its name or in its content"
+        raise Unrecognised(f"{reason}. If it belongs to one, add {lesson_option(file, 'NN')}")
     return found
 
 

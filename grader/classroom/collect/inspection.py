@@ -1,7 +1,7 @@
 """Inspect a submitted file: a notebook, a module, or a zip of these.
 
-It is unpacked and read in a process of its own, with limits on time and memory, so that a harmful
-file affects only its author.
+The file is unpacked and read in a separate process with limits on time and memory, so that a
+harmful file affects only its author.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import PurePath
 
 from grader.classroom import contents
-from grader.classroom.collect.protocol import ArchiveEntry, UnreadableFile
+from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
 from grader.classroom.collect.zips import (
     MOST_BYTES_OF_A_STUDENT,
     MOST_FILES_OF_A_STUDENT,
@@ -29,7 +29,9 @@ DEEPEST = 3  # zips in zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
-# Kinds of files that students submit in place of a notebook.
+_ASK = "Look at it, and ask for the .ipynb file without a zip"
+
+# Kinds of files that students submit instead of a notebook.
 _SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
 
 
@@ -40,17 +42,17 @@ class UnpackedFile:
     Attributes
     ----------
     path : tuple of str
-        Path below that of the submitted file; a zip counts as a folder.
+        Path below the submitted file; a zip counts as a folder.
     kind : {"notebook", "module", "work", "other"}
-        "work" is a file in place of a notebook, such as a PDF.
+        "work" is a file that was submitted instead of a notebook, such as a PDF.
     data : bytes
         Only for notebooks and modules.
     saved : datetime or None
-        The time in the zip that contains the file.
+        The file's time in the zip that contains it.
     content : grader.classroom.contents.Content
         Only for notebooks.
     complaint : str
-        Why the file cannot be read: a sentence without the file's name.
+        Why the file cannot be read, as a sentence that the file's name begins.
     """
 
     path: tuple[str, ...]
@@ -62,7 +64,7 @@ class UnpackedFile:
 
 
 def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
-    """Open one submitted file with its name."""
+    """Unpack one submitted file, given its original name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
         return [UnpackedFile((), OTHER)]
     contents.cache_releases()
@@ -74,20 +76,22 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     except UnreadableFile as error:
         return [UnpackedFile((), SUBSTITUTE, complaint=str(error))]
     except TooCostly:
-        return [UnpackedFile((), SUBSTITUTE, complaint="takes too much time or memory to open")]
+        return [
+            UnpackedFile((), SUBSTITUTE, complaint=f"takes too much time or memory to open. {_ASK}")
+        ]
     except ReadingFailed:  # a fault of the grader, which must not affect other files
         return [
             UnpackedFile(
                 (),
                 SUBSTITUTE,
-                complaint="cannot be opened: look at it, and ask for it without a zip",
+                complaint=f"cannot be opened. {_ASK}",
             )
         ]
     return [_from_json(*parts) for parts in replies]
 
 
 def kind_of(name: str) -> str:
-    """Return the kind of a file, by its name."""
+    """Return the kind of a file according to its name."""
     path = PurePath(name.lower())
     lesson = lesson_by_name(name)
     if ".ipynb" in path.suffixes or (lesson and path.suffix in ("", ".json", ".txt")):
@@ -104,7 +108,7 @@ def _unpack(
     saved: datetime | None = None,
     depth: int = 0,
 ) -> list[UnpackedFile]:
-    """Do the work of `unpack_file`, in the other process."""
+    """Do the work of `unpack_file` in the separate process."""
     kind = kind_of(name)
     if name.lower().endswith(".zip"):
         return _unpack_zip(data, path, depth + 1)
@@ -113,7 +117,7 @@ def _unpack(
             return [UnpackedFile(path, kind, data, saved, contents.content_of(data, name))]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
-            # A text file with the name of a lesson may contain anything.
+            # A text file named after a lesson may contain anything.
             kind = NOTEBOOK if ".ipynb" in name.lower() else SUBSTITUTE
             return [UnpackedFile(path, kind, data, saved, complaint=complaint)]
     if kind == MODULE and len(data) <= LARGEST_MODULE:
@@ -124,7 +128,9 @@ def _unpack(
 def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[UnpackedFile]:
     if depth > DEEPEST:
         return [
-            UnpackedFile(path, SUBSTITUTE, complaint=f"is inside {DEEPEST} zips and is not opened")
+            UnpackedFile(
+                path, SUBSTITUTE, complaint=f"is inside {DEEPEST} zips and is not opened. {_ASK}"
+            )
         ]
     try:
         entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)
@@ -152,7 +158,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
 
 
 def _to_json(unpacked: UnpackedFile) -> tuple:
-    """Return an unpacked file in a form that JSON can represent."""
+    """Return an unpacked file as values that JSON can represent."""
     return (
         unpacked.path,
         unpacked.kind,

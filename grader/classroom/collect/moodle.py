@@ -1,22 +1,23 @@
 """Moodle: *Download all submissions* of an assignment.
 
 Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
-subfolders. If the teacher chose no folders, ``_{file}`` follows each name. The number is that of
-the participant in the grading worksheet. A team is ``{team}_{number of the team}``; students
-without a team are ``{default team}`` without a number. Names do not contain ``_``.
+subfolders. If the teacher chose a download without folders, ``_{file}`` follows each name. The
+number is the participant's number in the grading worksheet. A team has the name
+``{team}_{team number}``; students without a team are ``{default team}`` without a number. Names
+do not contain ``_``.
 """
 
 from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 
 _OWNER = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
     re.IGNORECASE,
 )
-_TYPED = "was typed into Moodle, which cannot hold a notebook: ask for the .ipynb file"
+_TYPED = "was typed into Moodle, which cannot hold a notebook. Ask for the .ipynb file"
 
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:

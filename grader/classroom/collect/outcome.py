@@ -1,4 +1,4 @@
-"""The report on collecting: the result for every file, and open questions."""
+"""The report on collecting: the results for each student, and open questions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Question:
     name : str
         Name of a file or of its owner.
     text : str
-        The problem and what to do; it continues the sentence that `name` begins.
+        The problem and what to do, as a sentence that `name` begins.
     """
 
     name: str
@@ -40,15 +40,16 @@ class CollectionReport:
         Each archive with its kind and number of files.
     roster : Roster or None
     states : dict of str to (dict of Lesson to str)
-        By student: "new", "newer", "same", "kept", or "?" if there is a question.
+        For each student, the state of each lesson: "new", "newer", "same", "kept", or "?" if there
+        is a question.
     questions, remarks : list of Question
-        Questions that need an answer, and remarks that need none.
+        Questions that need an answer, and remarks that do not.
     ignored : collections.Counter
-        Names of files that no lesson needs.
+        How often each name of a file occurs that no lesson needs.
     late : list of str
-        Students whose work the learning platform marks late, without a known time.
+        Students whose work the learning platform marks late without a time.
     undecided : dict of str to str
-        By student, why the submission time is unknown.
+        For each student, why the submission time is unknown.
     excused : list of str
         Students on the roster who are excused from all collected stages.
     """

@@ -1,4 +1,4 @@
-"""Find the owner of a file, by answers, the roster and Moodle's worksheet."""
+"""Find the owner of a file from answers, the roster and Moodle's worksheet."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 
 from grader.classroom.collect.answers import NOBODY, normalized
-from grader.classroom.collect.protocol import CollectError, Owner
+from grader.classroom.collect.models import CollectError, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
@@ -23,12 +23,12 @@ class UnknownOwner(Exception):
 
 
 class Owners:
-    """Finds students.
+    """Finds the students whom an archive names.
 
     Parameters
     ----------
     roster : grader.course.roster.Roster or None
-        Without a roster, folders get the names in the archive.
+        Without a roster, folders are named as in the archive.
     worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
         The instructor's answers: the ids of all owners, by label (`normalized`).
@@ -51,7 +51,7 @@ class Owners:
                 self._check_answer(label, id)
 
     def ids_of(self, owner: Owner) -> tuple[str, ...]:
-        """Return the ids of all owners: one student, a team, or none for other people.
+        """Return the ids of a student or of a team's members; none if no student owns the files.
 
         Raises
         ------
@@ -66,19 +66,13 @@ class Owners:
         if len(people) == 1:
             return (people[0].id,)
         if people:
-            several = ", ".join(person.id for person in people)
-            raise UnknownOwner(
-                f"They may be {several}: add {_owner_option(owner, people[0].id)}, or the other"
-            )
+            raise UnknownOwner(_choice(owner, people))
         team = self._team(owner)
         if team:
             return tuple(person.id for person in team)
         guessed = self._by_login(owner.guesses)
         if guessed:
-            several = ", ".join(person.id for person in guessed)
-            raise UnknownOwner(
-                f"They may be {several}: add {_owner_option(owner, guessed[0].id)}, or another"
-            )
+            raise UnknownOwner(_choice(owner, guessed))
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
@@ -88,7 +82,7 @@ class Owners:
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
         """Return whether the other names in an archive are only folders of this owner.
 
-        This is so if an answer names the owner of the archive, and no other student is known in it.
+        They are if an answer names the archive's owner, and no other name is a known student.
         """
         if not self._answers.get(normalized(owner.label)):
             return False
@@ -101,9 +95,9 @@ class Owners:
             return False
 
     def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
-        """Return a question about an owner who is known only by a label; empty without one.
+        """Return a question if it is doubtful who an owner is; otherwise an empty text.
 
-        Canvas labels the work of a group with the number of one member and the name of the group.
+        Canvas labels the work of a group with the group's name and the number of one member.
 
         Parameters
         ----------
@@ -118,8 +112,9 @@ class Owners:
         if others:
             names = ", ".join(other.label for other in others)
             return (
-                f"Taken to be {ids[0]}, as is {names}, so that nothing of either is placed. If "
-                f"both are: add {_owner_option(owner, ids[0])}, and the same for the other"
+                f"This owner seems to be {ids[0]}, and so does {names}, so neither was collected. "
+                f"If both are, add {_owner_option(owner, ids[0])}, and the same option for the "
+                "other name"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
@@ -128,13 +123,13 @@ class Owners:
         if not names or any(name in letters(owner.names[0]) for name in names):
             return ""
         return (
-            f"Has the number of {person.id} but another name. If it is a team that "
-            f"submitted once, add {_owner_option(owner, f'{person.id},ID')}; if not, "
+            f"This owner has the number of {person.id} but another name. If a team submitted this "
+            f"together, add {_owner_option(owner, f'{person.id},ID')}. Otherwise, add "
             f"{_owner_option(owner, person.id)}"
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
-        """Return the rows of the worksheet about a student; none if Moodle's own has two."""
+        """Return a student's rows in the worksheet; none if Moodle's worksheet has several."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):
@@ -199,7 +194,7 @@ class Owners:
 
     def _team(self, owner: Owner) -> list[Person]:
         """Return the members of a team, if the worksheet lists it and all members are known."""
-        # Archives replace some characters by blanks.
+        # Archives replace some characters with spaces.
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
         members = [self._people_of(row) for row in rows]
@@ -210,28 +205,30 @@ class Owners:
     def _question(self, owner: Owner) -> str:
         if owner.label.startswith("anon_"):
             return (
-                "has no name: show names in Canvas and download again, or add "
+                "The download hides names. Show names in Canvas and download again, or add "
                 f"{_owner_option(owner, 'ID')}"
             )
         remedy = ""
         if owner.lms_id and (
             others := [one for name in owner.names for one in self._roster.find_people(name)]
         ):
-            number = " or ".join(f"{one.lms_id} of {one.id}" for one in others)
+            numbers = " or ".join(f"{one.lms_id} ({one.id})" for one in others)
             return (
-                f"Their number is not the {number} that the roster has for this name: correct it, "
-                f"or add {_owner_option(owner, others[0].id)}, or another ID"
+                f"For this name, the roster has the number {numbers}, not {owner.lms_id}. Correct "
+                f"the roster, or add {_owner_option(owner, others[0].id)} or another id"
             )
         if owner.lms_id:
-            remedy = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
+            remedy = (
+                f"write {owner.lms_id} into the student's line of roster.csv, column lms_id, or "
+            )
         elif owner.logins or owner.guesses:
-            remedy = "write the login into their line of roster.csv, column github, or "
+            remedy = "write the login into the student's line of roster.csv, column github, or "
         elif owner.participant and not self._worksheet.rows:
-            remedy = "give Moodle's worksheet with --timestamps FILE, or "
+            remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"No student on the roster has this name: {remedy}add "
-            f"{_owner_option(owner, 'ID')}. A team has several ids: ID,ID. To ignore these "
-            f"files, write {NOBODY}"
+            f"No student on the roster has this name. To assign the files, {remedy}add "
+            f"{_owner_option(owner, 'ID')}. For a team, write several ids: ID,ID. To ignore "
+            f"the files, add {_owner_option(owner, NOBODY)}"
         )
 
     def _folder(self, owner: Owner) -> str:
@@ -239,17 +236,22 @@ class Owners:
         before = self._folders.setdefault(normalized(name), owner.folder)
         if before != owner.folder:
             raise UnknownOwner(
-                f"Their folder would be that of {before}: add {_owner_option(owner, 'ID')}"
+                f"The folder would be the same as for {before}. Add {_owner_option(owner, 'ID')}"
             )
         return name
 
 
 def safe_folder(name: str) -> str:
-    """Return a folder name that is valid on every system, as close to the given one as possible."""
+    """Return the given name, changed where necessary to be a valid folder name on every system."""
     text = unicodedata.normalize("NFC", name)
     text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
     text = " ".join(text.split())[:LONGEST_NAME].strip(" .-").lstrip("_") or "unnamed"
     return f"{text}_" if _DEVICES.fullmatch(text) else text
+
+
+def _choice(owner: Owner, people: Sequence[Person]) -> str:
+    ids = " or ".join(person.id for person in people)
+    return f"The student may be {ids}. Add {_owner_option(owner, people[0].id)} or another id"
 
 
 def _owner_option(owner: Owner, ids: str) -> str:

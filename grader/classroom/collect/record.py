@@ -19,14 +19,14 @@ NAME = ".collected.json"
 
 @dataclass(frozen=True)
 class FileOrigin:
-    """The origin of a file.
+    """Where a file came from, and when it was submitted.
 
     Attributes
     ----------
     digest : str
         SHA-256 of the placed file.
     archive : str
-        Name of the archive, and of the file in it.
+        Names of the archive and of the file in it.
     moment : str
         The time in the archive, in ISO 8601.
     order : int
@@ -36,11 +36,11 @@ class FileOrigin:
     participant : str
         Moodle's number of the owner, a student or a team.
     beaten : tuple of str
-        SHA-256 of other files for the lesson, which do not count according to an answer.
+        SHA-256 of other files for the lesson, which an answer rejected.
     when : str
         Submission time in ISO 8601; empty if it is unknown.
     undecided : str
-        Why the submission time is unknown; empty if it is known or was not looked for.
+        Why the submission time is unknown; empty if it is known or not needed.
     """
 
     digest: str
@@ -54,7 +54,7 @@ class FileOrigin:
     undecided: str = ""
 
     def newer_than(self, other: FileOrigin) -> bool | None:
-        """Return whether it was submitted after another file; None if that is unknown."""
+        """Return whether this file was submitted after another one; None if that is unknown."""
         own_key, other_key = (self.order, self.moment), (other.order, other.moment)
         if not (self.order and other.order):
             own_key, other_key = own_key[1:], other_key[1:]
@@ -63,19 +63,19 @@ class FileOrigin:
 
 @dataclass(frozen=True)
 class Record:
-    """The files that were collected into one folder.
+    """The files that were collected for one folder.
 
     Attributes
     ----------
     files : dict of str to FileOrigin
-        By the name of the file in the folder.
+        Origins by the file's name in the folder.
     undecided : str
-        Why the submission time is unknown; empty if it is known or was not looked for.
+        Why the submission time is unknown; empty if it is known or not needed.
     others : str
         Submission time of files that were not collected, from a ``timestamp.txt``, in ISO 8601.
     written : str
-        The time that collecting last wrote to ``timestamp.txt``, in ISO 8601. Any other time there
-        was written by a person.
+        The time that collecting last wrote to ``timestamp.txt``, in ISO 8601. A person wrote any
+        other time there.
     """
 
     files: dict[str, FileOrigin] = field(default_factory=dict)
@@ -84,7 +84,7 @@ class Record:
     written: str = ""
 
     def submission_time(self, folder: Path) -> tuple[datetime | None, str]:
-        """Return the submission time of the whole folder, and why it is unknown if it is."""
+        """Return the submission time of the whole folder, or the reason why it is unknown."""
         present = {name: origin for name, origin in self.files.items() if (folder / name).is_file()}
         for origin in present.values():
             if origin.undecided:
@@ -122,5 +122,5 @@ def reason_without_time(folder: Path) -> str:
         return ""
     record = read_record(folder)
     late = any(origin.late and (folder / name).is_file() for name, origin in record.files.items())
-    late_reason = "the platform marks it late without a time"
+    late_reason = "the learning platform marks it late but gives no time"
     return record.undecided or (late_reason if late else "")

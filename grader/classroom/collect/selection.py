@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect.inspection import UnpackedFile
-from grader.classroom.collect.protocol import SubmittedFile
+from grader.classroom.collect.models import SubmittedFile
 from grader.classroom.collect.record import FileOrigin
 from grader.classroom.collect.storage import digest_of
 from grader.classroom.contents import copy_number
@@ -24,7 +24,7 @@ class StudentFile:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """Folders and name on the student's machine; a zip counts as a folder."""
+        """Folders and file name on the student's machine; a zip counts as a folder."""
         return (*self.submitted.path, *self.unpacked.path)
 
     @property
@@ -34,11 +34,11 @@ class StudentFile:
 
     @property
     def saved(self) -> datetime | None:
-        """When the file was saved, as far as the archives know."""
+        """When the file was saved, if the archive or a zip in it says so."""
         return self.unpacked.saved or self.submitted.saved
 
     def is_next_to(self, other: StudentFile) -> bool:
-        """Return whether it is in the same folder as another file."""
+        """Return whether two files are in the same folder."""
         folders = [(file.archive, file.submitted.owner, file.path[:-1]) for file in (self, other)]
         return folders[0] == folders[1]
 
@@ -61,7 +61,7 @@ class StudentFile:
         )
 
 
-# Rules that say which of two files is newer, the most reliable first; None if a rule cannot say.
+# Functions whose value is higher for newer files, or None if unknown; the most reliable first.
 EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
     lambda file: file.submitted.order or None,
     lambda file: file.saved,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectError, UnreadableFile
+from grader.classroom.collect.models import Archive, ArchiveEntry, CollectError, UnreadableFile
 from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
@@ -42,7 +42,7 @@ def open_archive(path: Path) -> Archive:
 
 
 def _files_below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
-    """Yield the files of a folder without following links, and one entry for each .git folder."""
+    """Yield the files in a folder without following links, and one entry for each .git folder."""
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):

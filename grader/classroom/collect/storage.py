@@ -1,10 +1,11 @@
 """Store files in ``submitted/<student>/<stage>/`` without overwriting anything silently.
 
-Files that newer ones replace are kept in ``.older/`` in the same folder, and are not judged.
+When a newer file replaces a file, the old one is kept in ``.older/`` in the same folder and is not
+judged.
 
-A time belongs to the files that it came with, so the record has a time for each file.
-``timestamp.txt`` is made from these: it is removed before anything changes and written at the
-end. After an interruption the record therefore says that the time is undecided.
+A submission time applies only to the files that it came with, so the record has a time for each
+file. ``timestamp.txt`` is computed from these times. It is removed before anything changes and
+written at the end, so after an interruption the record says that the time is unknown.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from utils.notebooks.reading import UnreadableNotebook
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
 TIMESTAMP_FILE = "timestamp.txt"
-_INTERRUPTED = "collecting was interrupted before its time was written; collect it again"
+_INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
 _RESUBMITTED = "it was submitted again, and the time is unknown"
 _UNREADABLE_TIME = "timestamp.txt has no readable time"
 
@@ -51,7 +52,7 @@ class StageFolder:
     when : datetime, optional
         Submission time of the files that are placed now.
     undecided : str, optional
-        Why that time is unknown; empty if no times were given.
+        Why that time is unknown; empty if it is known or no times were given.
     """
 
     def __init__(self, path: Path, when: datetime | None = None, undecided: str = "") -> None:
@@ -63,7 +64,7 @@ class StageFolder:
     def place(
         self, name: str, data: bytes, origin: FileOrigin, current: Submission | None = None
     ) -> str:
-        """Place a file, or keep the one that is there.
+        """Place a file, or keep the existing one.
 
         Parameters
         ----------
@@ -76,7 +77,7 @@ class StageFolder:
         Returns
         -------
         {"new", "newer", "same", "kept"}
-            Whether there was no file, an older one, the same one, or a newer one.
+            Whether there was no file before, an older one, the same one, or a newer one.
 
         Raises
         ------
@@ -84,9 +85,9 @@ class StageFolder:
         """
         if self._placed.setdefault(name, origin.digest) != origin.digest:
             raise UnclearVersion(
-                f"differs from the {name} next to another notebook of this student. Move each "
-                f"of the two notebooks into a folder of its own in {self._relative(self.path)}, "
-                f"with its {name}"
+                f"differs from the {name} next to another notebook of this student. In "
+                f"{self._relative(self.path)}, create a folder for each of the two notebooks, and "
+                f"move it there with its {name}"
             )
         existing = current.path if current else self.path / name
         if not os.path.lexists(existing):
@@ -99,15 +100,15 @@ class StageFolder:
                 self._record_unchanged(existing.name, origin, recorded)
             return SAME
         if recorded is None or recorded.digest != existing_digest or existing.parent != self.path:
-            reason = "was changed since it was collected" if recorded else "was put there by hand"
+            reason = "was changed after it was collected" if recorded else "was added by hand"
             raise UnclearVersion(
-                f"{self._relative(existing)} {reason} and differs. Delete one of the two"
+                f"differs from {self._relative(existing)}, which {reason}. Delete one of the two"
             )
         newer = origin.newer_than(recorded)
         if newer is None:
             raise UnclearVersion(
                 f"differs from {self._relative(existing)}, and it is unknown which one is "
-                "newer. To take this one, delete the other"
+                "newer. To collect this one, delete the other"
             )
         if not newer:
             return KEPT
@@ -120,7 +121,7 @@ class StageFolder:
         return bool(origin and origin.digest == digest and (self.path / name).is_file())
 
     def outdated_digests(self, name: str) -> Collection[str]:
-        """Return the SHA-256 of files that do not count, according to an answer."""
+        """Return the SHA-256 of files for this name that an answer rejected."""
         origin = self._record.files.get(name)
         return origin.beaten if origin else ()
 
@@ -130,7 +131,7 @@ class StageFolder:
         Returns
         -------
         str
-            Why the time is unknown; empty if it is known or was not looked for.
+            Why the time is unknown; empty if it is known or not needed.
         """
         path = self.path / TIMESTAMP_FILE
         if not self.path.is_dir() or path.is_file():
@@ -145,11 +146,11 @@ class StageFolder:
         return undecided
 
     def is_late(self) -> bool:
-        """Return whether a collected file is marked late."""
+        """Return whether the learning platform marked a collected file late."""
         return any(origin.late for origin in self._record.files.values())
 
     def _write(self, name: str, data: bytes, origin: FileOrigin, older: Path | None = None) -> None:
-        """Write a file whose recorded time cannot be mistaken for that of another file."""
+        """Write a file and record its own submission time, never that of another file."""
         was_timed = (self.path / TIMESTAMP_FILE).is_file() or any(
             file.when for file in self._record.files.values()
         )
@@ -161,7 +162,7 @@ class StageFolder:
         self._record_file(name, dataclasses.replace(origin, when=self._when, undecided=undecided))
 
     def _record_unchanged(self, name: str, origin: FileOrigin, recorded: FileOrigin | None) -> None:
-        """Record a file that is already here, with its earlier or its new time."""
+        """Record a file that is already in place, with its earlier or its new time."""
         known = recorded if recorded and recorded.digest == origin.digest else None
         if (self.path / TIMESTAMP_FILE).is_file() or (known and known.when):
             when, undecided = (known.when, known.undecided) if known else ("", "")
@@ -179,7 +180,7 @@ class StageFolder:
     def _remove_time(self) -> None:
         """Remove ``timestamp.txt`` before its time becomes wrong.
 
-        A time that `write_time` did not write was written by a person, and belongs to all files.
+        A time that `write_time` did not write was written by a person, and applies to all files.
         """
         path = self.path / TIMESTAMP_FILE
         record = dataclasses.replace(self._record, undecided=_INTERRUPTED)

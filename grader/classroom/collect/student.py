@@ -22,8 +22,8 @@ from grader.classroom.collect.inspection import (
     TOO_MUCH_OF_A_STUDENT,
     unpack_file,
 )
+from grader.classroom.collect.models import SubmittedFile
 from grader.classroom.collect.outcome import UNANSWERED, CollectionReport, Question
-from grader.classroom.collect.protocol import SubmittedFile
 from grader.classroom.collect.selection import StudentFile, newest
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.worksheet import SubmissionRow
@@ -58,19 +58,19 @@ class StudentCollector:
         self._course, self._id, self._existing = course, id, existing
         self._answers, self._report = answers, report
         self._states = report.states.setdefault(id, {})
-        self._doubts: list[tuple[Question, Lesson | None]] = []
+        self._problems: list[tuple[Question, Lesson | None]] = []
 
     def collect(
         self, submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
     ) -> None:
-        """Place all files of the student.
+        """Place all files of this student.
 
         Parameters
         ----------
         submitted : sequence of (pathlib.Path, SubmittedFile)
             Each submitted file with its archive.
         rows : sequence of SubmissionRow, or None
-            Rows of the table of times about the student; None without a table.
+            The student's rows in the table of submission times; None without a table.
         """
         files = self._files(submitted)
         notebooks = self._by_lesson(files)
@@ -83,23 +83,23 @@ class StudentCollector:
             else:
                 self._ask_about_other_stage(lesson, candidates)
         self._write_times(folders.values())
-        if not notebooks and not self._doubts:
+        if not notebooks and not self._problems:
             names = ", ".join(dict.fromkeys(one.path[-1] for _, one in submitted))
-            self._add_doubt(submitted[0][1].owner.label, f"contains no notebook: {names}")
-        self._report_doubts()
+            self._add_problem(submitted[0][1].owner.label, f"contains no notebook: {names}")
+        self._report_problems()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
-        """Return notebooks and modules; files in place of a notebook become doubts."""
+        """Return notebooks and modules, and note files submitted instead of a notebook."""
         files, size = [], 0
         for archive, one in submitted:
             if one.remark:
-                self._add_doubt(one.name, one.remark)
+                self._add_problem(one.name, one.remark)
                 continue
             unpacked_files = unpack_file(one.entry, one.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                text = f"together with the student's other files is {TOO_MUCH_OF_A_STUDENT}"
-                self._add_doubt(one.name, text, lesson_by_name(one.path[-1]))
+                text = f"with the student's other files is {TOO_MUCH_OF_A_STUDENT}. Ask for less"
+                self._add_problem(one.name, text, lesson_by_name(one.path[-1]))
                 continue
             for unpacked in unpacked_files:
                 file = StudentFile(archive, one, unpacked)
@@ -110,12 +110,12 @@ class StudentCollector:
                 else:
                     lesson = lesson_by_name(file.path[-1])
                     wanted_file = f"{lesson.name}.ipynb" if lesson else "the .ipynb file"
-                    text = unpacked.complaint or f"is not a notebook: ask for {wanted_file}"
-                    self._add_doubt(file.name, text, lesson)
+                    text = unpacked.complaint or f"is not a notebook. Ask for {wanted_file}"
+                    self._add_problem(file.name, text, lesson)
         return files
 
     def _by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
-        """Return the notebooks by lesson, and ask about those whose lesson is unknown."""
+        """Return the notebooks by lesson, and ask about notebooks whose lesson is unknown."""
         notebooks: dict[Lesson, list[StudentFile]] = {}
         for file in files:
             if file.unpacked.kind != NOTEBOOK:
@@ -127,8 +127,8 @@ class StudentCollector:
                 lesson = self._answers.lessons.get(file.name) or lesson_of(
                     file, self._existing, self._is_placed
                 )
-            except Unrecognised as doubt:
-                self._add_doubt(file.name, str(doubt))
+            except Unrecognised as problem:
+                self._add_problem(file.name, str(problem))
             except Contradiction as question:
                 self._states.update(dict.fromkeys(question.lessons, UNANSWERED))
                 self._report.add_question(file.name, str(question))
@@ -156,8 +156,9 @@ class StudentCollector:
             names = ", ".join(file.name for file in newest_files[1:])
             self._report.add_question(
                 newest_files[0].name,
-                f"is for {lesson.name}, as is {names}, and nothing tells which is newer. Add "
-                f"{lesson_option(newest_files[0], lesson.number)}, or the same for the other",
+                f"is for {lesson.name}, as is {names}, and it is unknown which is newer. Add "
+                f"{lesson_option(newest_files[0], lesson.number)}, or the same option for the "
+                "other file",
             )
             return UNANSWERED
         file = newest_files[0]
@@ -189,7 +190,7 @@ class StudentCollector:
                 self._report.add_question(file.name, str(question))
 
     def _ask_about_other_stage(self, lesson: Lesson, candidates: list[StudentFile]) -> None:
-        """Ask about files that were submitted with the wrong stage, unless they are in place.
+        """Ask about files that were submitted with the wrong stage, unless they were collected.
 
         Unchanged notebooks are ignored, because some students submit the whole course.
         """
@@ -204,7 +205,7 @@ class StudentCollector:
             self._report.add_question(candidates[0].name, text)
 
     def _write_times(self, folders: Iterable[StageFolder]) -> None:
-        """Write the submission time if it is known, and report why if it is not."""
+        """Write the submission time if it is known; otherwise report why it is not."""
         for folder in folders:
             reason = folder.write_time()
             if reason:
@@ -212,20 +213,20 @@ class StudentCollector:
             elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
                 self._report.late.append(self._id)
 
-    def _report_doubts(self) -> None:
-        """Ask about files in place of a notebook, if a notebook is missing."""
+    def _report_problems(self) -> None:
+        """Ask about files submitted instead of a notebook, if a notebook is missing."""
         missing = [
             lesson
             for lesson in self._report.lessons
             if lesson not in self._states and lesson not in self._existing
         ]
-        for question, lesson in self._doubts:
+        for question, lesson in self._problems:
             is_wanted = lesson in self._report.lessons
             is_open = lesson in missing if is_wanted else bool(missing)
             (self._report.questions if is_open else self._report.remarks).append(question)
 
-    def _add_doubt(self, name: str, text: str, lesson: Lesson | None = None) -> None:
-        self._doubts.append((Question(name, text), lesson))
+    def _add_problem(self, name: str, text: str, lesson: Lesson | None = None) -> None:
+        self._problems.append((Question(name, text), lesson))
 
     def _is_placed(self, lesson: Lesson, file: StudentFile) -> bool:
         """Return whether this file was collected for a lesson earlier."""
@@ -238,13 +239,13 @@ class StudentCollector:
 def _submission_time(
     submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
 ) -> tuple[datetime | None, str]:
-    """Return when a student submitted, and why that is unknown if it is."""
+    """Return when a student submitted, or the reason why that is unknown."""
     times = [row.when for row in rows or () if row.when]
     if times:
         return max(times), ""
     if rows:
         return None, f"the table of times has {rows[0].time_text or 'nothing'!r} instead of a time"
-    # A platform that marks late work says that the rest is on time: a table of it suffices.
+    # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
         return None, ""
-    return None, "the table of times has no row for this student, or several"
+    return None, "the table of times has no row or several rows for this student"

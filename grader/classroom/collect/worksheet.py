@@ -1,8 +1,8 @@
-"""Read submission times from a table: Moodle's grading worksheet, or the instructor's own.
+"""Read submission times from Moodle's grading worksheet or from the instructor's own table.
 
-Moodle writes titles and dates in the language of the downloading teacher. Its first column has a
-word and the participant's number, the second the full name. An instructor's own table has ids in
-the first column, and one of the known titles above the times.
+Moodle writes titles and dates in the language of the teacher who downloads the worksheet. The first
+column has a word and the participant's number, and the second column has the full name. An
+instructor's own table has ids in the first column, and one of the known titles above the times.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import babel
 
-from grader.classroom.collect.protocol import CollectError
+from grader.classroom.collect.models import CollectError
 from grader.course.tables import read_table
 
 # Moodle's titles for "Last modified (submission)", and the language of the dates below each.
@@ -35,7 +35,7 @@ TITLES = {
     "上次修改（作业）": "zh",
 }
 STATUS = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
-_NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word, and a number
+_NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word and a number
 _ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{1,2}:\d{2}.*")
 _CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,，\s]*(?:星期\w)?[,，\s]*(\d\d:\d\d)")
 _CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
@@ -43,14 +43,14 @@ _CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
 
 @dataclass(frozen=True)
 class SubmissionRow:
-    """A row of the table, about one person.
+    """The row of one person in the table.
 
     Attributes
     ----------
     identifying : tuple of str
         Texts that identify the person, the most reliable first: e-mail, numbers, names.
     others : tuple of str
-        All other texts, such as the name of a team.
+        All other texts in the row, such as the name of a team.
     participant : str
         Moodle's number; empty in an instructor's own table.
     when : datetime or None
@@ -70,24 +70,24 @@ class SubmissionRow:
 class SubmissionTable:
     """A table of submission times.
 
-    In Moodle's worksheet each person has one line and a number. It also contains texts of students.
-    Moodle does not double a quotation mark after a backslash, so such a text can end its cell and
-    forge lines about other students.
+    In Moodle's worksheet each person has one row and a number. It also contains texts that students
+    wrote. Moodle does not double a quotation mark after a backslash, so such a text can end its
+    cell and forge rows about other students.
     """
 
     rows: tuple[SubmissionRow, ...] = ()
 
     @functools.cached_property
     def is_from_moodle(self) -> bool:
-        """Whether the lines have the numbers of Moodle's participants."""
+        """Whether the rows have Moodle's participant numbers."""
         return any(row.participant for row in self.rows)
 
     def participant(self, number: str) -> SubmissionRow | None:
-        """Return the row of one of Moodle's participants."""
+        """Return the row of a participant in Moodle."""
         return self._by_number.get(number) if number else None
 
     def rows_with(self, text: str) -> list[SubmissionRow]:
-        """Return the rows that contain a text."""
+        """Return the rows that a text identifies."""
         return [row for row in self.rows if text in row.identifying]
 
     @functools.cached_property
@@ -103,7 +103,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     ----------
     path : pathlib.Path
     zone : tzinfo or None
-        Zone of the times; None for this machine's.
+        Time zone of the times; None for this machine's zone.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     column = next((index for index, title in enumerate(titles) if title in TITLES), None)
     if column is None:
         raise CollectError(
-            f"{path}: no column is known to contain the submission time. The columns are: "
+            f"{path}: none of the columns is known to contain submission times. The columns are: "
             f'{", ".join(rows[0]) if rows else "none"}. Rename the right one to "Last '
             'modified (submission)", and write times like 2026-10-12 23:59.'
         )
@@ -137,7 +137,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
 def _row(
     cells: list[str], column: int, status: int, language: str, zone: tzinfo | None
 ) -> SubmissionRow:
-    """Read one line; after the status come marks, which may look like numbers of people."""
+    """Read one row; the columns after the status contain marks, which may look like ids."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
     time_text = cells[column] if column < len(cells) else ""
     number = _NUMBER.fullmatch(cells[0])
@@ -157,7 +157,7 @@ def _row(
 def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
     """Return the time in a text, with a time zone, if the text has only one meaning.
 
-    Dates in figures are read only in the order of ISO 8601, because in others the month is unclear.
+    Numeric dates are read only in the order of ISO 8601, because otherwise the month is unclear.
     """
     chinese = _CHINESE.fullmatch(text)
     if chinese:
@@ -195,7 +195,7 @@ def _month(text: str, language: str) -> int | None:
 
 @functools.cache
 def _months(language: str) -> dict[int, set[str]]:
-    """Return the names of each month, by number: in full and short, alone and in a date."""
+    """Return the names of each month by its number: in full and abbreviated, in all forms."""
     names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):

@@ -1,4 +1,4 @@
-"""Read untrusted zips: check their claims, and never use their names for files.
+"""Read untrusted zips: check the sizes that they claim, and never write to the names in them.
 
 Only the roster and the lessons of the course decide where a file is written.
 """
@@ -15,13 +15,13 @@ from collections.abc import Callable
 from datetime import datetime
 from typing import IO
 
-from grader.classroom.collect.protocol import ArchiveEntry, UnreadableFile
+from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
 from grader.intake.notebook import LARGEST_FILE
 
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
 MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
-# The ratio of a notebook full of zeros is 150, that of a bomb a thousand.
+# A notebook full of zeros is compressed 150 times, a zip bomb a thousand times.
 MOST_COMPRESSION = 300
 _SMALL_FILE = 2**20
 _DAMAGE = (
@@ -32,14 +32,14 @@ _DAMAGE = (
     EOFError,
     OSError,
     ValueError,
-    NotImplementedError,  # a compression that Python does not support
+    NotImplementedError,  # a compression method that Python does not support
     RuntimeError,  # a password
 )
 _JUNK = ("__MACOSX", "__pycache__")
 
 
 def clean_path(name: str) -> tuple[str, ...]:
-    """Return folders and name of a file, without drive letters, roots, ``..`` and NUL."""
+    """Return the folders and the name of a file, without drive letters, roots, ``..`` and NUL."""
     text = unicodedata.normalize("NFC", name.replace("\\", "/").replace("\0", ""))
     parts = [part for part in text.split("/") if part.strip(". ")]
     if parts and len(parts[0]) == 2 and parts[0].endswith(":"):
@@ -48,12 +48,12 @@ def clean_path(name: str) -> tuple[str, ...]:
 
 
 def is_hidden(path: tuple[str, ...]) -> bool:
-    """Return whether a file was left behind by a system, an editor or git."""
+    """Return whether a file was left behind by the operating system, an editor or git."""
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
 def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
-    """Return the files of a zip, each with its original path.
+    """Return the files in a zip, each with its original path.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
         archive = zipfile.ZipFile(file)
     except _DAMAGE as error:
         raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
-    # Python's `is_dir` fails for an empty name.
+    # Python's `is_dir` fails for empty names.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
         raise UnreadableFile(f"contains {len(infos):,} files; more than {limit:,} are not opened")
@@ -104,19 +104,19 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 
 
 def _check(info: zipfile.ZipInfo) -> None:
-    """Check the claimed size of a file before unpacking, which never produces more."""
+    """Check the size that a zip claims for a file; unpacking never produces more than that."""
     if stat.S_ISLNK(info.external_attr >> 16):
-        raise UnreadableFile("is a link to another file: submit the file itself")
+        raise UnreadableFile("is a link to another file. Ask for the file itself")
     if info.flag_bits & 0x1:
-        raise UnreadableFile("has a password: submit it without one")
+        raise UnreadableFile("has a password. Ask for the file without a password")
     if info.file_size > LARGEST_FILE:
         raise UnreadableFile(
-            f"is larger than {LARGEST_FILE // 2**20} MB: clear its outputs and submit it again"
+            f"is larger than {LARGEST_FILE // 2**20} MB. Ask for the notebook without outputs"
         )
     if info.file_size > max(_SMALL_FILE, MOST_COMPRESSION * info.compress_size):
         raise UnreadableFile(
             f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, "
-            "like a zip bomb: clear its outputs and submit it again"
+            "like a zip bomb. Ask for the notebook without outputs"
         )
 
 

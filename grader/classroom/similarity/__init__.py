@@ -1,6 +1,6 @@
-"""Find similar functions of a stage, and measure how unusual their similarity is in the class.
+"""Find similar functions in a stage, and measure how unusual their similarity is in the class.
 
-The result is not an accusation: a person has to look and ask. `normal_form` removes from a
-function everything that is easily changed, `answers` extracts the functions from submissions,
-`comparison` weighs their common parts, and `page` shows the result.
+The result is not an accusation: a person has to look at the answers and ask the students.
+`normal_form` removes everything from a function that is easily changed, `answers` extracts the
+functions from submissions, `comparison` weighs their common parts, and `page` shows the result.
 """

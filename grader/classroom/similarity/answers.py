@@ -19,14 +19,14 @@ from grader.intake.reader_process import run_in_child
 from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
-# Real answers are far below both limits; a longer answer cannot be compared by a person.
+# Real answers are far below both limits, and nobody could compare longer ones by eye.
 MOST_STEPS = 1000
 MOST_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
 class ComparedAnswer:
-    """A student's function, with the student's own functions that it uses.
+    """A student's function, with the other functions of the student that it uses.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class ComparedAnswer:
     steps : tuple of NormalStatement
         The statements in normal form, with their lines in `text`.
     code : str
-        A digest of the source without comments and layout.
+        A digest of the code without comments and layout.
     """
 
     text: str
@@ -50,11 +50,11 @@ class NotebookParts:
     Attributes
     ----------
     answers : dict of str to ComparedAnswer
-        By exercise, without exercises that the student did not write.
+        The answer to each exercise that the student wrote.
     cells : str
-        A digest of the text in the cells only; empty for an unchanged notebook.
+        A digest of the text in the cells; empty for an unchanged notebook.
     own, all : int
-        The number of cells that differ from the release, and of all cells.
+        The number of cells that differ from the release, and the total number of cells.
     problems : tuple of str
         Why an exercise cannot be compared, one sentence each.
     """
@@ -67,7 +67,7 @@ class NotebookParts:
 
 
 def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> NotebookParts:
-    """Read a submission in a process of its own, without running its code.
+    """Read a submission in a separate process, without running its code.
 
     Raises
     ------
@@ -77,8 +77,8 @@ def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> Note
     _released_statements(lesson)  # cached here, so that each child process inherits it
 
     def work() -> dict:
-        # The compared code is the judged code. The digest is of the submitted cells, because a
-        # repair in one notebook but not in the other would make equal ones differ.
+        # The compared code is the judged code, after repairs. The digest is of the submitted
+        # cells, because repairs could make equal notebooks differ.
         code = prepare(submitted_files, lesson).code
         cells = [(cell.kind, cell.source.rstrip()) for cell in submitted_files.notebook().cells]
         own = Counter(cells) - Counter(released_cells(lesson))
@@ -109,7 +109,7 @@ def _digest(text: str) -> str:
 
 
 def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedAnswer], list[str]]:
-    """Return the answers in code cells, and why some of them cannot be compared."""
+    """Return the answers in code cells, and sentences about those that cannot be compared."""
     released_sources = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in released_sources]
     released, imported = _released_statements(lesson)
@@ -132,7 +132,7 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedA
 def _answer(
     name: str, own: list, code: list[str], known: Mapping[str, str], lesson: Lesson
 ) -> ComparedAnswer:
-    # A class of the student's own in place of the given one contains the answer.
+    # If the student has replaced the given class, the new class contains the answer.
     names = [name] if any(name in one.binds for one in own) else list(lesson.header.given)
     others = _exercises() - {name}
     lines, steps, nodes = [], [], []
@@ -165,7 +165,7 @@ def _dump(node: ast.AST) -> str:
 
 
 def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
-    """Return what the imported names of a notebook stand for."""
+    """Return the full name behind each name that a notebook imports."""
     found = {}
     for statement in statements:
         for node in ast.walk(statement.node):
@@ -185,20 +185,20 @@ def _exercises() -> frozenset[str]:
 
 
 def _given_names(lesson: Lesson) -> dict[str, str]:
-    """Return the names of exercises and given functions, which students do not choose."""
+    """Return the names of exercises and given functions, which the student did not choose."""
     return {name: name for name in (*_exercises(), *lesson.header.given)}
 
 
 @functools.cache
 def released_cells(lesson: Lesson) -> tuple[tuple[str, str], ...]:
-    """Return kind and source of each released cell."""
+    """Return the kind and the source of each released cell."""
     cells = json.loads(lesson.released.read_text("utf-8"))["cells"]
     return tuple((cell["cell_type"], "".join(cell["source"]).rstrip()) for cell in cells)
 
 
 @functools.cache
 def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]]:
-    """Return the released statements, and what their imported names stand for."""
+    """Return the released statements, and the full names behind their imports."""
     code = [source for kind, source in released_cells(lesson) if kind == "code"]
     statements, _ = slicing.parse_notebook(code)
     return frozenset(_dump(statement.node) for statement in statements), _imported(statements)
@@ -206,7 +206,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
 
 @functools.cache
 def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """Return the right kept answers by exercise; each counts as an author of its own."""
+    """Return the right kept answers by exercise; each counts as the work of a separate author."""
     return {
         exercise.name: tuple(
             answer
@@ -221,7 +221,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
 
 @functools.cache
 def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """Return by exercise the answers that the lesson leads to: its solution, and its hints."""
+    """Return for each exercise the answers that the lesson suggests, by its solution and hints."""
     solved, _ = answers_in([lesson.text], lesson)
     found = {}
     for exercise in lesson.machine_graded:

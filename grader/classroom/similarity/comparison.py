@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.weights import Document, Weights
 
-# A pair is reported if the two answers share this part of everything unusual in them,
-LEAST_SHARE = 0.6
-# and if their common part has so many bits more than are needed to name one pair of the class.
+# A pair is reported if the two answers share at least this fraction of their unusual parts, and if
+# their common part has this many bits more than are needed to single out one pair in the class.
 # `tests/test_similarity.py` measures hits and false alarms.
+LEAST_SHARE = 0.6
 LEAST_BITS = 7.0
 
 
@@ -27,19 +27,20 @@ class Pair:
     students : tuple of str
         The two students.
     share : float
-        Share of the unusual parts of both answers that they have in common.
+        The fraction of the unusual parts of both answers that they have in common.
     bits : float
-        How unusual the common part is.
+        How unusual the common part is, in bits.
     alike : tuple of frozenset of int
-        For each answer, the indices of statements that the other answer also has.
+        For each answer, the indices of its statements that the other answer also has.
     steps : tuple of int
-        The number of statements of each answer.
+        The number of statements in each answer.
     exclusive : int
-        The number of common statements of the first answer that no third answer has.
+        The number of common statements that no third answer has.
     others : tuple of int
-        The number of other answers: in the class, and kept with the course.
+        The number of other answers in the class, and of answers kept with the course.
     nearest : tuple of float
-        The largest share of either answer with a third one: in the class, and kept.
+        The largest share between one of the two answers and a third answer in the class, and
+        between one of them and a kept answer.
     """
 
     exercise: str
@@ -55,7 +56,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The result of comparing all answers to one exercise.
+    """The comparison of all answers to one exercise.
 
     Attributes
     ----------
@@ -88,9 +89,9 @@ def compare(
     answers : dict of str to ComparedAnswer
         By student.
     kept : sequence of ComparedAnswer
-        Right answers that are kept with the course. They count as further authors.
+        Right answers that are kept with the course. Each counts as the work of a further author.
     taught : iterable of ComparedAnswer
-        Answers that the lesson leads to.
+        Answers that the lesson suggests.
     """
     documents = {student: Document(answer) for student, answer in answers.items()}
     kept_documents = [Document(answer) for answer in kept]
@@ -128,7 +129,7 @@ def compare(
 
 
 def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tuple[float, str]]]:
-    """Return for each student the two most similar students, with their shares."""
+    """Return the two most similar students for each student, with their shares."""
     found: dict[str, list[tuple[float, str]]] = {}
     for both, share in shares.items():
         for student, neighbour in (both, both[::-1]):
@@ -140,7 +141,7 @@ def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tupl
 
 
 def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]]]) -> float:
-    """Return the largest share of either of two students with a third one."""
+    """Return the largest share between one of two students and a third student."""
     return max(
         (
             share
@@ -155,6 +156,6 @@ def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]
 def _nearest_of(
     first: Document, second: Document, kept_documents: Sequence[Document], weights: Weights
 ) -> float:
-    """Return the largest share of either of two answers with a kept one."""
+    """Return the largest share between one of two answers and a kept answer."""
     both = itertools.product((first, second), kept_documents)
     return max((weights.share(one, other) for one, other in both), default=0.0)

@@ -1,11 +1,12 @@
 """The normal form of a function, without details that are easily changed.
 
-Comments, layout, docstrings, annotations, the spelling of numbers, `print` and `pass` are removed,
-and so are all names except those of parameters, modules and their members, and given functions.
-Some code becomes equal: ``x += 1`` and ``x = x + 1``, ``a > b`` and ``b < a``, ``a + b`` and
-``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop that counts.
+The normal form has no comments, layout, docstrings, annotations, `print` or `pass`, and no names
+except those of parameters, modules and their members, and given functions. Numbers are spelt in
+one way. Some equivalent code has the same normal form: ``x += 1`` and ``x = x + 1``, ``a > b`` and
+``b < a``, ``a + b`` and ``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop
+that counts.
 
-The text is untrusted, so this runs in a process of its own: see `grader.intake.reader_process`.
+The code is untrusted, so this runs in a separate process: see `grader.intake.reader_process`.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ _WITHOUT_EFFECT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonloca
 
 @dataclass(frozen=True)
 class NormalStatement:
-    """A statement in normal form; of a compound statement only the head.
+    """A statement in normal form; of a compound statement, only the header.
 
     Attributes
     ----------
     words : tuple of str
-        The normal form.
+        The tokens of the normal form.
     first, last : int
         The first and last line.
     """
@@ -44,13 +45,13 @@ class NormalStatement:
 def steps_of(
     node: ast.stmt, known: Mapping[str, str], parameters: Sequence[str] = ()
 ) -> Iterator[NormalStatement]:
-    """Return the statements of a function, or of a compound statement, from top to bottom.
+    """Yield the statements in a function or another compound statement, from top to bottom.
 
     Parameters
     ----------
     node : ast.stmt
     known : dict of str to str
-        Meanings of names that the author did not choose: modules and given functions.
+        Full names of the names that the author did not choose: modules and given functions.
     parameters : sequence of str
         Names of the function's parameters; each is replaced by its position.
     """
@@ -59,7 +60,7 @@ def steps_of(
 
 
 class _Normalizer:
-    """Converts statements, with fixed meanings of names."""
+    """Converts statements to their normal form."""
 
     def __init__(self, known: Mapping[str, str]) -> None:
         self.known = known
@@ -150,7 +151,7 @@ class _Normalizer:
         return [kind.__name__, *sides[0], *sides[1]]
 
     def _dotted(self, node: ast.expr) -> str:
-        """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty if it is not in a module."""
+        """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty for a name outside modules."""
         if isinstance(node, ast.Attribute):
             prefix = self._dotted(node.value)
             return prefix and f"{prefix}.{node.attr}"
@@ -164,7 +165,7 @@ class _Normalizer:
 def _assignments(
     node: ast.Assign | ast.AnnAssign | ast.AugAssign,
 ) -> Iterator[tuple[ast.expr, ast.expr]]:
-    """Yield the single assignments of a statement."""
+    """Yield each (target, value) of an assignment statement."""
     if isinstance(node, ast.AugAssign):
         yield node.target, ast.BinOp(node.target, node.op, node.value)
         return
@@ -179,7 +180,7 @@ def _assignments(
 
 
 def _counting_range(node: ast.While) -> ast.expr | None:
-    """Return ``range(n)`` if a loop is ``while i < n`` and ends with ``i += 1``."""
+    """Return ``range(n)`` for a loop ``while i < n`` that ends with ``i += 1``; otherwise None."""
     test, last = node.test, node.body[-1]
     if (
         isinstance(test, ast.Compare)

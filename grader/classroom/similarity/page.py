@@ -1,4 +1,4 @@
-"""The page with similar answers side by side, for a person to compare."""
+"""Write the page that shows similar answers side by side, for a person to compare."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_PAIRS = 50
 
 @dataclass(frozen=True)
 class Side:
-    """One of two answers: its lines, each with whether the other answer has a similar one."""
+    """One of two answers: its lines, and for each whether the other answer has a similar line."""
 
     student: str
     lines: tuple[tuple[str, bool], ...]
@@ -27,7 +27,7 @@ class Side:
 
 @dataclass(frozen=True)
 class SharedFunction:
-    """A similar function of two students."""
+    """Two students' similar answers to one exercise."""
 
     exercise: str
     sentences: tuple[str, ...]
@@ -44,7 +44,7 @@ class ShownPair:
 
 
 def similarity_page(course: Course, stage: str) -> Path:
-    """Return the path of the page on a stage."""
+    """Return the path of a stage's page."""
     return course.report / f"similarity_{stage}.html"
 
 
@@ -71,7 +71,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent, rounded so that only 1 is 100 % and only 0 is 0 %."""
+    """Format a share in percent, rounded so that only 1 is 100 % and only 0 is 0 %."""
     if 0 < share < 1:
         share = min(max(share, 0.01), 0.99)
     return f"{100 * share:.0f} %"
@@ -95,24 +95,25 @@ def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bo
 
 
 def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterator[str]:
-    """Yield sentences on the similarity, and on how unusual it is in this class."""
+    """Yield sentences about the similarity, and about how unusual it is in this class."""
     counts = [
-        f"{len(alike)} of {steps} steps of {student}"
+        f"{len(alike)} of {steps} steps in {student}'s answer"
         for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
     ]
     yield f"{counts[0]} and {counts[1]} are alike. {_equality_sentence(one, other)}"
     in_class, kept = pair.others
     kept_text = f" and {kept} right answers of the course" if kept else ""
     yield (
-        f"{pair.exclusive or 'None'} of these steps occur in no other answer, of {in_class} in "
-        f"this class{kept_text}. Of the unusual code in the two, {percent(pair.share)} is in both. "
-        f"With any other student it is at most {percent(pair.nearest[0])}"
-        f"{f', with an answer of the course {percent(pair.nearest[1])}' if kept else ''}."
+        f"{pair.exclusive} of these steps occur only in these two answers, and not in the "
+        f"{in_class} other answers in this class{kept_text}. The two answers have "
+        f"{percent(pair.share)} of their unusual code in common. With any other student, one of "
+        f"them has at most {percent(pair.nearest[0])} in common"
+        f"{f', and with an answer of the course {percent(pair.nearest[1])}' if kept else ''}."
     )
 
 
 def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
-    """Return how equal two similar answers are: in text, in code, or only in normal form."""
+    """Return a sentence that says in what respect two similar answers are equal."""
     if one.text == other.text:
         return "The two answers are identical, including comments."
     if one.code == other.code:

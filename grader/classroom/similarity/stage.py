@@ -1,4 +1,4 @@
-"""Compare the functions of all students in a stage."""
+"""Compare the functions that all students wrote for a stage."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class SameFile:
     lesson : str
     students : tuple of str
     same_bytes : bool
-        False if outputs or metadata differ, and only the text of the cells is the same.
+        False if only the text of the cells is the same, and outputs or metadata differ.
     own, all : int
-        The number of cells that differ from the release, and of all cells.
+        The number of cells that differ from the release, and the total number of cells.
     """
 
     lesson: str
@@ -45,20 +45,20 @@ class SameFile:
 
 @dataclass(frozen=True)
 class PairOfStudents:
-    """Two students, and the exercises with similar answers."""
+    """Two students, and the exercises to which their answers are similar."""
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
 
     @property
     def bits(self) -> float:
-        """How unusual all their similarities are together."""
+        """How unusual all their similarities are together, in bits."""
         return sum(pair.bits for pair in self.pairs)
 
 
 @dataclass(frozen=True)
 class StageComparison:
-    """The result of comparing a stage.
+    """The comparison of all submissions for a stage.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class StageComparison:
         The students whose work was compared.
     notebooks : int
     comparisons : tuple of Comparison
-        One for each exercise with at least one answer.
+        One comparison for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
         By exercise and student.
     same_files : tuple of SameFile
     problems : tuple of (str, str, str)
-        Student, lesson, and why something was not compared.
+        Student, lesson, and the reason why something was not compared.
     """
 
     stage: str
@@ -104,7 +104,7 @@ def compare_stage(
     course : grader.course.paths.Course
     stage : str
     advance : callable, optional
-        Called with the number of notebooks that are read, and the number of all.
+        Called with (done, total, None) before each notebook and at the end.
     """
     submissions = find_submissions(course, [stage])
     read: list[tuple[Submission, str, NotebookParts]] = []
@@ -160,7 +160,7 @@ def _same_files(read: Iterable[tuple[Submission, str, NotebookParts]]) -> Iterab
                 files.setdefault(key, []).append(printable(submission.student))
                 sizes[key] = parts.own, parts.all, digest is data
     reported = set()
-    # Files with the same bytes come first, so that their equal cells are not reported as well.
+    # Files with the same bytes come first, so that their equal cells are not reported again.
     for key, students in sorted(
         files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
     ):

@@ -5,9 +5,9 @@ and Aiken do with whole programs (Winnowing: local algorithms for document finge
 2003). Functions are short, so all pieces are kept. No piece extends into the next statement, so
 the order of statements makes no difference.
 
-Pieces of answers that the lesson leads to are removed, and pieces that many others have. The
-weight of a remaining piece is its information in bits: the fewer answers have it, the more it
-weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
+Pieces in answers that the lesson suggests weigh nothing, and neither do pieces that many answers
+have. The weight of any other piece is its information in bits: the fewer answers have it, the more
+it weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from grader.classroom.similarity.answers import ComparedAnswer
 
 PIECE_LENGTH = 6
-# A piece that more than a quarter of the others have counts as common to all.
+# A piece that more than a quarter of the other answers have weighs nothing.
 LARGEST_RARE_SHARE = 0.25
 
 Piece = tuple[str, ...]
@@ -41,7 +41,7 @@ class Document:
         self.pieces = frozenset().union(*self.steps)
 
     def steps_like(self, other: Document) -> frozenset[int]:
-        """Return the indices of statements of which the other answer has at least half."""
+        """Return the indices of statements with at least half their pieces in the other answer."""
         return frozenset(
             index
             for index, step in enumerate(self.steps)
@@ -50,7 +50,7 @@ class Document:
 
 
 def _pieces_of(words: Piece) -> frozenset[Piece]:
-    """Return all runs of `PIECE_LENGTH` words of a statement; a shorter statement is one piece."""
+    """Return all runs of `PIECE_LENGTH` words in a statement; a shorter statement is one piece."""
     starts = range(max(1, len(words) - PIECE_LENGTH + 1))
     return frozenset(words[index : index + PIECE_LENGTH] for index in starts)
 
@@ -63,15 +63,15 @@ class Weights:
     documents : sequence of Document
         All answers that are compared with each other.
     taught : iterable of Document
-        Answers that the lesson leads to, whose pieces weigh nothing.
+        Answers that the lesson suggests, whose pieces weigh nothing.
     """
 
     def __init__(self, documents: Sequence[Document], taught: Iterable[Document]) -> None:
         self._taught = frozenset().union(*(document.pieces for document in taught))
         self._step_counts = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
-        others = max(0, len(documents) - 2)  # without the two that are compared
-        # Bits of each piece if one of the two answers has it, and if both do.
+        others = max(0, len(documents) - 2)  # without the two compared answers
+        # Bits of each piece if one of the two compared answers has it, and if both do.
         self._bits_in_one = {
             piece: self._bits(piece, n - 1, others) for piece, n in holders.items()
         }
@@ -85,7 +85,7 @@ class Weights:
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 
     def share(self, one: Document, other: Document) -> float:
-        """Return the common share of the unusual parts of two answers (Dice's coefficient)."""
+        """Return the fraction of unusual parts that two answers share (Dice's coefficient)."""
         shared = sum(self._bits_in_both[piece] for piece in one.pieces & other.pieces)
         different = sum(self._bits_in_one[piece] for piece in one.pieces ^ other.pieces)
         return 2 * shared / (2 * shared + different) if shared else 0.0
@@ -93,17 +93,17 @@ class Weights:
     def bits(self, one: Document, other: Document) -> float:
         """Return how unusual the common part of two answers is.
 
-        A long statement is one idea and not many, so it counts as much as its average piece.
+        A long statement is still only one idea, so it counts as much as its average piece.
         """
         weights = {piece: self._bits_in_both[piece] for piece in one.pieces & other.pieces}
         return min(_sum_of_steps(document, weights) for document in (one, other))
 
     def bits_of_copy(self, document: Document) -> float:
-        """Return how unusual the common part of an answer and a copy of it is."""
+        """Return how unusual the common part of an answer and an exact copy would be."""
         return self.bits(document, document)
 
     def exclusive_steps(self, one: Document, other: Document) -> int:
-        """Return the number of common statements of the first answer that no third one has."""
+        """Return the number of common statements that no third answer has."""
         steps = (one.steps[index] for index in one.steps_like(other))
         return sum(
             self._step_counts[step] == 1 + (step in other.steps) and not step <= self._taught

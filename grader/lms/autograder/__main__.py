@@ -1,7 +1,7 @@
 """Gradescope's `run_autograder`: judge one submission, or report why that is not possible.
 
-After an error on our side there are no results. Gradescope then reports that the autograder failed,
-and no student gets a 0. Only instructors can see the printed output.
+After an error in the grader there are no results. Gradescope then reports that the autograder
+failed, and the student does not get a 0. Only instructors can see the printed output.
 """
 
 import json

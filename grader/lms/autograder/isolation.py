@@ -9,13 +9,13 @@ from pathlib import Path
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 PREFERRED_SANDBOXES = ("bubblewrap", "chroot")
-"""Sandboxes in order of preference, strongest first; a container judges one submission only."""
+"""Sandboxes, the strongest first; "process" suffices, as a container judges one submission only."""
 ROOT_ONLY = ("source", "submission", "submission_metadata.json", "run_autograder")
 NOT_WRITABLE = (".", "results")
 
 
 class IsolationFailed(Exception):
-    """Users other than root could access tests, seed or results; `str()` is the remedy."""
+    """Users other than root could access tests, seed or results; `str()` is the message to show."""
 
 
 def restrict_access(root: Path) -> None:
@@ -28,7 +28,7 @@ def restrict_access(root: Path) -> None:
 
     Raises
     ------
-    NotClosed
+    IsolationFailed
         If the process is not run by root, or if the permissions cannot be changed.
     """
     if os.geteuid() != 0:
@@ -50,7 +50,7 @@ def _restrict(path: Path, forbidden_bits: int) -> None:
         raise IsolationFailed(f"{path} cannot be protected: {error.strerror}.") from None
     status = path.lstat()
     if status.st_uid or status.st_mode & forbidden_bits or stat.S_ISLNK(status.st_mode):
-        raise IsolationFailed(f"{path} can still be read by other users than root.")
+        raise IsolationFailed(f"{path} can still be read by users other than root.")
 
 
 def strongest_sandbox() -> Sandbox:
@@ -59,14 +59,14 @@ def strongest_sandbox() -> Sandbox:
     Raises
     ------
     grader.sandbox.SandboxUnavailable
-        If none works.
+        If none of them works.
     """
     complaints = []
     for name in PREFERRED_SANDBOXES:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:
-            # The advice suggests running trusted code without a sandbox, which is not allowed here.
+            # Only the reason, because the error's advice is to do without a sandbox.
             complaints.append(f"{name}: {error.reason}")
         else:
             return SANDBOXES[name]

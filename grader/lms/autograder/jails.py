@@ -1,6 +1,7 @@
-"""Folders for the chroot sandbox, built once with the container image because this is slow.
+"""Folders for the chroot sandbox, which are built once with the container image.
 
-``setup.sh`` runs this module. If that is not permitted, each submission builds its own folders.
+Building them is slow, so ``setup.sh`` runs this module. If that is not permitted, each submission
+builds its own folders.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from grader.lms.autograder.judging import assigned_lessons
 from grader.sandbox import chroot, jail
 
 SMALLEST_KIND: chroot.Kind = ((), ())
-"""Kind of folder with which the availability of the sandbox is tested."""
+"""Kind of folder that is used to test whether the sandbox is available."""
 
 
 def build_jails(source: Path) -> None:

@@ -23,16 +23,18 @@ from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook
 
-PLACEHOLDER_STUDENT = "submission"  # placeholder for the student ID, which the judge does not need
+PLACEHOLDER_STUDENT = (
+    "submission"  # placeholder for the student's ID, which the judge does not need
+)
 
 
 class JudgeFailed(Exception):
-    """The judge failed through no fault of the student; `str()` is the message for instructors."""
+    """The judge failed, not the student; `str()` is the message for instructors."""
 
 
 @dataclass(frozen=True)
 class JudgedLesson:
-    """Result of one lesson of the assignment.
+    """The result of one lesson in the assignment.
 
     Attributes
     ----------
@@ -40,8 +42,8 @@ class JudgedLesson:
     verdict : grader.judging.verdict.Verdict or None
         None if the lesson was not submitted.
     notes : tuple of str
-        Messages about the file itself. They are created before any check runs, so they reveal
-        nothing about hidden tests.
+        Messages about the file itself. They are written before any check runs, so they do not
+        reveal anything about hidden tests.
     """
 
     lesson: Lesson
@@ -51,14 +53,14 @@ class JudgedLesson:
 
 @dataclass(frozen=True)
 class JudgedSubmission:
-    """A judged submission: lessons in order, and one sentence for each file not judged."""
+    """A judged submission: the lessons in order, and a sentence for each unjudged file."""
 
     lessons: tuple[JudgedLesson, ...]
     left: tuple[str, ...]
 
 
 def lessons_of(assignment: str) -> tuple[Lesson, ...]:
-    """Return the lessons of a stage, or the lesson of that name; empty for unknown names."""
+    """Return the lessons of a stage, or the lesson with that name; empty for unknown names."""
     return tuple(lesson for lesson in all_lessons() if assignment in (lesson.stage, lesson.name))
 
 
@@ -67,12 +69,12 @@ def assigned_lessons(source: Path) -> tuple[Lesson, ...]:
     return lessons_of((source / "assignment").read_text("utf-8").strip())
 
 
-def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> JudgedSubmission:
+def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedSubmission:
     """Judge all notebooks of the assignment.
 
     Parameters
     ----------
-    handed_in : pathlib.Path
+    submitted : pathlib.Path
         Folder with a student's files.
     source : pathlib.Path
         Folder of the autograder, with the assignment's name and the course.
@@ -88,7 +90,7 @@ def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> JudgedS
     with tempfile.TemporaryDirectory() as folder:
         course = Course(Path(folder))
         place = course.submitted / PLACEHOLDER_STUDENT / lessons[0].stage
-        shutil.copytree(handed_in, place, symlinks=True, ignore=_special_files)
+        shutil.copytree(submitted, place, symlinks=True, ignore=_special_files)
         submissions = {
             submission.lesson: submission
             for submission in find_submissions(course, [lessons[0].stage])
@@ -114,7 +116,7 @@ def _judge(
     submitted_files = submission.read(course)
     arguments = submitted_files, lesson.name, "", seed, sandbox.name
     verdict = judge_one(*arguments)
-    if verdict.starved:  # nothing else runs here, so a second timeout is the submission's own
+    if verdict.starved:  # nothing else runs here, so the submission itself causes the timeout
         verdict = judge_one(*arguments, is_alone=True)
     if verdict.status != JUDGED:
         raise JudgeFailed("\n".join((f"{lesson.name}:", *verdict.faults)))

@@ -1,4 +1,4 @@
-"""The zip to upload: the judging part of the course, its seed, and the setup of a container."""
+"""Build the zip to upload: the files for judging, the course's seed, and a container's setup."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
 
 
 def write_secret(content: bytes, path: Path) -> None:
-    """Write a file that other users of this machine cannot read, because it contains the seed."""
+    """Write a file with the seed, which other users of this machine cannot read."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     with open(descriptor, "wb") as file:

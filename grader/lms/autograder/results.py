@@ -1,4 +1,4 @@
-"""Results of a submission in Gradescope's format.
+"""Build the results of a submission in Gradescope's format.
 
 The fields are documented at gradescope-autograders.readthedocs.io/en/latest/specs/.
 """

@@ -1,4 +1,4 @@
-"""Export formats for the marks of a class: ``python -m grader export --format NAME``.
+"""The export formats for the marks of a class: ``python -m grader export --format NAME``.
 
 To add a format, write a module with a function from `ExportOptions` to `ExportResult`, and add it
 to the table.
@@ -23,9 +23,9 @@ class Exporter:
     Attributes
     ----------
     write : callable
-        Takes `ExportOptions` and returns an `ExportResult`; raises `ExportError`.
+        Takes `ExportOptions`, returns an `ExportResult`, and raises `ExportError`.
     ending : str
-        End of the file's name.
+        The end of the file's name.
     fills : str
         Description of the LMS file that is filled in; empty if the exporter creates a new file.
     next_step : str

@@ -1,4 +1,4 @@
-"""The marks of a class in one assignment of an LMS."""
+"""The marks of a class for one assignment in an LMS."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ UNMARKED_TITLES = {
 
 @dataclass(frozen=True)
 class Mark:
-    """Points of one student in an assignment.
+    """One student's points for an assignment.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Marks:
-    """Marks of a class in an assignment, and the students without a mark.
+    """The marks of a class for an assignment, and the students without a mark.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Marks:
     without : dict of str to tuple of grader.course.roster.Person
         Students without a mark, by standing.
     lost, notes : tuple of str
-        Same meaning as in `ExportResult`.
+        As in `ExportResult`.
     """
 
     assignment: str
@@ -63,21 +63,21 @@ class Marks:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """All students, first those with a mark."""
+        """All students; students with a mark come first."""
         others = (person for people in self.without.values() for person in people)
         return (*(mark.person for mark in self.marks), *others)
 
 
-def collect_marks(order: ExportOptions) -> Marks:
+def collect_marks(options: ExportOptions) -> Marks:
     """Collect the marks to export.
 
     Raises
     ------
     ExportError
-        If the assignment does not exist, or if a mark is still waiting and the order does not allow
+        If the assignment does not exist, or if a mark is still waiting and the options do not allow
         provisional marks.
     """
-    results, assignment = order.results, order.assignment
+    results, assignment = options.results, options.assignment
     notebooks = [
         result for result in results.notebooks if assignment in (result.stage, result.lesson)
     ]
@@ -90,11 +90,11 @@ def collect_marks(order: ExportOptions) -> Marks:
             f"for: {', '.join(sorted(names))}."
         )
     waiting = [result for result in notebooks if result.standing == WAITING]
-    if waiting and not order.provisional:
+    if waiting and not options.provisional:
         raise ExportError(
-            f"{'; '.join(_by_lesson(waiting))}: waiting. Grade in Formgrader what a person grades, "
-            "and run `python -m grader grade` for what is not entered yet; --provisional exports "
-            "the points that there are so far."
+            f"Waiting: {'; '.join(_by_lesson(waiting))}. Grade the exercises for a person in "
+            "Formgrader, and run `python -m grader grade` to enter the other submissions. To "
+            "export the points so far, add --provisional."
         )
     marks, without = [], {standing: [] for standing in UNMARKED_TITLES}
     for person in results.people:
@@ -119,7 +119,7 @@ def _notes(
     marks: Sequence[Mark],
     without: dict[str, list[Person]],
 ) -> Iterator[str]:
-    """Yield sentences on the origin of the marks and on students without one; some may be empty."""
+    """Yield sentences about the marks and about students without one; some may be empty."""
     ids = {mark.person.id for mark in marks}
     own = [result for result in notebooks if result.student in ids]
     waiting = [result for result in own if result.standing == WAITING]
@@ -140,7 +140,7 @@ def _notes(
 
 
 def list_sentence(title: str, names: Iterable[str]) -> str:
-    """Join a title and all names into one sentence; empty if there are no names."""
+    """Join a title and names into one sentence; empty if there are no names."""
     names = list(names)
     return f"{title}: {'; '.join(names)}." if names else ""
 

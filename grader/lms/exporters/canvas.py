@@ -1,8 +1,8 @@
-"""Marks for Canvas: written into the file that its gradebook exports, ready for import.
+"""Marks for Canvas, written into a file that its gradebook exported and can import.
 
 An import writes every column that Canvas knows, and a blank cell deletes a mark. The output
-therefore contains only the columns that identify a student, the column of the assignment, and the
-rows of students with a mark. Marks that were entered elsewhere in the meantime are not changed.
+therefore contains only the columns that identify a student, the assignment's column, and the rows
+of students with a mark. Marks that were entered elsewhere in the meantime are not changed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from grader.lms.exporters.row_matching import PersonRow
 from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))
-LAST_PEOPLE_COLUMN = "Section"  # last of the columns that identify a student
+LAST_PEOPLE_COLUMN = "Section"  # the last column that identifies a student
 COMPUTED_COLUMN = re.compile(
     "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # these are never imported
 )
@@ -36,17 +36,17 @@ CLAIMS = (
 )
 
 
-def canvas(order: ExportOptions) -> ExportResult:
-    """Fill in the assignment's column of a gradebook that Canvas exported.
+def canvas(options: ExportOptions) -> ExportResult:
+    """Fill in the assignment's column in a gradebook that Canvas exported.
 
     Raises
     ------
     ExportError
-        If the file is not a gradebook of Canvas, or if the points differ. Nothing is written then.
+        If the file is not a gradebook from Canvas, or if the points differ.
     """
-    marks, sheet = collect_marks(order), read_worksheet(order.into)
+    marks, sheet = collect_marks(options), read_worksheet(options.into)
     people = _people_columns(sheet)
-    column = _column(sheet, len(people), marks.assignment, order.column)
+    column = _column(sheet, len(people), marks.assignment, options.column)
     possible = [row for row in sheet.rows if POINTS_POSSIBLE in row[0]]
     if not possible:
         raise ExportError(
@@ -54,7 +54,7 @@ def canvas(order: ExportOptions) -> ExportResult:
             "compared. Export the gradebook again."
         )
     most = read_number(possible[0][column])
-    factor = scale_factor(marks, most, sheet.head[column], order.scale)
+    factor = scale_factor(marks, most, sheet.head[column], options.scale)
     places = []
     for row in sheet.rows:
         name = _name(row, people)
@@ -74,7 +74,7 @@ def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
     ):
         return sheet.head[: sheet.head.index(LAST_PEOPLE_COLUMN) + 1]
     raise ExportError(
-        f"{sheet.name} is not a gradebook of Canvas, which begins with Student or "
+        f"{sheet.name} is not a gradebook from Canvas, which begins with Student or "
         "LastName and has a column Section. In Canvas: Grades, Export, Export Entire "
         "Gradebook."
     )
@@ -92,12 +92,12 @@ def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | No
 
 
 def _title(title: str) -> str:
-    """Return the title of an assignment without Canvas's number."""
+    """Return the title of an assignment without the number that Canvas adds."""
     return re.sub(r"\s\(\d+\)$", "", title)
 
 
 def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
-    """Return a student's name without Canvas's quoting of names that look like formulas."""
+    """Return a student's name without the quotes that Canvas adds to possible formulas."""
     cells = [re.sub(r'^="(.*)"$', r"\1", cell.strip()) for cell in row]
     return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
 

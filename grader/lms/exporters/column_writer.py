@@ -1,7 +1,7 @@
 """Fill one column of an LMS file with marks, and account for each mark and each row.
 
-This is the common part of the exporters for Canvas and Moodle. Rows of students without a mark are
-left out, so an import does not change whatever the LMS has stored for them.
+This is the common part of the exporters for Canvas and Moodle. The rows of students without a mark
+are omitted, so an import does not change the marks that the LMS has stored for them.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ TOLERANCE = 0.005  # points are written with two decimal places
 
 @dataclass(frozen=True)
 class RowPlace:
-    """A row of the file and the identification of its owner."""
+    """A row of the file, and the data that identifies its owner."""
 
     row: tuple[str, ...]
-    who: PersonRow
+    owner: PersonRow
 
 
 @dataclass(frozen=True)
 class FilledColumn:
-    """Result of filling a column; `lost` and `notes` have the same meaning as in `ExportResult`."""
+    """The result of filling a column; `lost` and `notes` are as in `ExportResult`."""
 
     rows: tuple[tuple[str, ...], ...]
     placed: int
@@ -44,16 +44,16 @@ class Column:
     Attributes
     ----------
     place : int
-    times : float
-        Factor by which our points are multiplied.
+    factor : float
+        Factor by which the course's points are multiplied.
     decimal_mark : str
     excused : str
-        Text for an excused student; empty if the LMS has no such text. Like a mark, it may be
-        refused, and it is listed if it replaces a different value.
+        Text for an excused student; empty if the LMS has no such text. Like a mark, the text may
+        be refused, and it is listed if it replaces another value.
     """
 
     place: int
-    times: float
+    factor: float
     decimal_mark: str
     excused: str = ""
 
@@ -72,14 +72,14 @@ def fill_column(
     places : list of RowPlace
     column : Column
     refusal : callable
-        Takes a row and its points. Returns the reason why the LMS would reject them, or an empty
-        string.
+        Takes a row and its points. Returns the reason why the LMS would reject the points; empty
+        if it accepts them.
     """
-    joined = match_rows([place.who for place in places], marks.people)
+    joined = match_rows([place.owner for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
     lost, replaced = [], []
     for mark in marks.marks:
-        points = mark.points * column.times
+        points = mark.points * column.factor
         place = joined.rows.get(mark.person.id)
         reason = (
             joined.doubts.get(mark.person.id, "the file has no row for them")
@@ -131,12 +131,12 @@ def fill_column(
 
 
 def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
-    """Return the factor that converts our points into the points of the LMS.
+    """Return the factor that converts the course's points into the LMS's points.
 
     Raises
     ------
     ExportError
-        If the LMS states no points, or if its points differ and `scale` is False.
+        If the LMS has no maximum, or if its maximum differs and `scale` is False.
     """
     if not most:
         raise ExportError(
@@ -165,7 +165,7 @@ def find_column(
     Raises
     ------
     ExportError
-        If no column or more than one matches; the message lists all titles.
+        If no column or several columns match; the message lists all titles.
     """
     if wanted is not None:
         hits = [place for place, title in titles.items() if wanted in (title, plain(title))]

@@ -1,4 +1,4 @@
-"""Writing of exported files without overwriting a different file."""
+"""Write exported files without overwriting other files."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from grader.lms.exporters.protocol import ExportError
 
 
 def write_export(
-    content: bytes, wish: Path | None, usual: Path, given: Path | None
+    content: bytes, destination: Path | None, default: Path, filled_in: Path | None
 ) -> tuple[Path, Path | None]:
     """Write a file, completely or not at all.
 
     Parameters
     ----------
     content : bytes
-    wish : Path or None
-        Destination that the user named: a file, or a folder for a file of the usual name.
-    usual : Path
-        Default destination. A different file that exists there is renamed.
-    given : Path or None
-        File that was filled in, which is never overwritten.
+    destination : Path or None
+        Destination that the user chose: a file, or a folder for a file with the default name.
+    default : Path
+        Default destination. If another file exists there, it is renamed.
+    filled_in : Path or None
+        The LMS's file that was filled in, which is never overwritten.
 
     Returns
     -------
@@ -34,15 +34,18 @@ def write_export(
     ExportError
         If the destination exists and must be kept, or if it cannot be written.
     """
-    path = wish / usual.name if wish and wish.is_dir() else wish or usual
-    if given and path.exists() and path.samefile(given):
+    path = destination or default
+    if destination and destination.is_dir():
+        path /= default.name
+    if filled_in and path.exists() and path.samefile(filled_in):
         raise ExportError(
-            f"{path} is the file that is filled in, and stays as it is. Name another with --to."
+            f"{path} is the file that is filled in, which is never overwritten. Name another "
+            "file with --to."
         )
     try:
         before = None
         if path.exists() and path.read_bytes() != content:
-            if path != usual:
+            if path != default:
                 raise ExportError(f"{path} exists already. Name another file, or delete it.")
             before = _unused_path(path)
             path.rename(before)
@@ -60,9 +63,9 @@ def write_export(
 def _unused_path(path: Path) -> Path:
     """Return an unused name that contains the file's modification time."""
     time = datetime.fromtimestamp(path.stat().st_mtime)
-    aside = path.with_name(f"{path.stem}.until-{time:%Y%m%d-%H%M%S}{path.suffix}")
+    unused = path.with_name(f"{path.stem}.until-{time:%Y%m%d-%H%M%S}{path.suffix}")
     number = 2
-    while aside.exists():
-        aside = aside.with_name(f"{path.stem}.until-{time:%Y%m%d-%H%M%S}-{number}{path.suffix}")
+    while unused.exists():
+        unused = path.with_name(f"{path.stem}.until-{time:%Y%m%d-%H%M%S}-{number}{path.suffix}")
         number += 1
-    return aside
+    return unused

@@ -1,8 +1,8 @@
 """Marks for Gradescope: an autograder that delivers stored marks and does not judge.
 
-Gradescope accepts marks of programming assignments only from an autograder. This one contains the
-marks by e-mail address. It writes `results.json` for a submission only if that submission is the
-one that was judged. It does not run student code.
+Gradescope accepts marks for programming assignments only from an autograder. This autograder
+contains the marks by e-mail address, and does not run student code. It writes `results.json` for a
+submission only if that submission is the one that was judged.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
 EXECUTABLES = ("setup.sh", "run_autograder")
 
 
-def gradescope(order: ExportOptions) -> ExportResult:
+def gradescope(options: ExportOptions) -> ExportResult:
     """Build an autograder that can be uploaded to Gradescope unchanged.
 
     Returns
     -------
-    Exported
+    ExportResult
         A zip archive.
 
     Raises
@@ -38,10 +38,10 @@ def gradescope(order: ExportOptions) -> ExportResult:
     ExportError
         If the marks cannot be exported; see `collect_marks`.
     """
-    marks = collect_marks(order)
+    marks = collect_marks(options)
     submitted: dict[str, list[Submission]] = {}
-    for submission in find_submissions(order.course):
-        if order.assignment in (submission.lesson.stage, submission.lesson.name):
+    for submission in find_submissions(options.course):
+        if options.assignment in (submission.lesson.stage, submission.lesson.name):
             submitted.setdefault(submission.student, []).append(submission)
     entries, lost = {}, list(marks.lost)
     sharing = Counter(_email(mark) for mark in marks.marks)
@@ -50,14 +50,15 @@ def gradescope(order: ExportOptions) -> ExportResult:
         try:
             if not email:
                 raise _NoEntry(
-                    "Gradescope identifies students by e-mail, and the roster has none for them."
+                    "Gradescope identifies students by e-mail, and the roster has no address for "
+                    "this student."
                 )
             if sharing[email] > 1:
                 raise _NoEntry(
                     f"Gradescope identifies students by e-mail, and {email} also belongs to "
                     "another student."
                 )
-            entries[email] = _entry(order, mark, submitted.get(mark.person.id, ()))
+            entries[email] = _entry(options, mark, submitted.get(mark.person.id, ()))
         except _NoEntry as error:
             lost.append(f"{mark.person.display_name}, {format_points(mark.points)} points: {error}")
     files = {
@@ -70,7 +71,7 @@ def gradescope(order: ExportOptions) -> ExportResult:
 
 
 class _NoEntry(Exception):
-    """A mark cannot be delivered; `str()` is the reason."""
+    """A mark cannot be delivered; `str()` says why."""
 
 
 def _email(mark: Mark) -> str:
@@ -78,9 +79,9 @@ def _email(mark: Mark) -> str:
     return mark.person.email.strip().casefold()
 
 
-def _entry(order: ExportOptions, mark: Mark, submissions: Sequence[Submission]) -> dict:
-    """Build the results of one student, with digests that identify the judged submission."""
-    course = order.course
+def _entry(options: ExportOptions, mark: Mark, submissions: Sequence[Submission]) -> dict:
+    """Build one student's results, with digests that identify the judged submission."""
+    course = options.course
     if not submissions:
         raise _NoEntry("submitted/ has no submission to compare with.")
     judged, reports = [], {}
@@ -98,8 +99,8 @@ def _entry(order: ExportOptions, mark: Mark, submissions: Sequence[Submission]) 
     all_files = [digest(path) for folder in folders for path in files_of(folder)]
     results = [
         result
-        for result in order.results.notebooks
-        if result.student == mark.person.id and order.assignment in (result.stage, result.lesson)
+        for result in options.results.notebooks
+        if result.student == mark.person.id and options.assignment in (result.stage, result.lesson)
     ]
     return {
         "judged": sorted(judged),
@@ -125,7 +126,7 @@ def _summary(results: Sequence[NotebookResult]) -> str:
 
 
 def _lesson_test(result: NotebookResult, verdict: Verdict | None) -> dict:
-    """Build the entry of a lesson in Gradescope's list of tests."""
+    """Build the entry for a lesson in Gradescope's list of tests."""
     return {
         "name": result.lesson,
         "score": round(result.score or 0.0, 2),

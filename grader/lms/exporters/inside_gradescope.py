@@ -27,7 +27,7 @@ def main(root: Path) -> str:
     if not judged:
         return "This submission is not the one that was judged. Grade, export and upload again."
     if any(mark["results"] != judged[0]["results"] for mark in judged):
-        return f"Marks of {', '.join(emails)} differ, and the submission is one. Make them equal."
+        return f"{', '.join(emails)} submitted together but have different marks. Make them equal."
     results = root / "results" / "results.json"
     results.parent.mkdir(exist_ok=True)
     results.write_text(json.dumps(judged[0]["results"]), "utf-8")
@@ -35,7 +35,7 @@ def main(root: Path) -> str:
 
 
 def files_of(folder: Path) -> list[Path]:
-    """Return the files in a folder that could be judged, without hidden and temporary files."""
+    """Return the files in a folder that may have been judged, except hidden ones."""
     return [
         path
         for path in folder.rglob("*")
@@ -46,7 +46,7 @@ def files_of(folder: Path) -> list[Path]:
 
 
 def digest(path: Path) -> str:
-    """Return the digest by which a file is identified."""
+    """Return the digest that identifies a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

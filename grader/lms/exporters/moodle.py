@@ -1,4 +1,4 @@
-"""Marks for Moodle: in the offline grading worksheet of an assignment, ready for upload.
+"""Marks for Moodle, written into an assignment's offline grading worksheet for upload.
 
 Moodle finds its columns by titles in the site's language, so all columns are kept unchanged. It
 skips blank cells. It also skips a mark without a message if the mark is above the maximum, locked
@@ -53,28 +53,28 @@ LOCKED = frozenset(
     ]
 )
 HOW_TO_DOWNLOAD = (
-    "In Moodle: the assignment's Submissions, Actions, Download grading worksheet. It is offered "
-    "where the assignment's feedback types include the offline grading worksheet."
+    "In Moodle: the assignment's Submissions, Actions, Download grading worksheet. Moodle offers "
+    "it if the assignment's feedback types include the offline grading worksheet."
 )
 
 
-def moodle(order: ExportOptions) -> ExportResult:
-    """Fill in the grades of a worksheet that Moodle wrote.
+def moodle(options: ExportOptions) -> ExportResult:
+    """Fill in the grades in a worksheet that Moodle wrote.
 
     Parameters
     ----------
-    order : Order
-        Its `column` is the title of the grade column.
+    options : ExportOptions
+        `column` is the title of the grade column.
 
     Raises
     ------
     ExportError
-        If the file is not a grading worksheet, or if the points differ. Nothing is written then.
+        If the file is not a grading worksheet, or if the points differ.
     """
-    marks, sheet = collect_marks(order), read_worksheet(order.into)
-    column = _grade_column(sheet, order.column)
+    marks, sheet = collect_marks(options), read_worksheet(options.into)
+    column = _grade_column(sheet, options.column)
     most = read_number(sheet.rows[0][column + 1])
-    factor = scale_factor(marks, most, sheet.head[column], order.scale)
+    factor = scale_factor(marks, most, sheet.head[column], options.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
     places = [RowPlace(row, _row(row, column, hidden)) for row in sheet.rows]
@@ -84,14 +84,14 @@ def moodle(order: ExportOptions) -> ExportResult:
 
 
 def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
-    """Find the grade column: the next column contains the same maximum in every row."""
+    """Find the grade column, whose next column contains the same maximum in every row."""
     titles = {
         place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
     }
     participants = all(PARTICIPANT.fullmatch(row[0].strip()) for row in sheet.rows)
     if not participants or not titles:
         raise ExportError(
-            f"{sheet.name} is not an offline grading worksheet of Moodle, or its grades are "
+            f"{sheet.name} is not an offline grading worksheet from Moodle, or its grades are "
             f"words of a scale. {HOW_TO_DOWNLOAD}"
         )
     if len(titles) == 1 and wanted is None:
@@ -100,7 +100,7 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
 
 
 def _is_grade(sheet: MarksTableFile, place: int) -> bool:
-    """Return whether the numbers in a column and in the next one fit a grade and its maximum."""
+    """Return whether a column and the next one may contain grades and their maximum."""
     (most, *others) = {row[place + 1] for row in sheet.rows}
     highest = read_number(most)
     if place == 0 or others or not highest:
@@ -111,15 +111,15 @@ def _is_grade(sheet: MarksTableFile, place: int) -> bool:
 
 
 def _hides_names(sheet: MarksTableFile) -> bool:
-    """Return whether the worksheet is anonymous, with the status in place of the name."""
+    """Return whether the worksheet is anonymous, with the status instead of the name."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 
 def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
     """Identify the owner of a row from its cells.
 
-    The first cell is Moodle's number of the participant, in words, and the second is the name. The
-    next cells are fields chosen by the site, such as e-mail address and ID number.
+    The first cell has Moodle's number for the participant after a word, and the second has the
+    name. The next cells are fields that the site has chosen, such as e-mail address and ID number.
     """
     fields = row[1:column]
     name = "" if hidden else row[1]

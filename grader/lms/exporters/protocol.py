@@ -1,4 +1,4 @@
-"""Input and output of all export formats."""
+"""The input and output of every export format."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from grader.lms.results import ClassResults
 
 
 class ExportError(Exception):
-    """The export is not possible; `str()` is the message to show, with a remedy."""
+    """The export is not possible; `str()` is the message to show, including the remedy."""
 
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """An order for an export.
+    """The options for an export.
 
     Attributes
     ----------
     course : grader.course.paths.Course
     results : grader.lms.results.ClassResults
     assignment : str or None
-        A stage or lesson that is one assignment in the LMS.
+        The stage or lesson that is one assignment in the LMS.
     provisional : bool
         Whether to export the current points of work that a person still has to grade.
     into : pathlib.Path or None
-        File from the LMS that is filled in.
+        The file from the LMS to fill in.
     column : str or None
-        Title of the column for the marks, if it cannot be guessed.
+        Title of the column for the marks; only needed if it is not obvious.
     scale : bool
         Whether to convert points if the LMS has a different maximum.
     """
@@ -44,7 +44,7 @@ class ExportOptions:
 
 @dataclass(frozen=True)
 class ExportResult:
-    """An exported file and the messages about it.
+    """An exported file, and messages about it.
 
     Attributes
     ----------

@@ -1,7 +1,8 @@
-"""Matching of rows in an LMS file with students.
+"""Match the rows in an LMS file with students.
 
-A mark in the wrong row is worse than a mark that is left out and reported. A row is therefore
-assigned to a student only if it identifies exactly one, and no other row identifies the same one.
+A mark in the wrong row is worse than a mark that is omitted and reported. A row is therefore
+assigned to a student only if it identifies exactly one student, and no other row identifies that
+student.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person, Roster, folded, has_other_lms_id
 
-Claim = tuple[str, str]  # (attribute of a person, text of the row)
+Claim = tuple[str, str]  # (attribute of a person, text in the row)
 
 
 @dataclass(frozen=True)
@@ -24,12 +25,12 @@ class PersonRow:
         Name of the row in messages.
     claims : tuple of tuple of (str, str)
         Pairs of a person's attribute and the row's text for it, by rank. Claims of the first rank
-        are certain. Numbers in lower ranks are ambiguous, and count only if the name agrees.
+        are certain. Numbers in lower ranks are ambiguous and count only if the name matches.
     name : str
-        Name of the owner, used alone if no claim matches; empty if the file hides it.
+        Name of the owner, which is used alone if no claim matches; empty if the file hides it.
     lms_id : str
-        The LMS's ID of the person, if all of its files contain one. A student with a different ID
-        on the roster merely has the same name.
+        The LMS's ID for the person, if all of its files contain one. A student with another ID on
+        the roster only has the same name.
     """
 
     label: str
@@ -40,7 +41,7 @@ class PersonRow:
 
 @dataclass(frozen=True)
 class RowMatches:
-    """Result of matching rows with students.
+    """The result of matching rows with students.
 
     Attributes
     ----------
@@ -49,11 +50,11 @@ class RowMatches:
     strangers : tuple of str
         Labels of the rows without a matching student.
     doubts : dict of str to str
-        Reason why a student has no row although some rows may match, by ID.
+        By student ID, the reason why a student has no row although some rows may match.
     by_name : tuple of str
-        Labels of the rows that were matched by name alone.
+        Labels of the rows that were matched only by name.
     renamed : tuple of str
-        Rows whose name differs from the roster.
+        Rows whose name differs from the name on the roster.
     """
 
     rows: dict[str, int]
@@ -93,7 +94,7 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
     for place, row in enumerate(rows):
         for person in _namesakes(row, people) if place not in settled else ():
             if person.id not in matched:
-                reason = f"{row.label} has the number {row.lms_id}, and not their {person.lms_id}"
+                reason = f"{row.label} has the number {row.lms_id} instead of {person.lms_id}"
                 doubts.setdefault(person.id, reason)
     strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
@@ -108,7 +109,7 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
 def _passes(
     rows: Sequence[PersonRow], people: Sequence[Person]
 ) -> Iterator[Callable[[int], set[str]]]:
-    """Yield functions from row index to matching IDs: one per rank of claims, then by name."""
+    """Yield functions from a row's index to matching IDs: one per rank of claims, then by name."""
     roster = Roster(tuple(people))
     owners: dict[Claim, set[str]] = {}
     for person in people:
@@ -132,14 +133,14 @@ def _passes(
 
 
 def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
-    """Yield the students with the name in a row but a different number."""
+    """Yield the students who have the name in a row but another number."""
     for person in Roster(tuple(people)).find_people(row.name):
         if has_other_lms_id(person, row.lms_id):
             yield person
 
 
 def _name_may_match(name: str, person: Person) -> bool:
-    """Return whether a name may belong to a person; a person without a stored name matches any."""
+    """Return whether a name may be a person's; a person without a stored name matches any name."""
     return not name or person.name == person.id or bool(Roster((person,)).find_people(name))
 
 

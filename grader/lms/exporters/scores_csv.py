@@ -22,24 +22,25 @@ from grader.lms.results import (
 )
 
 ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
-ABOUT_STAGE = ("handed in", "days late", "late penalty", "standing")
+ABOUT_STAGE = ("submitted", "days late", "late penalty", "standing")
 
 
-def scores_csv(order: ExportOptions) -> ExportResult:
-    """Write the scores of a class, limited to one stage or lesson if the order names it.
+def scores_csv(options: ExportOptions) -> ExportResult:
+    """Write the scores of a class, limited to one stage or lesson if the options name it.
 
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
-    student's row contains the score in each lesson, which is empty if there is none. For each stage
-    it also contains the submission time, days late, penalty and standing in words. The last two
-    columns are the total and its maximum; stages from which a student is excused count in neither.
+    student's row contains the score in each lesson; the cell is empty without a score. For each
+    stage it also contains the submission time, the days late, the penalty and the standing. The
+    last two columns are the total and its maximum, without the stages from which a student is
+    excused.
     """
     notebooks = [
         result
-        for result in order.results.notebooks
-        if order.assignment in (None, result.stage, result.lesson)
+        for result in options.results.notebooks
+        if options.assignment in (None, result.stage, result.lesson)
     ]
     if not notebooks:
-        raise ExportError(f"No student has submitted anything for {order.assignment}.")
+        raise ExportError(f"No student has submitted anything for {options.assignment}.")
     stages: dict[str, dict[str, float]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
@@ -47,16 +48,16 @@ def scores_csv(order: ExportOptions) -> ExportResult:
     table = csv.writer(file, lineterminator="\n")
     table.writerow(_head(stages))
     table.writerow(_out_of(stages))
-    for person in order.results.people:
+    for person in options.results.people:
         own = [result for result in notebooks if result.student == person.id]
-        table.writerow(_row(order, person, own, stages))
+        table.writerow(_row(options, person, own, stages))
     content = file.getvalue().encode("utf-8", "replace")
     marked = {
         result.student
         for result in notebooks
         if result.standing != EXCUSED and result.score is not None
     }
-    return ExportResult(content, len(marked), tuple(unlisted_notes(order.results)))
+    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)))
 
 
 def _head(stages: dict[str, dict[str, float]]) -> list[str]:
@@ -75,7 +76,7 @@ def _out_of(stages: dict[str, dict[str, float]]) -> list[str]:
 
 
 def _row(
-    order: ExportOptions,
+    options: ExportOptions,
     person: Person,
     own: Sequence[NotebookResult],
     stages: dict[str, dict[str, float]],
@@ -85,7 +86,7 @@ def _row(
     for stage in stages:
         in_stage = [result for result in own if result.stage == stage]
         cells += [_score(result) for result in in_stage]
-        cells += _about_stage(order.results.stage(person.id, stage), in_stage)
+        cells += _about_stage(options.results.stage(person.id, stage), in_stage)
     counted = [result for result in own if result.standing != EXCUSED]
     total = sum(result.points or 0.0 for result in counted)
     return [
@@ -102,9 +103,9 @@ def _score(result: NotebookResult) -> str:
 
 
 def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[str]:
-    handed_in = stage.handed_in.astimezone(UTC) if stage.handed_in else None
+    submitted_at = stage.submitted_at.astimezone(UTC) if stage.submitted_at else None
     return [
-        handed_in.strftime("%Y-%m-%d %H:%M:%S UTC") if handed_in else "",
+        submitted_at.strftime("%Y-%m-%d %H:%M:%S UTC") if submitted_at else "",
         _days_late(stage),
         format_points(sum(result.penalty for result in lessons if result.standing != EXCUSED)),
         _standing(lessons),
@@ -114,13 +115,13 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
 def _days_late(stage: StageResult) -> str:
     if stage.undecided:
         return "undecided"
-    if stage.due is None or stage.handed_in is None:
+    if stage.due is None or stage.submitted_at is None:
         return ""
     return format_points(stage.late / timedelta(days=1))
 
 
 def _standing(lessons: Sequence[NotebookResult]) -> str:
-    """Return the standing in a stage or lesson, followed by the lessons that deviate from it."""
+    """Return the standing in a stage or lesson, and then the lessons that deviate from it."""
     combined = combined_status(lessons)
     words = [] if combined == WAITING else [combined]
     if combined not in (EXCUSED, MISSING):

@@ -1,4 +1,4 @@
-"""Files downloaded from an LMS: read as they are, and written back in the same format."""
+"""Read files downloaded from an LMS, and write them back in the same format."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class MarksTableFile:
         Name of the file.
     head : tuple of str
     rows : tuple of tuple of str
-        Each row is as long as the head.
+        Each row is as long as `head`.
     separator, line_end : str
     marked : bool
         Whether the file begins with a byte order mark.
@@ -42,7 +42,7 @@ class MarksTableFile:
     def decimal_mark(self, columns: Iterable[int]) -> str:
         """Return the decimal mark used by the numbers in some columns.
 
-        It is a point if no number has a fraction, because every site understands a point.
+        If no number has a fraction, it is a point, because every site understands a point.
         """
         for column in columns:
             for row in self.rows:
@@ -52,7 +52,7 @@ class MarksTableFile:
         return "."
 
     def text(self, columns: Sequence[int], rows: Iterable[Sequence[str]]) -> str:
-        """Format the file with the given columns and rows only."""
+        """Format the file with only the given columns and rows."""
         file = io.StringIO()
         table = csv.writer(file, delimiter=self.separator, lineterminator=self.line_end)
         for row in (self.head, *rows):
@@ -76,7 +76,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ExportError(
-            f"{path.name} is not a CSV file in UTF-8. Give the file as the platform wrote it; if a "
+            f"{path.name} is not a CSV file in UTF-8. Use the file as the platform wrote it; if a "
             "spreadsheet has saved it since, save it as CSV UTF-8."
         ) from error
     marked = text.startswith("\ufeff")
@@ -100,7 +100,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
 
 
 def read_number(text: str) -> float | None:
-    """Parse a number, reading its last mark as the decimal mark like Canvas; None for text."""
+    """Parse a number, whose last mark is the decimal mark as in Canvas; None for other text."""
     text = text.strip()
     if not NUMBER.fullmatch(text):
         return None

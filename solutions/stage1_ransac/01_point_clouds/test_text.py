@@ -9,7 +9,7 @@ import pytest
 
 from grader.course import durations
 from grader.course.lessons import find_lesson
-from tests.lesson_texts import tell
+from tests.lesson_texts import run_lesson
 from utils.scenes import simple_highway
 from utils.simulator import scenes
 from utils.simulator.scanner import CLASSES
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def solved():
-    return tell("01_point_clouds")
+    return run_lesson("01_point_clouds")
 
 
 def test_the_first_exercise_begins_within_five_minutes():

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.lesson_texts import tell
+from tests.lesson_texts import run_lesson
 from utils import load_cloud
 from utils.datasets import DATA
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def solved():
-    return tell("02_ransac_line")
+    return run_lesson("02_ransac_line")
 
 
 def numbers_in(line):

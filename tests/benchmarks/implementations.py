@@ -1,4 +1,4 @@
-"""Implementations of clustering and box detection: the lessons and other libraries.
+"""Implementations of clustering and box detection: those of the lessons and of other libraries.
 
 The other libraries, and Numba for lesson 13, are in their own environment:
 
@@ -7,7 +7,7 @@ The other libraries, and Numba for lesson 13, are in their own environment:
     PEERS=$(echo .bench/peers/lib/python3*/site-packages) make bench
 
 PCL is a C++ library. Debian's `libpcl-dev`, `g++` and `pkg-config` build `pcl_peer` from
-`pcl_peer.cpp`, unless PCL_PEER is the path of a program that is already built.
+`pcl_peer.cpp`, unless PCL_PEER is the path of a finished program.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ if os.environ.get("PEERS"):
 
 
 def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
-    """Turn a function of the cloud into a `Way`."""
+    """Turn a function of a cloud into a `Way`."""
 
     @functools.wraps(function)
     def way(cloud: np.ndarray) -> Callable[[], np.ndarray]:
@@ -73,7 +73,7 @@ def by_numba(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def all_pairs(cloud: np.ndarray) -> np.ndarray:
-    """Cluster with SciPy, by the connected components of the graph of all close pairs."""
+    """Cluster with SciPy: the connected components of the graph of all close pairs."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -121,12 +121,12 @@ def detect(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
-    """Detect boxes with lesson 13, as the smallest rectangles around clusters."""
+    """Detect boxes with lesson 13: the smallest rectangles around clusters."""
     return _compiled("detect_compiled")(cloud)
 
 
 def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
-    """Detect boxes with the same steps in PCL, as the smallest rectangles around clusters."""
+    """Detect boxes with the same steps in PCL: the smallest rectangles around clusters."""
     return PclPeer("detect", cloud)
 
 
@@ -144,7 +144,7 @@ DETECTORS: dict[str, Way] = {"ours, Numba": detect_by_numba, "ours": detect, "PC
 
 
 class PclPeer:
-    """A running `pcl_peer` program, which does its work once for each call.
+    """A running `pcl_peer` program, which does its work once per call.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class PclPeer:
     Raises
     ------
     tests.benchmarks.racing.Missing
-        If there is no program and it cannot be built.
+        If the program does not exist and cannot be built.
     """
 
     def __init__(self, work: str, cloud: np.ndarray) -> None:

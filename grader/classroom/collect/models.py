@@ -1,4 +1,4 @@
-"""The data that the modules of ``collect`` exchange."""
+"""The exceptions and data classes that the modules of ``collect`` share."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class CollectError(Exception):
 
 
 class UnreadableFile(Exception):
-    """One file cannot be read; `str()` is the sentence to show, without the file's name."""
+    """One file cannot be read; `str()` is the sentence to show after the file's name."""
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class ArchiveEntry:
     Attributes
     ----------
     path : tuple of str
-        Folders and name, without parts that lead elsewhere.
+        Folders and file name, without parts such as ``..``.
     moment : datetime
-        The time in the archive, without a zone. Learning platforms store the time of the
+        The time in the archive, without a time zone. Learning platforms store the time of the
         download; other programs store when the file was saved.
     read : callable
         Returns the bytes; raises `UnreadableFile`.
@@ -56,7 +56,7 @@ class Archive:
 
 @dataclass(frozen=True)
 class Owner:
-    """The owner of a file, as an archive names them.
+    """The owner of a file, as named in an archive.
 
     Attributes
     ----------
@@ -65,11 +65,11 @@ class Owner:
     folder : str
         The name of the folder if there is no roster.
     names : tuple of str
-        Possible names on the roster, the likeliest first.
+        Possible names on the roster, the most likely first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas's number of the person, Moodle's number of the participant, GitHub logins.
+        Canvas's number for the person, Moodle's number for the participant, GitHub logins.
     guesses : tuple of str
-        Possible GitHub logins, or ends of other logins.
+        Possible GitHub logins, some of which may be only the end of a login.
     """
 
     label: str
@@ -89,18 +89,18 @@ class SubmittedFile:
     ----------
     owner : Owner
     path : tuple of str
-        Folders and name before a learning platform changed them.
+        Folders and file name before a learning platform changed them.
     entry : ArchiveEntry
     order : int
         Higher is newer, among archives of this kind; 0 if unknown.
     saved : datetime or None
-        When the student saved it, as far as the archive knows.
+        When the student saved it, if the archive says so.
     late : bool or None
         Whether the learning platform marked it late; None if the platform has no such mark.
     remark : str
-        A sentence if it is a typed text or a link instead of a file.
+        For a typed text or a link instead of a file, what is wrong with it; otherwise empty.
     is_given : bool
-        Whether it may be there only because every student was given it.
+        Whether every student received a file at this path, so that it may be unchanged.
     """
 
     owner: Owner
@@ -119,4 +119,4 @@ class SubmittedFile:
 
 
 ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]
-"""Reads an archive as one program writes it; None where that program did not write it."""
+"""Reads archives that one program writes; returns None if another program wrote the archive."""
