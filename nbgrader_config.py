@@ -1,10 +1,10 @@
-"""nbgrader's settings for this course. nbgrader keeps the course; `grader` does the judging."""
+"""nbgrader's settings for this course. nbgrader manages the course, and `grader` judges."""
 
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))  # so that nbgrader's own commands find `grader`
+sys.path.insert(0, str(HERE))  # so that nbgrader's commands can import `grader`
 
 from grader.course.nbgrader_settings import configure  # noqa: E402
 

@@ -142,7 +142,7 @@ def report_of(course):
     """Return the report without times of day and durations."""
     page = (course.report / "index.html").read_text()
     page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
-    page = re.sub(r", of which [^·]*", "", page)  # counts of this run and earlier runs
+    page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # counts of this run and earlier runs
     return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
 
 

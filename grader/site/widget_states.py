@@ -105,14 +105,14 @@ def predict(
     about = {"question": question, "choices": list(choices), "unit": unit}
     if between:
         about |= {"between": [*between], "step": step}
-    _display(QUESTION, about, f"Your guess first: {question}")
+    _display(QUESTION, about, f"Guess first: {question}")
     return prediction
 
 
 def compare(prediction: object, answer: float | str, why: str) -> None:
     """Replace `utils.predictions.Prediction.compare` and show the answer as data."""
     if prediction._choices and answer not in prediction._choices:
-        raise ValueError(f"{answer!r} is none of the choices: {', '.join(prediction._choices)}.")
+        raise ValueError(f"{answer!r} is not one of the choices: {', '.join(prediction._choices)}.")
     text = prediction._as_text(answer)
     about = {"question": prediction._question, "answer": text, "why": why}
     _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
