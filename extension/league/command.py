@@ -18,9 +18,9 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "league",
         run_league,
-        "Drive a car on each student's detector and rank the class: a game without marks. It "
-        "writes league/STAGE.html under pseudonyms, and report/league_STAGE.csv, which says who is "
-        "who.",
+        "Let a simulated car drive with each student's detector, and rank the class. This game "
+        "does not affect marks. It writes league/STAGE.html with pseudonyms, and "
+        "report/league_STAGE.csv, which links pseudonyms to students.",
         "stage4_realtime",
     )
     league.add_argument("stage", metavar="STAGE", help="stage, such as stage4_realtime")
