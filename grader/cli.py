@@ -295,8 +295,8 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
     grade.add_argument(
         "--student",
         metavar="X",
-        help="judge only this student's work, again, and print the history of the marks; X is an id, "
-        "name, e-mail address or login",
+        help="judge only this student's work, again, and print the history of the marks; X is an "
+        "id, name, e-mail address or login",
     )
     add_judging_options(grade)
     add_executor_options(grade)
