@@ -388,10 +388,10 @@ def run_autograder(options: argparse.Namespace) -> int:
             console.progress_bar("Judging the course's own solutions") as advance,
         ):
 
-            def show_progress(lesson: Lesson) -> None:
+            def announce(lesson: Lesson) -> None:
                 advance(next(counter), len(lessons), lesson.name)
 
-            Rehearsals(course, lessons, seed, sandbox, show_progress).finish(executor)
+            Rehearsals(course, lessons, seed, sandbox, announce).finish(executor)
     except RehearsalFailed as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
