@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))  # so that nbgrader's own commands find `grader`
+sys.path.insert(0, str(HERE))  # so that nbgrader's commands can import `grader`
 
 from grader.course.nbgrader_settings import configure  # noqa: E402
 

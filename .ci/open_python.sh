@@ -1,5 +1,6 @@
-# Sourced in a mount namespace of one's own. A Python may lie in a home that is closed to others:
-# open_python FOLDER COMMAND... lets whoever COMMAND becomes reach it, and nothing else there.
+# Source this file in a separate mount namespace. A Python may be in a private home folder.
+# `open_python FOLDER COMMAND...` lets the user that COMMAND switches to reach this Python, and nothing
+# else in that folder.
 open_python() {
   local python="$1" closed="$1" elsewhere
   shift

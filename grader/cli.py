@@ -1,4 +1,4 @@
-"""The grammar of the command line, ``python -m grader``; `commands` has the commands."""
+"""Parser of the command line ``python -m grader``; `grader.commands` runs the commands."""
 
 import argparse
 import errno
@@ -20,7 +20,7 @@ from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
 PROGRAM = "python -m grader"
-WIDTH = 78  # columns of a description
+WIDTH = 78  # characters per line of a description
 TERM = (
     "release stage1_ransac",
     "collect submissions.zip --stage stage1_ransac",
@@ -38,12 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : list of str, optional
-        By default the arguments of the process.
+        By default, the arguments of the process.
 
     Returns
     -------
     int
-        Exit status: 0 for success, 1 if the command found a fault, 2 for a wrong call.
+        Exit status: 0 for success, 1 if the command found a fault, 2 for a usage error.
     """
     options = build_parser().parse_args(arguments)
     try:
@@ -59,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return commands.USAGE_ERROR
     except KeyboardInterrupt:
         print(
-            "\nStopped. Verdicts are kept; the same command continues from here.",
+            "\nStopped. Verdicts are kept. Run the same command again to continue.",
             file=sys.stderr,
         )
         return 130
@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         where = error.filename or error
         print(
-            f"The disk is full ({where}). Verdicts are kept; free some space and run the same "
+            f"The disk is full ({where}). Verdicts are kept. Free some space and run the same "
             "command again."
             if error.errno in DISK_FULL
             else f"{where}: {error.strerror}. Change its permissions, or name another file or "
@@ -82,7 +82,7 @@ def build_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
-        description="Build the course, hand it out, grade a class.",
+        description="Build the course, release it to students and grade a class.",
         epilog=f"a term in five commands:\n{_lines(TERM)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -110,7 +110,7 @@ def add_command(
     run : callable
         Takes the parsed options and returns the exit status.
     description : str
-        What the command does; its first sentence is the line in the list of all commands.
+        What the command does. The list of all commands shows its first sentence.
     *examples : str
         Arguments of sample calls.
     """
@@ -138,9 +138,9 @@ def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "doctor",
         commands.run_doctor,
-        "Check that everything is ready to grade. It looks at versions, sandbox, seed, disk space, "
-        "roster, due dates and gradebook, and judges the course's own solutions. The exit status "
-        "is 1 if something has to be fixed.",
+        "Check that everything is ready for grading. It checks versions, sandbox, seed, disk "
+        "space, roster, due dates and gradebook, and judges the course's own solutions. The exit "
+        "status is 1 if there is something to fix.",
         "",
     )
     add_workers_option(doctor, "solutions judged")
@@ -167,7 +167,8 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
         "--stages",
         nargs="*",
         metavar="STAGE",
-        help="stages that they submit; without a name, all stages (default: stage3_obstacles)",
+        help="stages that the sample students submit; --stages without a name means all stages "
+        "(default: stage3_obstacles)",
     )
     add_workers_option(demo)
 
@@ -177,8 +178,8 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "release",
         commands.run_release,
-        "Write what students get: a zip for each stage. It runs wherever it is unzipped. Several "
-        "zips unzip into one folder.",
+        "Write a zip for students for each stage. The notebooks run wherever the zip is unzipped. "
+        "Students can unzip several stages into the same folder.",
         "stage1_ransac",
         "--standalone stage1_ransac",
         "--solutions stage1_ransac",
@@ -188,12 +189,12 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--standalone",
         action="store_true",
-        help="write one notebook per lesson that needs no other file, for Colab",
+        help="write one notebook per lesson instead, which needs no other file, for Colab",
     )
     kind.add_argument(
         "--solutions",
         action="store_true",
-        help="write the executed solutions as notebooks and pages; refused while a student may "
+        help="write the executed solutions as notebooks and pages; refuse while a student may "
         "still submit",
     )
     release.add_argument(
@@ -207,9 +208,9 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "collect",
         commands.run_collect,
-        "Put the submissions of a class into submitted/. It recognises archives of Canvas, Moodle "
-        "and GitHub Classroom, folders and single files. If it cannot tell whose a file is, it "
-        "asks, and exits with status 1; repeat the command with the answer added.",
+        "Put the submissions of a class into submitted/. It recognises archives from Canvas, "
+        "Moodle and GitHub Classroom, folders and single files. If it does not know which student "
+        "a file belongs to, it asks and exits with status 1. Run it again with the answer added.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -218,8 +219,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         nargs="+",
         type=Path,
         metavar="ARCHIVE",
-        help="zip of Canvas or Moodle, folder with checkouts of GitHub Classroom, other folder, or "
-        "one file",
+        help="zip from Canvas or Moodle, folder with checkouts of GitHub Classroom, other folder, "
+        "or single file",
     )
     collect.add_argument(
         "--stage",
@@ -233,7 +234,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         "--timestamps",
         type=Path,
         metavar="FILE.csv",
-        help="table with the times of submission: Moodle's grading worksheet, or one like it",
+        help="table of submission times: Moodle's grading worksheet, or a similar file",
     )
     collect.add_argument(
         "--who",
@@ -241,7 +242,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
-        help="id of the student called NAME in the archive; several ids for a team, - to ignore",
+        help="id of the student called NAME in the archive; write several ids for a team, or - to "
+        "ignore NAME",
     )
     collect.add_argument(
         "--lesson",
@@ -249,12 +251,12 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="FILE=NN",
-        help="number of the lesson in FILE, if its name and its content disagree",
+        help="number of the lesson in FILE, if the file's name and content disagree",
     )
 
 
 def _parse_answer(text: str) -> tuple[str, str]:
-    """Return the two sides of NAME=ID; a name may contain the equals sign."""
+    """Split NAME=ID at its last equals sign, because a name may contain one."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
         raise argparse.ArgumentTypeError(f"{text!r} has no =; write NAME=ANSWER")
@@ -266,7 +268,7 @@ def _add_judge(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "judge",
         commands.run_judge,
-        "Judge one notebook and print its verdict. Nothing is entered into the gradebook.",
+        "Judge one notebook and print its verdict. It does not change the gradebook.",
         "path/to/06_filter_ground.ipynb",
         "path/to/06_filter_ground.ipynb --json",
     )
@@ -283,8 +285,8 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
         "grade",
         commands.run_grade,
         "Grade the class in submitted/. It judges new and changed notebooks, enters the scores "
-        "into the gradebook and writes report/index.html. The exit status is 1 if something needs "
-        "your decision.",
+        "into the gradebook and writes report/index.html. The exit status is 1 if you have to "
+        "decide something.",
         "stage3_obstacles",
         "stage3_obstacles --student anna",
         "--scheduler tcp://10.0.0.1:8786",
@@ -293,8 +295,8 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
     grade.add_argument(
         "--student",
         metavar="X",
-        help="judge only this student, again, and print the history of the marks; X is an id, "
-        "name, e-mail address or login",
+        help="judge only this student's work, again, and print the history of the marks; X is an "
+        "id, name, e-mail address or login",
     )
     add_judging_options(grade)
     add_executor_options(grade)
@@ -306,8 +308,9 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "report",
         commands.run_report,
-        "Write the report on the class again, without judging. Use it after marks were changed by "
-        "hand. It writes report/index.html, and report/anonymous.html without names.",
+        "Write the report about the class again, without judging. Use it after you changed marks "
+        "by hand. It writes report/index.html, and a version without names, "
+        "report/anonymous.html.",
         "",
     )
 
@@ -317,7 +320,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "feedback",
         commands.run_feedback,
-        "Write a feedback page for each student and stage. The pages are in handed_back/.",
+        "Write a feedback page for each student and stage. The pages are written to handed_back/.",
         "stage3_obstacles",
         "stage3_obstacles --for moodle",
     )
@@ -327,13 +330,14 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         action="append",
         default=[],
         metavar="X",
-        help="write only the page of this student; may be repeated",
+        help="write pages only for this student; X is an id, name, e-mail address or login; may be "
+        "repeated",
     )
     feedback.add_argument(
         "--for",
         dest="platform",
         choices=("moodle", "canvas"),
-        help="also write a zip that the platform distributes to the students",
+        help="also write a zip that this platform distributes to the students",
     )
     _add_folder_option(feedback, "handed_back")
 
@@ -343,8 +347,8 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "export",
         commands.run_export,
-        "Write the marks to a file: a table, or a file for a learning platform. Late penalties are "
-        "already subtracted. Students without a mark are listed, not exported.",
+        "Write the marks to a table or to a file for a learning platform. Late penalties are "
+        "already subtracted. Students without a mark are listed, but not exported.",
         "",
         "--format canvas --assignment stage3_obstacles --into gradebook.csv",
     )
@@ -352,7 +356,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "--format",
         choices=tuple(EXPORTERS),
         default=next(iter(EXPORTERS)),
-        help="format of the file: %(choices)s (default: %(default)s)",
+        help="file format: %(choices)s (default: %(default)s)",
     )
     export.add_argument(
         "--assignment", metavar="NAME", help="stage or lesson whose marks are exported"
@@ -361,22 +365,22 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "--into",
         type=Path,
         metavar="FILE",
-        help="file from Canvas or Moodle to fill in; the result is a copy",
+        help="file from Canvas or Moodle to fill in; the result is written to a copy",
     )
     export.add_argument(
         "--column",
         metavar="TITLE",
-        help="title of the column to fill in, if it contains neither stage nor lesson",
+        help="title of the column to fill in, if it contains neither the stage nor the lesson",
     )
     export.add_argument(
         "--scale",
         action="store_true",
-        help="convert the marks if the platform has another maximum",
+        help="convert the marks if the maximum on the platform differs",
     )
     export.add_argument(
         "--provisional",
         action="store_true",
-        help="also export work that waits for a grader, with its points so far",
+        help="also export work that is waiting for a grader, with its points so far",
     )
     export.add_argument(
         "--to",
@@ -391,11 +395,13 @@ def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "autograder",
         commands.run_autograder,
-        "Write a zip with which Gradescope judges an assignment by itself. It contains the hidden "
-        "tests and the secret seed.",
+        "Write an autograder zip, with which Gradescope judges an assignment. The zip contains the "
+        "hidden tests and the secret seed.",
         "stage3_obstacles",
     )
-    autograder.add_argument("assignment", metavar="NAME", help="a stage or a lesson")
+    autograder.add_argument(
+        "assignment", metavar="NAME", help="stage or lesson, such as stage3_obstacles"
+    )
     autograder.add_argument(
         "--to",
         type=Path,
@@ -409,8 +415,8 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "similarity",
         commands.run_similarity,
-        "Show which answers of a stage are alike. It writes report/similarity_STAGE.html with the "
-        "pairs side by side. No student code runs.",
+        "Show which answers in a stage are similar. It writes report/similarity_STAGE.html, which "
+        "shows similar pairs side by side. It does not run student code.",
         "stage3_obstacles",
     )
     similarity.add_argument("stage", metavar="STAGE", help="stage, such as stage3_obstacles")
@@ -421,8 +427,8 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "site",
         commands.run_site,
-        "Write the course as a website. It executes the lessons, and needs the packages of "
-        "requirements-site.txt; `make site` installs them.",
+        "Write the course as a website. It executes the lessons, and needs the packages in "
+        "requirements-site.txt, which `make site` installs.",
         "",
         "--to /var/www/course",
     )
@@ -443,14 +449,15 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "new",
         commands.run_new,
-        "Write the skeleton of a lesson of your own. It is a small but complete exercise; change "
-        "its four files.",
+        "Write the skeleton of a new lesson. It is a small but complete exercise in four files, "
+        "which you then change.",
         "14_free_distance",
     )
     new.add_argument(
         "name",
         metavar="NN_NAME",
-        help="number and name of the lesson, such as 14_free_distance; the exercise gets the name",
+        help="number and name of the lesson, such as 14_free_distance; the exercise gets the same "
+        "name",
     )
     new.add_argument(
         "--stage",
@@ -465,7 +472,7 @@ def _add_try(subparsers: argparse._SubParsersAction) -> None:
         "try",
         commands.run_try,
         "Build a lesson, run it, judge its answers and list what is missing. It also stores the "
-        "answers that stubs lend.",
+        "answers that replace unwritten functions.",
         "14",
     )
     attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
@@ -477,14 +484,14 @@ def _add_build(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "build",
         commands.run_build,
-        "Write every generated file: the notebooks of all lessons and parts of the documentation.",
+        "Write all generated files: the notebooks of all lessons, and parts of the documentation.",
         "",
         "--check",
     )
     build.add_argument(
         "--check",
         action="store_true",
-        help="write nothing; fail if a file is stale or gives a solution away",
+        help="write nothing, but fail if a file is stale or reveals a solution",
     )
 
 
@@ -505,14 +512,14 @@ COMMANDS = (
     _add_try,
     _add_build,
 )
-"""Each adds a command, in the order of ``--help``; a course may have more of its own."""
+"""Functions that add one command each, in the order of ``--help``; a course may add more."""
 
 
-# ---- options that several commands have ----------------------------------------------------------
+# ---- options of several commands -----------------------------------------------------------------
 
 
 def add_stages_argument(command: argparse.ArgumentParser) -> None:
-    """Add the argument for the stages to work on."""
+    """Add the argument that names the stages to work on."""
     command.add_argument(
         "stages",
         nargs="*",
@@ -547,8 +554,8 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
         "--sandbox",
         choices=(AUTO, *SANDBOXES),
         default=AUTO,
-        help="where student code runs; process protects nothing and is for code that you trust "
-        "(default: bubblewrap, or refuse)",
+        help="where student code runs; `process` does not protect this machine, so use it only for "
+        "code that you trust (default: bubblewrap; refuse if it does not work)",
     )
 
 
@@ -559,7 +566,7 @@ def _positive_number(text: str) -> int:
 
 
 def add_workers_option(command: argparse.ArgumentParser, what: str = "notebooks judged") -> None:
-    """Add the option for the number of processes that work at the same time."""
+    """Add the option for the number of parallel processes."""
     command.add_argument(
         "--workers",
         type=_positive_number,
@@ -570,10 +577,10 @@ def add_workers_option(command: argparse.ArgumentParser, what: str = "notebooks 
 
 
 def add_executor_options(command: argparse.ArgumentParser) -> None:
-    """Add the options for the place to judge: this machine or a cluster."""
+    """Add the options that select where to judge: on this machine or on a cluster."""
     add_workers_option(command)
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="judge on the workers of a Dask cluster, such as tcp://10.0.0.1:8786",
+        help="address of a Dask cluster that judges, such as tcp://10.0.0.1:8786",
     )

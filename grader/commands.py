@@ -1,6 +1,6 @@
-"""The commands; each takes the parsed options and returns the exit status.
+"""Commands of the command line; each takes the parsed options and returns the exit status.
 
-Commands import the modules that they need when they run, so that ``--help`` is quick.
+Commands import most modules only when they run, so that ``--help`` is quick.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def run_new(options: argparse.Namespace) -> int:
     for path in written:
         print("wrote", path.relative_to(PROJECT))
     number = options.name[:2]
-    print(f"Change these files as you like; python -m grader try {number} says how far you are.")
+    print(f"Now change these files. To see what is missing, run: python -m grader try {number}")
     return SUCCESS
 
 
@@ -58,7 +58,8 @@ def run_try(options: argparse.Namespace) -> int:
     lesson = next((each for each in every_lesson() if wanted in (each.number, each.name)), None)
     if lesson is None:
         print(
-            f"There is no lesson {wanted}. python -m grader new {wanted[:2]}_NAME writes one.",
+            f"There is no lesson {wanted}. To write it, run: "
+            f"python -m grader new {wanted[:2]}_NAME",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -72,9 +73,9 @@ def run_try(options: argparse.Namespace) -> int:
         mark = "ok" if finding.good else "!!"
         print(f"  {mark}   {textwrap.indent(finding.sentence, ' ' * 7).lstrip()}", flush=True)
         findings.append(finding)
-    left = sum(not finding.good for finding in findings)
-    print(f"{lesson.name}: {left} to do." if left else f"{lesson.name} is complete.")
-    return FAULT if left else SUCCESS
+    unfinished = sum(not finding.good for finding in findings)
+    print(f"{lesson.name}: {unfinished} to do." if unfinished else f"{lesson.name} is complete.")
+    return FAULT if unfinished else SUCCESS
 
 
 def run_build(options: argparse.Namespace) -> int:
@@ -84,7 +85,7 @@ def run_build(options: argparse.Namespace) -> int:
 
     if options.check:
         faults = [*build.check(), *documentation.check(options.parser)]
-        print("\n".join(faults) if faults else "Every generated file is up to date.")
+        print("\n".join(faults) if faults else "All generated files are up to date.")
         return FAULT if faults else SUCCESS
     try:
         changes = [*build.build(), *documentation.write(options.parser)]
@@ -94,7 +95,7 @@ def run_build(options: argparse.Namespace) -> int:
     for what, path in changes:
         print(what, path.relative_to(PROJECT))
     if not changes:
-        print("Every generated file is up to date.")
+        print("All generated files are up to date.")
     return SUCCESS
 
 
@@ -134,9 +135,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     if any(open_stages):
         print(*filter(None, open_stages), sep="\n", file=sys.stderr)
         if not options.anyway:
-            print(
-                "Nothing was written. --anyway writes the solutions all the same.", file=sys.stderr
-            )
+            print("Nothing was written. To write the solutions now, add --anyway.", file=sys.stderr)
             return FAULT
     lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
     with console.progress_bar("Running the solutions") as advance:
@@ -170,7 +169,8 @@ def run_site(options: argparse.Namespace) -> int:
     for lesson, packages in missing.items():
         if packages:
             print(
-                f"The page of {lesson.name} shows no outputs: install {', '.join(packages)} first."
+                f"The page of {lesson.name} shows no outputs. To add them, install "
+                f"{', '.join(packages)} and run the command again."
             )
     print(f"wrote {folder / 'index.html'}")
     return SUCCESS
@@ -206,13 +206,13 @@ def run_collect(options: argparse.Namespace) -> int:
         return FAULT
     console.print_collected(collected)
     if not any(collected.states.values()) and not collected.questions:
-        print(f"There is no notebook of {', '.join(options.stages)} in it.", file=sys.stderr)
+        print(f"These files contain no notebook of {', '.join(options.stages)}.", file=sys.stderr)
         return USAGE_ERROR
     return FAULT if collected.questions else SUCCESS
 
 
 def stages_exist(names: Sequence[str]) -> bool:
-    """Return whether the course has all these stages; print its stages if not."""
+    """Return whether the course has all these stages; otherwise print an error."""
     unknown = set(names) - set(stages())
     if unknown:
         print(
@@ -230,8 +230,8 @@ def run_judge(options: argparse.Namespace) -> int:
 
     if options.notebook.is_dir():
         print(
-            f"{options.notebook} is a folder; judge takes one notebook. Run: python -m grader "
-            "grade for everything in submitted/.",
+            f"{options.notebook} is a folder, but judge takes one notebook. To judge everything in "
+            "submitted/, run: python -m grader grade",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -265,7 +265,7 @@ def run_grade(options: argparse.Namespace) -> int:
     if not has_one_executor(options):
         return USAGE_ERROR
     course = Course()
-    read_deadlines(course)  # reports a faulty file before hours of judging
+    read_deadlines(course)  # to report a faulty file before hours of judging
     try:
         student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
@@ -287,10 +287,10 @@ def run_grade(options: argparse.Namespace) -> int:
 
 
 def has_one_executor(options: argparse.Namespace) -> bool:
-    """Return whether at most one place to judge is named; print a sentence if not."""
+    """Return whether at most one executor is named; otherwise print an error."""
     if options.workers and options.scheduler:
         print(
-            "--workers is for this machine and --scheduler for a cluster. Use one of the two.",
+            "--workers is for this machine and --scheduler is for a cluster. Use one of the two.",
             file=sys.stderr,
         )
         return False
@@ -298,7 +298,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
 
 
 def sandbox_of_workers(choice: str) -> Sandbox:
-    """Return the requested sandbox, without checking it: each worker checks its own."""
+    """Return the requested sandbox without checking it, because each worker checks its own."""
     if choice == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
     return SANDBOXES[choice]
@@ -321,7 +321,7 @@ def run_report(options: argparse.Namespace) -> int:
 
 
 def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
-    """Return all submissions that have a verdict, with their verdicts."""
+    """Return all submissions that have a verdict, with the verdict of each."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
@@ -341,7 +341,7 @@ def run_export(options: argparse.Namespace) -> int:
         print(
             f"--format {options.format} fills in {exporter.fills}. Name that file with --into."
             if exporter.fills
-            else f"--format {options.format} fills in no file. Leave out --into.",
+            else f"--format {options.format} does not fill in a file. Leave out --into.",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -373,14 +373,14 @@ def run_autograder(options: argparse.Namespace) -> int:
     if not lessons:
         print(
             f"There is no stage or lesson {options.assignment}. The stages are: "
-            f"{', '.join(stages())}. A lesson has the name of its notebook.",
+            f"{', '.join(stages())}. The name of a lesson is the name of its notebook.",
             file=sys.stderr,
         )
         return USAGE_ERROR
     try:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # the solutions are our own code
+        sandbox = SANDBOXES["process"]  # only the course's own code runs
     seed, counter = course_seed(course), itertools.count()
     try:
         with (
@@ -452,7 +452,7 @@ def run_similarity(options: argparse.Namespace) -> int:
         return USAGE_ERROR
     path = write_similarity(course, compared)
     console.print_similarity(compared)
-    print(f"Side by side: {path}")
+    print(f"Pairs side by side: {path}")
     return SUCCESS
 
 
@@ -467,7 +467,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     try:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # the solutions are our own code
+        sandbox = SANDBOXES["process"]  # only the course's own code runs
     all_good = True
     with EXECUTORS["processes"](options.workers) as executor:
         seed = course_seed(course)
@@ -489,8 +489,8 @@ def run_demo(options: argparse.Namespace) -> int:
     except SandboxUnavailable as error:
         sandbox = SANDBOXES["process"]
         warning = (
-            f"{error.args[0].split(' Student code')[0]} This demo runs its own sample "
-            "students without a sandbox; real grading would refuse."
+            f"{error.args[0].split(' Student code')[0]} This demo runs the code of its sample "
+            "students without a sandbox. Real grading would refuse."
         )
         print(warning, file=sys.stderr)
     wanted = (STAGE,) if options.stages is None else options.stages or stages()
@@ -531,18 +531,20 @@ def grade_course(
     scheduler: str | None = None,
     student: str | None = None,
 ) -> int:
-    """Judge a class, enter the marks and write the report, for `grade` and `demo`."""
+    """Judge a class, enter the marks and write the report; used by `grade` and `demo`."""
     from grader.classroom.lock import AlreadyRunning, course_lock
 
     try:
         with course_lock(course):
-            return _grade_alone(course, wanted, seed, sandbox, workers, warning, scheduler, student)
+            return _grade_with_lock(
+                course, wanted, seed, sandbox, workers, warning, scheduler, student
+            )
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
         return FAULT
 
 
-def _grade_alone(
+def _grade_with_lock(
     course: Course,
     wanted: Sequence[str],
     seed: int,
@@ -569,24 +571,24 @@ def _grade_alone(
     seconds = time.perf_counter() - begin
     if not judged:
         print(
-            f"There is nothing to grade: {course.submitted}/{student or '<student>'}/<stage>/ has "
-            "no notebook. Run: python -m grader collect ARCHIVE --stage STAGE",
+            f"There is no notebook in {course.submitted}/{student or '<student>'}/<stage>/. Run: "
+            "python -m grader collect ARCHIVE --stage STAGE",
             file=sys.stderr,
         )
         return USAGE_ERROR
     status = _enter_marks(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
-    # The submissions that were judged now are only a part of the class.
+    # If a student or a stage is named, `judged` contains only part of the class.
     reported = _verdicts_on_disk(course) if student or wanted else judged
     results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
     run = GradingRun(now, len(reported) - now, seconds, label)
     path = write_report(course, reported, results, run, warning or sandbox.warning, left)
     if student:
-        _print_one(course, student, judged)
+        _print_student(course, student, judged)
     else:
-        _print_all(course, judged, results, left)
-    _print_end(course, len(judged), stored_count, seconds, label)
+        _print_class(course, judged, results, left)
+    _print_summary(course, len(judged), stored_count, seconds, label)
     print(f"Report: {path}")
     return status
 
@@ -600,7 +602,7 @@ def _judge_all(
     scheduler: str | None,
     student: str | None,
 ) -> tuple[JudgedSubmissions, int]:
-    """Return the submissions with their verdicts, and how many had a verdict before."""
+    """Return the submissions with their verdicts, and the number of stored verdicts among them."""
     from grader.classroom.grade import judge_class
 
     counts = []
@@ -621,7 +623,7 @@ def _enter_marks(
     course: Course, judged: JudgedSubmissions, wanted: Sequence[str], student: str | None
 ) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
-    # Importing nbgrader takes a second, so it is done after the verdicts are there.
+    # Importing nbgrader takes a second, so it is imported after judging.
     from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 
     with console.progress_bar("Entering into the gradebook") as advance:
@@ -633,13 +635,13 @@ def _enter_marks(
     return SUCCESS
 
 
-def _print_all(
+def _print_class(
     course: Course,
     judged: JudgedSubmissions,
     results: ClassResults,
     left: Sequence[tuple[Path, str]],
 ) -> None:
-    """Print the results of the class, with everything that needs attention."""
+    """Print the results of the class, and everything that needs attention."""
     from grader.classroom.folders import respelt_folders
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
@@ -652,8 +654,8 @@ def _print_all(
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
 
 
-def _print_one(course: Course, student: str, judged: JudgedSubmissions) -> None:
-    """Print the verdicts on one student, and the history of the marks."""
+def _print_student(course: Course, student: str, judged: JudgedSubmissions) -> None:
+    """Print the verdicts on a student's work, and the history of the marks."""
     from grader.lms.history import read_changes
 
     for _, verdict in judged:
@@ -668,12 +670,14 @@ def _print_one(course: Course, student: str, judged: JudgedSubmissions) -> None:
     )
 
 
-def _print_end(course: Course, count: int, stored_count: int, seconds: float, label: str) -> None:
+def _print_summary(
+    course: Course, count: int, stored_count: int, seconds: float, label: str
+) -> None:
     from grader.lms.gradebook import gradebook_location
 
     print(
         f"{count} notebook{'s' * (count != 1)}: {count - stored_count} judged in {seconds:.1f} s"
-        f"{f', {stored_count} as before' if stored_count else ''}. "
+        f"{f', {stored_count} unchanged' if stored_count else ''}. "
         f"Gradebook: {gradebook_location(course)}"
         f"{f'. Sandbox: {label}' if label else ''}"
     )
@@ -681,7 +685,7 @@ def _print_end(course: Course, count: int, stored_count: int, seconds: float, la
 
 @contextlib.contextmanager
 def executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
-    """Yield a function that opens an executor; a cluster is joined only once."""
+    """Yield a function that opens an executor; it connects to a cluster only once."""
     from grader.classroom.executors import EXECUTORS
 
     with contextlib.ExitStack() as stack:

@@ -134,8 +134,8 @@ def _work() -> str:
 def _commands(parser: argparse.ArgumentParser) -> str:
     (action,) = parser._subparsers._group_actions
     parts = [
-        "# Commands\n\nThis page is generated from the command line: `python -m grader --help` "
-        "shows the same.\n"
+        "# Commands\n\nThis page is generated from the command line. "
+        "`python -m grader COMMAND --help` shows the same text.\n"
     ]
     for name, command in action.choices.items():
         parts.append("\n".join(_command(name, command)) + "\n")

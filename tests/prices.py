@@ -30,17 +30,18 @@ _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
 # Prices of slips
 
-This page lists what likely slips cost in each exercise. A slip is one change of the lesson's own
-solution.
+This page lists what likely slips cost in each exercise. A slip is one small change of the
+lesson's own solution.
 
 - *By the checks* is the share of the exercise's points that its checks earn.
-- *Kept* is the share that the student gets. A single slip that the judge proves keeps 60 %, or 40 %
-  if it is what the exercise is about; see [grading a class](grading.md).
-- A change keeps what its checks earn if it leaves out the method of the lesson, or if no single
-  edit corrects it.
+- *Kept* is the share of the points that the student gets. If the judge proves that an answer has
+  a single slip, the answer keeps 60 %. If the slip misses the point of the exercise, it keeps
+  40 %. See [grading a class](grading.md).
+- If the change leaves out the method of the lesson, or no single edit corrects it, the answer
+  keeps only what its checks earn.
 
 `python -m tests.prices` writes this page. It puts each slip into the solution and judges the
-notebook with seed 1, which takes about ten minutes on two cores.
+notebook with seed 1. This takes about ten minutes on two cores.
 """
 
 

@@ -181,7 +181,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
         in tried.stdout
     )
-    assert "Hint: Compute the squares, then" in tried.stdout
+    assert "Hint: Square the numbers, take the mean" in tried.stdout
 
     for old, new, line, reason in (
         ('promise("names")', 'promise("name")', 32, "There is no promise 'name'; choose names,"),

@@ -175,7 +175,7 @@ def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox,
     assert "5 notebooks: 5 judged" in capsys.readouterr().out
     process.kill()
     assert grade_on(address, course, sandbox) == commands.SUCCESS
-    assert "5 as before" in capsys.readouterr().out
+    assert "5 unchanged" in capsys.readouterr().out
 
 
 # Attacks that a cluster might handle differently: a worker's process judges, submissions come over

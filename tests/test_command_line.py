@@ -1,4 +1,4 @@
-"""The command line: help that reads alone, and errors that say what to do."""
+"""The command line: help texts are complete, and errors say what to do."""
 
 import argparse
 
@@ -51,23 +51,23 @@ def test_numbers_must_be_at_least_1(call, value, capsys):
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return an empty course, which the commands use, and allow no sandbox to be asked for."""
+    """Return an empty course, which the commands use, and fail if they request a sandbox."""
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
-    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("asked for a sandbox"))
+    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("requested a sandbox"))
     return course
 
 
 @pytest.mark.parametrize(
     ("file", "says"),
     [
-        (PROJECT / "notebooks", "is a folder; judge takes one notebook."),
+        (PROJECT / "notebooks", "is a folder, but judge takes one notebook."),
         (PROJECT / "nothing.ipynb", "There is no file"),
         (PROJECT / "README.md", "README.md is not a notebook"),
         (optional_lessons()[0].released, "is an optional lesson. It has no points"),
     ],
 )
-def test_judge_looks_at_the_file_before_it_asks_for_a_sandbox(file, says, course, capsys):
+def test_judge_checks_the_file_before_it_requests_a_sandbox(file, says, course, capsys):
     assert cli.main(["judge", str(file)]) == 2
     assert says in capsys.readouterr().err
 
@@ -76,7 +76,7 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
     status = cli.main(["collect", str(PROJECT / "README.md"), "--stage", "stage3_obstacles"])
     output = capsys.readouterr()
     assert status == 2
-    assert "There is no notebook of stage3_obstacles in it." in output.err
+    assert "These files contain no notebook of stage3_obstacles." in output.err
     assert "1 file\n" in output.out and "Collecting" not in output.err
 
 

@@ -103,7 +103,7 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
         book.db.commit()
     submit(course, "yan", GROUND)  # not judged
     capsys.readouterr()
-    commands._print_all(course, verdicts(course), class_results(course), [])
+    commands._print_class(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out
     assert cells(output, "ada")[1] == "0*" and cells(output, "yan")[1:3] == ["?", "-"]
     assert "* waits for a grader · ? not entered yet" in output

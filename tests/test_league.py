@@ -473,7 +473,7 @@ def test_the_page_has_results_but_no_names(league_files):
     for name in ("ada", "finn", HOSTILE, "<script", "=1+1", "Traceback"):
         assert name not in text
     for words in (
-        "does not affect any mark",
+        "does not affect marks",
         "It braked without a reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
         "The car hits a person at 20 km/h.",
         "did not answer within 5 seconds",

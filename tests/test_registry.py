@@ -218,7 +218,7 @@ def test_a_lesson_is_added_with_a_folder_and_a_module_of_checks(project_copy, sa
         "wrote utils/checks/forbidden.json",
         "wrote utils/lent/cells.json",
     ]
-    assert "is up to date" in run(project_copy, "grader", "build", "--check")
+    assert "are up to date" in run(project_copy, "grader", "build", "--check")
 
     def judge(path):
         options = ("--json", "--seed", 2**64 + 1, "--sandbox", sandbox.name)

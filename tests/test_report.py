@@ -215,12 +215,12 @@ def test_a_mean_says_which_scores_it_includes():
 
 def test_counts_and_seconds_describe_the_latest_run(tmp_path):
     verdicts = [verdict(name, [check(True)]) for name in ("ada", "bo")]
-    assert "2 notebooks, of which 2 judged earlier ·" in report(
+    assert "2 notebooks (2 judged earlier) ·" in report(
         tmp_path, verdicts, run=GradingRun(0, 2, 1.4)
     )
     both = report(tmp_path, verdicts, run=GradingRun(1, 1, 3.4))
-    assert "of which 1 judged in 3 s and 1 judged earlier" in both
-    assert "of which" not in report(tmp_path, verdicts)
+    assert "2 notebooks (1 judged in 3 s, 1 judged earlier)" in both
+    assert "judged in" not in report(tmp_path, verdicts)
 
 
 def test_the_page_names_the_sandbox(tmp_path):
@@ -256,7 +256,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     )
     page = report(tmp_path, [*empty, wrong])
     assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
-    assert "Not started: <code>filter_ground</code> by 3." in page
+    assert "have not started an exercise: <code>filter_ground</code> 3." in page
 
 
 def scores_and_passes(number):

@@ -111,7 +111,7 @@ def run(root, *arguments, status=0):
 @pytest.mark.slow
 def test_a_course_on_another_subject_is_built_released_judged_and_graded(course, sandbox):
     assert f"wrote notebooks/{STAGE}/{LESSON}.ipynb" in run(course, "build")
-    assert "is up to date" in run(course, "build", "--check")
+    assert "are up to date" in run(course, "build", "--check")
 
     run(course, "release", STAGE, "--to", course / "released")
     with zipfile.ZipFile(course / "released" / f"{STAGE}.zip") as archive:

@@ -18,9 +18,9 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "league",
         run_league,
-        "Drive a car with each student's detector and rank the class. The league is a game and "
-        "never changes a mark. The command writes league/STAGE.html, which shows pseudonyms, and "
-        "report/league_STAGE.csv, which lists the real names.",
+        "Let a simulated car drive with each student's detector, and rank the class. This game "
+        "does not affect marks. It writes league/STAGE.html with pseudonyms, and "
+        "report/league_STAGE.csv, which links pseudonyms to students.",
         "stage4_realtime",
     )
     league.add_argument("stage", metavar="STAGE", help="stage, such as stage4_realtime")

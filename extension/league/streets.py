@@ -47,7 +47,7 @@ def _later_place(rng: np.random.Generator) -> float:
 
 
 def _waiting(rng: np.random.Generator) -> dict:
-    return {"title": "A pedestrian waits in the lane", "traffic": True}
+    return {"title": "A vehicle waits in the lane", "traffic": True}
 
 
 def _child(rng: np.random.Generator) -> dict:

@@ -105,7 +105,7 @@ def predict(
     about = {"question": question, "choices": list(choices), "unit": unit}
     if between:
         about |= {"between": [*between], "step": step}
-    _display(QUESTION, about, f"Your guess first: {question}")
+    _display(QUESTION, about, f"Guess first: {question}")
     return prediction
 
 

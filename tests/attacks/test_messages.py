@@ -401,8 +401,8 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     )
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
-    assert f"up to {of_check} bits about each visible check" in threats
-    assert f"{of_cell} about each of the first {MOST_FAILED_CELLS} cells" in threats
+    assert f"up to {of_check} bits through each visible check" in threats
+    assert f"{of_cell} through each of the first {MOST_FAILED_CELLS} cells" in threats
 
 
 INJECTION = (

@@ -1,9 +1,9 @@
 
-// Sorts the tables whose headings are buttons, searches students, and opens folds in print.
+// Sorts tables, searches for students, and opens all folded sections for printing.
 for (const table of document.querySelectorAll("table.sortable")) {
   const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
-    // No <button>: Chromium does not repeat headings that hold one on the next page.
+    // Not a <button>, because Chromium does not repeat a heading with a button on each printed page.
     const button = document.createElement("span");
     button.setAttribute("role", "button");
     button.tabIndex = 0;
@@ -40,7 +40,7 @@ search.addEventListener("input", () => {
   }
   document.getElementById("found").textContent = words.length ? `${found} found` : "";
 });
-// A link to a student opens the fold that it leads to.
+// A link to a student opens the student's folded section.
 const open = () => {
   const fold = document.getElementById(decodeURIComponent(location.hash.slice(1)));
   if (fold instanceof HTMLDetailsElement) fold.open = true;

@@ -14,8 +14,8 @@ python="$(command -v python3.13 || command -v python3.12 || command -v python3.1
 "$python" -m venv python
 python/bin/pip install --quiet --disable-pip-version-check -r requirements.txt
 
-# Student code is shown some files of these two, whoever runs it; and to this folder, in which
-# tests and seed are, nobody comes but root.
+# Student code may read some files in these two folders, whichever user runs it. Only root may enter
+# the folder that contains them, because it also contains the tests and the seed.
 chown -R root:root .
 chmod -R u=rwX,go=rX course python
 chmod 700 .

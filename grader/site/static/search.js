@@ -1,12 +1,12 @@
-// Below each page that Sphinx's search finds: its sections that fit best, with a line of their text.
-// What they hold is in a script, as a page from a disk may fetch nothing.
+// Adds the best matching sections, each with a line of its text, below each page that Sphinx's search
+// finds. The text of the sections is in a script, because a page opened from a disk cannot fetch files.
 (() => {
   const query = new URLSearchParams(location.search).get("q");
   const results = document.getElementById("search-results");
   if (!query || !results) return;
 
   const WORD = /[\p{L}\p{N}_]+/gu;
-  const WINDOW = 12; // words of a line, before and after
+  const WINDOW = 12; // words within which terms count as close together
   const stemmer = new Stemmer();
   const stems = new Map();
   const stem = (word) => {
@@ -16,8 +16,8 @@
   const asked = (query.match(WORD) ?? []).map((word) => word.toLowerCase());
   const terms = new Set(asked.filter((word) => !stopwords.has(word)).map(stem));
 
-  // The stretch of a section in which most of the terms stand together.
-  const looked = ([page, anchor, title, text]) => {
+  // Finds the part of a section that contains most of the terms close together.
+  const scored = ([page, anchor, title, text]) => {
     const words = [...text.matchAll(WORD)];
     const hits = words.flatMap((word, number) => (terms.has(stem(word[0])) ? [number] : []));
     let best = { terms: 0, from: 0 };
@@ -36,7 +36,7 @@
       score: 4 * best.terms + 2 * titled + all,
     };
   };
-  const found = SECTIONS.map(looked).filter((one) => one.score > 0);
+  const found = SECTIONS.map(scored).filter((one) => one.score > 0);
   found.sort((a, b) => b.score - a.score);
 
   const shown = (section) => {

@@ -1,9 +1,9 @@
-// Keeps guesses in this browser and shows them beside the answer, halts the film, and lets the
-// keyboard reach what is wider than the page.
+// Stores guesses in the browser and shows them next to the answers, pauses the film, and makes content
+// wider than the page accessible from the keyboard.
 (() => {
   const key = (question) => `guess-${question}`;
   const known = (question) => { try { return localStorage.getItem(key(question)); } catch { return null; } };
-  const keep = (question, guess) => { try { localStorage.setItem(key(question), guess); } catch { /* then not */ } };
+  const keep = (question, guess) => { try { localStorage.setItem(key(question), guess); } catch { /* do not store the guess */ } };
 
   const tell = (question, guess) => {
     for (const answer of document.querySelectorAll(`details.answer[data-question="${question}"] .yours`)) {
