@@ -9,7 +9,6 @@ import threading
 import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from importlib import metadata
-from types import SimpleNamespace
 
 import pytest
 
@@ -34,6 +33,7 @@ from grader.sandbox.protocol import Thread
 from grader.sandbox.student import StudentProxy
 from tests.archives import notebook
 from tests.prerequisites import PATIENCE
+from tests.students import StandIn
 from tests.test_grade import rehearsed
 
 SEED = 20_170_405
@@ -941,6 +941,6 @@ def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
     def stub(*arguments, **keywords):
         raise NotImplementedError
 
-    student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
+    student = StandIn(**dict.fromkeys(lesson.names, stub))
     visible = [outcome.check.is_shown for outcome in run_checks(lesson, student, SEED)]
     assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

@@ -120,7 +120,7 @@ def _is_out_of_patience(setting: Setting, exercise: str) -> bool:
     if setting.budget is None:
         return False
     limit = (setting.limits or Limits()).call_seconds
-    return setting.budget.lost.get(exercise, 0.0) >= limit
+    return setting.budget.failed_seconds.get(exercise, 0.0) >= limit
 
 
 def _share(outcomes: Sequence[Outcome]) -> float:

@@ -180,16 +180,16 @@ class StudentProxy:
     def begin_check(self, exercise: str) -> None:
         """Attribute the next calls to a check of an exercise."""
         self.exercise = exercise
-        self._at_begin = self._budget.seconds, self._budget.lost.get(exercise, 0.0)
+        self._at_begin = self._budget.seconds, self._budget.failed_seconds.get(exercise, 0.0)
 
     def note_failed_check(self) -> None:
-        """Count all time since `begin_check` as lost, because the check failed.
+        """Count all time since `begin_check` as time of failed calls, because the check failed.
 
         A wrong function that is slow therefore gets no more time than one that hangs.
         """
-        seconds, lost = self._at_begin
-        lost += seconds - self._budget.seconds
-        self._budget.lost[self.exercise] = max(lost, self._budget.lost.get(self.exercise, 0.0))
+        seconds, failed = self._at_begin
+        used, known = seconds - self._budget.seconds, self._budget.failed_seconds
+        known[self.exercise] = max(failed + used, known.get(self.exercise, 0.0))
 
     def start(self) -> None:
         """Start a worker, and run the cells that the functions need."""
