@@ -70,7 +70,7 @@ def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1)
                 labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
                 if not (labels == 1).all():
                     raise CheckFailed(
-                        "A single point is a cluster and gets the label 1.",
+                        "A single point forms a cluster and gets a label.",
                         given="a cloud of one point",
                         yours=brief(labels),
                         expected="[1]",
