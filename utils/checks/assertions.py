@@ -681,7 +681,7 @@ def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
 
 
 def _first_change(before: object, after: object) -> dict[str, str]:
-    """Return texts of the first changed row, or of the whole argument, after and before the call."""
+    """Return the first changed row or the whole argument, before and after the call, as text."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
         return {"yours": brief(after), "expected": brief(before)}

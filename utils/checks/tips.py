@@ -477,6 +477,6 @@ def student_frames(error: BaseException, function: Callable) -> list[tuple[CodeT
 
 
 def function_name(code: CodeType) -> str:
-    """Return the name of a function; of a comprehension or lambda, that of the function around it."""
+    """Return a function's name; for a comprehension or lambda, the name of the outer function."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name
