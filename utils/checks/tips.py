@@ -289,8 +289,8 @@ _TIPS = (
         "ValueError",
         r"cost matrix is infeasible",
         "",
-        "Infinity forbids pairs, and here some row has no partner left. Use a huge number instead, "
-        "and drop the pairs with that number afterwards.",
+        "Infinity forbids a pair, and here one row has no allowed partner left. Use a huge number "
+        "instead of infinity, and drop the pairs that have it afterwards.",
     ),
     (
         "ValueError",
