@@ -79,7 +79,7 @@ def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> n
 
 @cached_by_content
 def voxel_centroids(cloud: np.ndarray, voxel_size: float) -> np.ndarray:
-    """Return the right answer for `voxel_grid`, by plain Python per cell; shape (m, columns)."""
+    """Return the right answer for `voxel_grid`, shape (m, columns), computed in plain Python."""
     cells = {}
     for row in np.asarray(cloud, dtype=float).tolist():
         cells.setdefault(tuple(int(x // voxel_size) for x in row[:3]), []).append(row)

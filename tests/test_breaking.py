@@ -15,7 +15,7 @@ from utils.breaking.puzzles import PUZZLES
 # Names of kept answers with the same mistake, by the letter of the broken version.
 THE_SAME = {
     "euclidean_clustering": {
-        "A": "ignores the height",
+        "A": "forgets the height",
         "B": "compares with the first point of the cluster only",
         "C": "compares the squared distance with the threshold",
     },
@@ -119,12 +119,12 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
     chain = [[0, 0, 0], [0.7, 0, 0], [1.4, 0, 0]]
     breaking.tell_apart(cluster, A=chain, B=[*chain, [9, 9, 9]], C=[[0, 0, 0], [0.85, 0, 0]])
     a, b, c = capsys.readouterr().out.splitlines()
-    assert a == "A ✗ With this cloud A answers as yours does."
-    assert b.startswith("B ✓ Told with 4 rows.") and b.endswith("3 rows can be enough.")
-    assert c == "C ✓ Told with 2 rows. It compares the squared distance with the threshold."
+    assert a == "A ✗ With this cloud, A gives the same answer as your function."
+    assert b.startswith("B ✓ Found with 4 rows.") and b.endswith("3 rows would be enough.")
+    assert c == "C ✓ Found with 2 rows. It compares the squared distance with the threshold."
     breaking.tell_apart(function_of("ransac_line"), A=[[1, 0], [1, 3]])
     a, b, c = capsys.readouterr().out.splitlines()
-    assert a.endswith("B is wrong with this cloud, too.") and b == "B … no cloud yet."
+    assert a.endswith("B is also wrong with this cloud.") and b == "B … no cloud yet."
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,7 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ("1_0 2 3\n", ["line 1", "'1_0'"]),
         (",x,y,z\n0,1,2,3\n", ["line 1", "index column"]),
         ("intensity x y z\n0 1 2 3\n", ["line 1", "in this order"]),
-        ("3\n1 2 3\n4 5 6\n", ["line 1", "3 points are announced, 2 follow"]),
+        ("3\n1 2 3\n4 5 6\n", ["line 1", "3 points are announced, but 2 follow"]),
         ("1000000000000\n1 2 3\n", ["1000000000000 points are announced"]),
         ("<!DOCTYPE html>\n<html>\n", ["web page"]),
         ("1 2 3\n\0\0\0\n", ["binary", "text"]),

@@ -235,8 +235,8 @@ EARNS_EVERYTHING = {
     ),
     "a cell without source": (lambda n: n["cells"].append({"cell_type": "code"}), ""),
     "a cell whose source is null": (lambda n: n["cells"].append(code(None)), ""),
-    "a cell that is a number": (lambda n: n["cells"].append(7), "1 of the cells"),
-    "a cell that is null": (lambda n: n["cells"].append(None), "1 of the cells"),
+    "a cell that is a number": (lambda n: n["cells"].append(7), "1 entry of"),
+    "a cell that is null": (lambda n: n["cells"].append(None), "1 entry of"),
     "the key `cells` twice": (
         lambda notebook: json.dumps({"cells": []})[:-1] + "," + json.dumps(notebook)[1:],
         "",

@@ -74,7 +74,7 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
         There is no sequence with this name.
     """
     if name not in SCENES:
-        raise ValueError(f"There is no sequence {name!r}. There are: {', '.join(SCENES)}.")
+        raise ValueError(f"There is no sequence {name!r}. Choose one of {', '.join(SCENES)}.")
     from utils import scenes
 
     stream = getattr(scenes, SCENES[name])(seed=seed)

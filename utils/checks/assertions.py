@@ -206,7 +206,7 @@ def as_array(
             expected=what,
         ) from None
     if columns is not None:
-        if each == "point" and _is_from_where(answer):
+        if each == "point" and _is_result_of_where(answer):
             raise WrongForm(
                 "These are row numbers in a tuple, as np.where returns them. Return the rows "
                 "themselves: cloud[mask].",
@@ -224,7 +224,7 @@ def as_array(
     return array
 
 
-def _is_from_where(answer: object) -> bool:
+def _is_result_of_where(answer: object) -> bool:
     """Return whether an answer is a tuple with one array of row numbers, as from `np.where`."""
     if not (isinstance(answer, tuple) and len(answer) == 1 and isinstance(answer[0], np.ndarray)):
         return False
@@ -681,7 +681,7 @@ def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
 
 
 def _first_change(before: object, after: object) -> dict[str, str]:
-    """Return texts of the first changed row or the whole argument, before and after the call."""
+    """Return the first changed row or the whole argument, before and after the call, as text."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
         return {"yours": brief(after), "expected": brief(before)}

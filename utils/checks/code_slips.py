@@ -131,7 +131,7 @@ def _reads_the_notebook(node: ast.FunctionDef, function: FunctionType) -> CodeSl
         return CodeSlip(
             f"The function uses the notebook's variable `{used[0]}` and never its own parameter "
             f"`{unread[0]}`.",
-            "Use the parameter. It holds the value that the function is called with.",
+            "Use the parameter. It has the value that the function is called with.",
         )
     return None
 

@@ -213,7 +213,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     if refused := refused_modules(_method_or_function(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
     elif absent := absent_modules(_method_or_function(function, exercise), checks[0].lesson):
-        outcomes = [Outcome(checks[0], _absence(exercise, absent))]
+        outcomes = [Outcome(checks[0], _unavailable(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
     seconds = time.process_time() - begin
@@ -267,17 +267,17 @@ def _method_or_function(function: Callable, exercise: str) -> Callable:
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
     """Run checks with forbidden modules blocked; if one is used, return only the refusal."""
-    with BlockedModules(forbidden_in(checks[0].lesson)) as refusing:
+    with BlockedModules(forbidden_in(checks[0].lesson)) as blocked:
         outcomes = None
         while outcomes is None:
-            outcomes = _run_each(checks, function, table, refusing)
+            outcomes = _run_each(checks, function, table, blocked)
     failures = [outcome.failure for outcome in outcomes]
     refused = next((failure for failure in failures if isinstance(failure, Refused)), None)
     return [Outcome(checks[0], refused)] if refused else outcomes
 
 
 def _run_each(
-    checks: tuple[Check, ...], function: Callable, table: Table, refusing: BlockedModules
+    checks: tuple[Check, ...], function: Callable, table: Table, blocked: BlockedModules
 ) -> list[Outcome] | None:
     """Run checks and show each result; stop after a timeout, a stub or a refusal.
 
@@ -288,7 +288,7 @@ def _run_each(
     with one_run():
         for one_check in checks:
             outcomes.append(run_check(one_check, function))
-            if refusing.hide():
+            if blocked.hide():
                 return None
             table.show(outcomes)
             if isinstance(outcomes[-1].failure, Stopped | NotStarted | Refused):
@@ -304,7 +304,7 @@ def _refusal(exercise: str, modules: list[str]) -> Refused:
     )
 
 
-def _absence(exercise: str, modules: list[str]) -> Refused:
+def _unavailable(exercise: str, modules: list[str]) -> Refused:
     names = " and ".join(modules)
     return Refused(f"{exercise} uses {names}, but {ABSENT}.")
 

@@ -15,7 +15,7 @@ _BEGIN, _END = "\x0e", "\x0f"
 
 
 def fixed(text: str) -> str:
-    """Protect the numbers in a piece of a message that do not depend on the test input.
+    """Protect the numbers in a part of a message that do not depend on the test input.
 
     The judge removes numbers from the messages of hidden checks, as they may reveal the input. It
     keeps protected numbers.

@@ -33,25 +33,26 @@ def limited(seconds: float) -> Iterator[None]:
         if threading.current_thread() is not threading.main_thread():
             yield
             return
-        over, rang = threading.Event(), threading.Event()
+        over, timed_out = threading.Event(), threading.Event()
 
-        def ring() -> None:
+        def alarm() -> None:
             wait = seconds
             while not over.wait(wait):
-                rang.set()
+                timed_out.set()
                 _thread.interrupt_main()
                 wait = 1.0  # code that catches everything is interrupted again
 
-        watch, trace = threading.Thread(target=ring, daemon=True), _clock_tracer(seconds, rang)
+        watch = threading.Thread(target=alarm, daemon=True)
+        trace = _clock_tracer(seconds, timed_out)
         with _interruptible():
             try:
                 try:
                     _start(watch, trace)
                     yield
                 finally:
-                    _stop(over, watch, trace, rang)
+                    _stop(over, watch, trace, timed_out)
             except KeyboardInterrupt as interrupt:
-                if rang.is_set():
+                if timed_out.is_set():
                     raise TimeUp from interrupt
                 raise
 
@@ -76,13 +77,13 @@ def _start(watch: threading.Thread, trace: Callable) -> None:
         sys.settrace(trace)
 
 
-def _clock_tracer(seconds: float, rang: threading.Event) -> Callable:
+def _clock_tracer(seconds: float, timed_out: threading.Event) -> Callable:
     """Return a trace function that raises once when time is up; Python then removes it."""
     due = time.monotonic() + seconds
 
     def trace(*_: object) -> Callable:
         if time.monotonic() > due:
-            rang.set()
+            timed_out.set()
             raise KeyboardInterrupt
         return trace
 
@@ -90,7 +91,7 @@ def _clock_tracer(seconds: float, rang: threading.Event) -> Callable:
 
 
 def _stop(
-    over: threading.Event, watch: threading.Thread, trace: Callable, rang: threading.Event
+    over: threading.Event, watch: threading.Thread, trace: Callable, timed_out: threading.Event
 ) -> None:
     """Stop the clock; absorb an interrupt that arrives at this moment."""
     while True:
@@ -100,7 +101,7 @@ def _stop(
                 sys.settrace(None)
             if watch.is_alive():
                 watch.join()
-            if rang.is_set():
+            if timed_out.is_set():
                 time.sleep(0.01)
             return
         except KeyboardInterrupt:

@@ -89,7 +89,7 @@ def find_line_hint(
         system cannot fork a process.
     """
     exercise = checks[0].exercise
-    part = _written_for(exercise, function)
+    part = _function_with_code(exercise, function)
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         source, first = inspect.getsourcelines(part)
         text = textwrap.dedent("".join(source))
@@ -191,7 +191,7 @@ def _changed(
 ) -> Iterator[tuple[int, Callable]]:
     """Yield the index of each edit, and the function after that edit."""
     name = statement.node.name
-    part = _written_for(name, function)
+    part = _function_with_code(name, function)
     for number, edit in enumerate(edits):
         namespace = dict(part.__globals__)
         with contextlib.suppress(Exception):
@@ -200,7 +200,7 @@ def _changed(
             yield number, _class_with(function, name, changed) if part is not function else changed
 
 
-def _written_for(exercise: str, function: Callable) -> Callable:
+def _function_with_code(exercise: str, function: Callable) -> Callable:
     """Return the function with the code of an exercise.
 
     If a class contains the exercise, this is a method, or a function of the notebook with the same
@@ -217,7 +217,7 @@ def _written_for(exercise: str, function: Callable) -> Callable:
 
 def _class_with(kind: type, name: str, changed: FunctionType) -> type:
     """Return a subclass in which `changed` replaces a method, or the function that it calls."""
-    if _written_for(name, kind) is vars(kind).get(name):
+    if _function_with_code(name, kind) is vars(kind).get(name):
         return type(kind.__name__, (kind,), {name: changed})
     methods = {
         own: FunctionType(

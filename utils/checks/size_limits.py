@@ -48,7 +48,7 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
         If the answer is anything else.
     """
     if not isinstance(answer, np.ndarray):
-        _look_through(answer, most)
+        _assert_plain_numbers(answer, most)
         try:
             answer = np.asarray(answer)
         except Exception:  # rows of different lengths, or an `__array__` written by the student
@@ -89,7 +89,7 @@ class _Short(reprlib.Repr):
 _SHORT = _Short()
 
 
-def _look_through(answer: object, most: int) -> None:
+def _assert_plain_numbers(answer: object, most: int) -> None:
     """Refuse lists that are too long or too deeply nested, or contain text or other objects."""
     count, waiting = 0, [(answer, 0)]
     while waiting:

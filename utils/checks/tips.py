@@ -289,8 +289,8 @@ _TIPS = (
         "ValueError",
         r"cost matrix is infeasible",
         "",
-        "Infinity forbids pairs, and here some row has no partner left. Use a huge number instead, "
-        "and drop the pairs with that number afterwards.",
+        "Infinity forbids a pair, and here one row has no allowed partner left. Use a huge number "
+        "instead of infinity, and drop the pairs that have it afterwards.",
     ),
     (
         "ValueError",
@@ -477,6 +477,6 @@ def student_frames(error: BaseException, function: Callable) -> list[tuple[CodeT
 
 
 def function_name(code: CodeType) -> str:
-    """Return the name of a function; for a lambda, the name of the function that contains it."""
+    """Return a function's name; for a comprehension or lambda, the name of the outer function."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name

@@ -61,7 +61,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
         raise file_error(
             name,
             "",
-            f"the archive holds {found}, expected an array 'cloud'",
+            f"the archive contains {found}, expected an array 'cloud'",
             "Save with np.savez_compressed(path, cloud=points).",
         )
     member = archive.getinfo("cloud.npy")
@@ -115,7 +115,7 @@ def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: 
         raise file_error(
             name,
             "array 'cloud'",
-            f"shape {shape} needs {wanted} bytes, the file holds {available}",
+            f"shape {shape} needs {wanted} bytes, but the file has {available}",
             "Was the file copied completely?",
         )
     return wanted

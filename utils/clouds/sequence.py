@@ -91,7 +91,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
         raise file_error(
             folder,
             "",
-            f"the folder holds {counts} files, expected one kind",
+            f"the folder contains {counts} files, expected one kind",
             f'Choose, for instance suffix="{kinds.most_common(1)[0][0]}".',
         )
     return CloudFolder(tuple(paths))

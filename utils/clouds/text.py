@@ -58,7 +58,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
             raise file_error(
                 name,
                 "",
-                f"the file holds no points, expected lines of {EXPECTED}",
+                f"the file contains no points, expected lines of {EXPECTED}",
                 "Was it saved or copied completely?",
             )
         return np.empty((0, 3 if len(names) == 3 else 4))

@@ -86,7 +86,7 @@ def crossing_cyclist(x: float, speed: float, pace: float = 4.17) -> Actor:
     return crossing(cyclist(), x, 13.0, pace, speed)
 
 
-def peeping(x: float, speed: float) -> Actor:
+def hesitating_pedestrian(x: float, speed: float) -> Actor:
     """Return a person who steps out from behind a parked vehicle, waits a second, and crosses."""
     thing = placed(pedestrian(1.75, 0.2), x, -4.6, np.pi / 2)
     pauses = ((0.0, 1.2), (1.6, 1.2), (1.7, 0.0), (2.7, 0.0), (2.9, 1.4))

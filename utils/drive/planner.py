@@ -174,7 +174,7 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
     thing : Thing
         The thing, with the scanner at the origin.
     speed : float
-        Speed of the ego car in m/s. The prediction covers the time until the car would stand.
+        Speed of the ego car in m/s. The prediction covers the time until the car would stop.
     wider : float
         Metres by which the corridor is wider than usual on either side.
     """

@@ -15,7 +15,7 @@ from utils.drive.actors import (
     car_ahead,
     child,
     crossing_cyclist,
-    peeping,
+    hesitating_pedestrian,
     slow_cyclist,
     standing,
 )
@@ -185,7 +185,10 @@ def _streets() -> Iterable[Street]:
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
     yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30, 2.78),))
     yield Street(
-        4, "A pedestrian behind a parked lorry", 20, actors=(lorry, peeping(75.5, 20 / 3.6))
+        4,
+        "A pedestrian behind a parked lorry",
+        20,
+        actors=(lorry, hesitating_pedestrian(75.5, 20 / 3.6)),
     )
     yield Street(
         5,

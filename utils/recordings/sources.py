@@ -104,7 +104,7 @@ def fetch(name: str, cache: Path) -> Recording:
     """
     if name not in SOURCES:
         known = "; ".join(f"{key!r} ({source.about})" for key, source in SOURCES.items())
-        raise ValueError(f"There is no recording {name!r}. There are: {known}.")
+        raise ValueError(f"There is no recording {name!r}. Choose one of {known}.")
     source = SOURCES[name]
     folder = cache / name
     complete = folder / ".complete"  # written last, so if it is missing the download resumes

@@ -87,8 +87,8 @@ def as_camera(camera: str | Camera) -> Camera:
         if str(camera).lower() == name.lower():
             return preset
     raise ValueError(
-        f"There is no camera {camera!r}. There are: {', '.join(CAMERAS)}; "
-        "or make your own: Camera(position, target)."
+        f"There is no camera {camera!r}. Choose one of "
+        f"{', '.join(CAMERAS)}, or make your own: Camera(position, target)."
     )
 
 

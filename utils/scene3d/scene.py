@@ -324,4 +324,4 @@ class Scene:
 
 def _check_layer(name: str) -> None:
     if name not in LAYERS:
-        raise ValueError(f"There is no layer {name!r}. There are: {', '.join(LAYERS)}.")
+        raise ValueError(f"There is no layer {name!r}. Choose one of {', '.join(LAYERS)}.")

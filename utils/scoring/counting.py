@@ -96,7 +96,7 @@ class NameMistakes:
     Attributes
     ----------
     switches : int
-        How often an obstacle was found with none of the track IDs that it had the last time.
+        How often an obstacle was found without any track ID that it had the last time.
     shared : int
         Number of track IDs that two or more obstacles had, one after the other or at once.
     """

@@ -44,7 +44,7 @@ class Task:
         return self.points[:, : self.size]
 
 
-def _twenty() -> np.ndarray:
+def _twenty_points() -> np.ndarray:
     """Return the twenty points of lesson 02, rounded to the centimetre."""
     rng, steps = np.random.default_rng(18), np.arange(-5, 5)
     wall = np.column_stack([steps, steps]) + rng.uniform(-0.6, 0.6, (10, 2))
@@ -62,5 +62,5 @@ def _street() -> np.ndarray:
     return np.round(np.column_stack([xyz, rng.uniform(0.05, 0.95, len(xyz))]), 2)
 
 
-LINE = Task("ransac_line", "line_through", "line", 2, _twenty(), 0.5, 3)
+LINE = Task("ransac_line", "line_through", "line", 2, _twenty_points(), 0.5, 3)
 PLANE = Task("ransac_plane", "plane_through", "plane", 3, _street(), 0.2, 2)
