@@ -1,4 +1,4 @@
-"""The command line: help that reads alone, and errors that say what to do."""
+"""The command line: each help text is understandable on its own, and errors say what to do."""
 
 import argparse
 
@@ -51,10 +51,10 @@ def test_numbers_must_be_at_least_1(call, value, capsys):
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return an empty course, which the commands use, and allow no sandbox to be asked for."""
+    """Return an empty course for the commands, which must not use a sandbox."""
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
-    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("asked for a sandbox"))
+    monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("sandbox used"))
     return course
 
 
@@ -67,7 +67,7 @@ def course(tmp_path, monkeypatch):
         (optional_lessons()[0].released, "is an optional lesson. It has no points"),
     ],
 )
-def test_judge_looks_at_the_file_before_it_asks_for_a_sandbox(file, says, course, capsys):
+def test_judge_checks_the_file_before_it_chooses_a_sandbox(file, says, course, capsys):
     assert cli.main(["judge", str(file)]) == 2
     assert says in capsys.readouterr().err
 
@@ -104,13 +104,13 @@ def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, 
         assert "roster.csv: the first line" in output.err and "━" not in output.err
 
 
-def test_grade_names_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):
+def test_grade_suggests_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):
     monkeypatch.setattr(commands, "choose_sandbox", lambda *_: sandbox)
     assert cli.main(["grade"]) == 2
     assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
 
 
-def test_a_progress_bar_appears_with_the_first_work(capsys):
+def test_a_progress_bar_appears_when_work_begins(capsys):
     with console.progress_bar("Judging") as advance:
         advance(0, 0, "")
     assert "Judging" not in capsys.readouterr().err
