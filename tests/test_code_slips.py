@@ -33,7 +33,8 @@ INNOCENT = {
     "prints and returns": "def near(cloud):\n    print(1)\n    return cloud\n",
     "generates": "def near(cloud):\n    print(1)\n    yield cloud\n",
     "returns from an endless loop": "def near(cloud):\n    while True:\n        return cloud\n",
-    "continues": "def near(cloud):\n    for row in cloud:\n        if row[0]:\n            continue\n"
+    "continues": "def near(cloud):\n    for row in cloud:\n        if row[0]:\n"
+    "            continue\n"
     "        return row\n",
     "returns after finding something": "def near(cloud):\n    for row in cloud:\n"
     "        if row[0]:\n            return row\n",
