@@ -14,7 +14,7 @@ from sklearn.cluster import DBSCAN
 
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons
-from utils.drive import STREETS, Trip, chain, drive_street, occupied_squares, on_time, rotated
+from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
 from utils.drive.clock import Clock, ticks
@@ -776,12 +776,12 @@ CLAIMS = {
     "09: 1 point keeps rain": (8, at_least(1), "rain taken for an obstacle", "ends"),
     "08: 12 degrees": (
         1,
-        rotated(chain(boxes=along_the_axes), 12.0),
+        askew(chain(boxes=along_the_axes), 12.0),
         "a car beside our lane",
         "ends",
     ),
-    "08: 0 degrees": (1, rotated(chain(boxes=along_the_axes), 0.0), "", "needless"),
-    "08: 9 degrees": (1, rotated(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "ends"),
+    "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
+    "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "ends"),
     "09: 10 points do not stop the car": (8, at_least(10), "", "rain"),
 }
 
@@ -797,7 +797,7 @@ def test_claims_of_lessons_about_drives_are_true(claim):
 @pytest.mark.proof
 @pytest.mark.parametrize(("degrees", "first"), [(4.0, ""), (5.0, "a lorry"), (8.0, "a car")])
 def test_the_first_box_that_blocks_the_lane_agrees_with_lesson_08(degrees, first):
-    detect = rotated(chain(boxes=along_the_axes), degrees)
+    detect = askew(chain(boxes=along_the_axes), degrees)
     trip = drive_street(1, detect, seconds=10.0, clock=on_time)
     assert bool(trip.report.brakings) == bool(first) and first in str(trip)
 

@@ -60,14 +60,14 @@ tops, without, forbidden, first = json.loads(sys.argv[1])
 for name in first:
     importlib.import_module(name)
 with Refusing(forbidden) as refusing:
-    told = failures(tops, without, refusing.hide)
+    failed = failures(tops, without, refusing.hide)
 left = [
     f"{name}.{inner}"
     for name, module in list(sys.modules.items())
     for inner, value in [("", module), *list(getattr(module, "__dict__", {}).items())]
     if isinstance(value, (StandIn, StandInModule))
 ]
-print(json.dumps([*told, left]))
+print(json.dumps([*failed, left]))
 """
 )
 
