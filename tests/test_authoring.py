@@ -1,4 +1,4 @@
-"""Authoring a lesson: the skeleton, and `grader try` with its kept answers."""
+"""Writing a lesson: the skeleton, and `grader try` with the kept answers."""
 
 import contextlib
 import dataclasses
@@ -16,7 +16,7 @@ from grader.course.kept_answers import KeptAnswer
 from grader.course.paths import PROJECT
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 
-# ---- claims of kept answers ----------------------------------------------------------------------
+# ---- notes of kept answers -----------------------------------------------------------------------
 
 RIGHT = KeptAnswer("f", "a loop", True, "", (), "", False, "")
 WRONG = KeptAnswer("f", "a slip", False, "", ("sorts", "test_a"), "rows too many", True, "")
@@ -34,7 +34,7 @@ def verdict_on(*failed, cause="", score=0.0):
     return Verdict("01", "ada", JUDGED, score, 4.0, results, (), 0.0, "")
 
 
-def test_true_claims_are_not_reported():
+def test_true_notes_are_not_reported():
     assert broken_claims(RIGHT, verdict_on(score=4.0)) == []
     assert broken_claims(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
@@ -73,7 +73,7 @@ def test_true_claims_are_not_reported():
         (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
     ],
 )
-def test_a_broken_claim_is_reported_in_a_sentence(answer, verdict, says):
+def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
     (sentence,) = broken_claims(answer, verdict)
     assert says in sentence
 
@@ -194,7 +194,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
 
 
 @pytest.mark.proof
-def test_a_cell_of_the_notebook_that_fails_is_reported(copy, sandbox):
+def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
     run(copy, "new", "17_root_square")
     source = copy / "solutions" / "stage5_own" / "17_root_square" / "lesson.py"
     cell = "# Look.\n\n# %%\nprint(1 + root_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
@@ -202,7 +202,7 @@ def test_a_cell_of_the_notebook_that_fails_is_reported(copy, sandbox):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
-    # The untouched notebook goes on with the solution's answers, which `try` stores.
+    # The untouched notebook continues with the solution's answers, which `try` stores.
     with replaced(source, "# ## Summary", cell):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
@@ -211,7 +211,7 @@ def test_a_cell_of_the_notebook_that_fails_is_reported(copy, sandbox):
 
 @contextlib.contextmanager
 def replaced(path, old, new):
-    """Replace a text in a file, or the whole file if there is no old text, for a while."""
+    """Replace a text in a file, or the whole file without an old text, in a with statement."""
     before = path.read_text("utf-8")
     assert old in before
     path.write_text(before.replace(old, new) if old else new, "utf-8")

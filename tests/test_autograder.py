@@ -44,7 +44,7 @@ def verdict(exercises=(), status=JUDGED, problems=(), faults=()):
 def exercise(slip=None):
     checks = (
         CheckResult("a", "A road is ground", False, 0.0, 6.67, "Yours: 1 <b>", True),
-        CheckResult("b", "A hidden road", False, 0.0, 6.67, "A wall is no road.", False),
+        CheckResult("b", "A hidden road", False, 0.0, 6.67, "A wall is not a road.", False),
         CheckResult("c", "Nothing changes", True, 6.66, 6.66, "", False),
     )
     kept = slip.score if slip else 0.0
@@ -75,7 +75,7 @@ def test_results_have_gradescopes_format_and_add_up():
     assert sum(scored) == 20.0 + 30.0
 
 
-def test_hidden_checks_are_shown_after_the_due_date():
+def test_hidden_tests_are_shown_after_the_due_date():
     slip = Slip(3, 2, "a > b", "a >= b", 5.34)
     lesson = JudgedLesson(
         SIX,
@@ -88,7 +88,7 @@ def test_hidden_checks_are_shown_after_the_due_date():
         ("About 06_filter_ground", "A cell moved."): "visible",
         ("About 06_filter_ground", "By a helper."): "after_published",
         ("filter_ground: A road is ground", "Yours: 1 <b>"): "visible",
-        ("filter_ground: A hidden road", "A wall is no road."): "after_published",
+        ("filter_ground: A hidden road", "A wall is not a road."): "after_published",
         ("filter_ground: Nothing changes", ""): "after_published",
         ("filter_ground: one slip", slip.sentence): "after_published",
     }
@@ -170,7 +170,7 @@ def test_each_file_that_is_not_judged_is_named(root, unjudged):
 
 @pytest.mark.parametrize("of", ["the file", "its folder"])
 def test_a_link_to_the_solution_is_not_an_answer(root, unjudged, of):
-    """Root reads only the submission itself and does not follow its links."""
+    """The autograder runs as root, but reads only the submission and does not follow links."""
     if of == "the file":
         (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
     else:
@@ -180,7 +180,7 @@ def test_a_link_to_the_solution_is_not_an_answer(root, unjudged, of):
     assert len(unjudged) == (of == "the file")
 
 
-def test_an_assignment_may_be_one_lesson(root, unjudged):
+def test_an_assignment_may_consist_of_one_lesson(root, unjudged):
     (root / "source" / "assignment").write_text(f"{SIX.name}\n")
     assert [lesson.lesson for lesson in judged(root).lessons] == [SIX]
 
@@ -202,13 +202,13 @@ def test_a_starved_notebook_is_judged_again(root, monkeypatch):
 
 
 @pytest.fixture
-def open_walls(monkeypatch):
+def without_sandbox(monkeypatch):
     """Replace root and the sandbox, which the tests below do not need."""
     monkeypatch.setattr(program, "restrict_access", lambda root: None)
     monkeypatch.setattr(program, "strongest_sandbox", lambda: SANDBOXES["process"])
 
 
-def test_a_fault_of_the_grader_leaves_no_results(root, open_walls, monkeypatch, capsys):
+def test_a_fault_of_the_grader_leaves_no_results(root, without_sandbox, monkeypatch, capsys):
     (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
     path = root / "results" / "results.json"
     for fault in (verdict(status=FAILED, faults=("an oracle broke",)), OSError("no memory left")):
@@ -241,7 +241,7 @@ def test_without_a_sandbox_nothing_runs(root, monkeypatch, capsys):
     assert not (root / "results" / "results.json").exists()
 
 
-def test_the_sandbox_without_protection_is_never_chosen():
+def test_a_sandbox_without_protection_is_never_chosen():
     assert (
         set(isolation.PREFERRED_SANDBOXES) < set(SANDBOXES)
         and "process" not in isolation.PREFERRED_SANDBOXES
@@ -252,7 +252,7 @@ needs_root = pytest.mark.skipif(os.geteuid() != 0, reason=ROOT)
 
 
 @needs_root
-def test_tests_and_seed_are_closed_to_others(root):
+def test_other_users_cannot_read_tests_and_seed(root):
     (root / "submission_metadata.json").write_text("{}")
     (root / "results").chmod(0o777)
     (root / "source").chmod(0o755)
@@ -283,7 +283,7 @@ def test_an_ordinary_user_is_refused(root, monkeypatch):
 @needs_root
 @pytest.mark.slow
 @pytest.mark.parametrize("right", [True, False])
-def test_judges_as_at_home(root, sandbox, right, capsys):
+def test_the_score_is_the_same_as_on_the_command_line(root, sandbox, right, capsys):
     answer = next(answer for answer in answers_to("filter_ground") if answer.right == right)
     voxels = next(answer for answer in answers_to("voxel_grid") if answer.right)
     path = root / "submission" / f"{SIX.name}.ipynb"
@@ -310,11 +310,11 @@ def packed():
 
 
 @pytest.mark.slow
-def test_the_same_course_is_the_same_zip(packed):
+def test_the_same_course_gives_the_same_zip(packed):
     assert packed == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
 
 
-def test_the_zip_has_files_for_judging_but_none_of_a_class(packed):
+def test_the_zip_contains_files_for_judging_but_none_of_the_class(packed):
     archive = zipfile.ZipFile(io.BytesIO(packed))
     names = set(archive.namelist())
     assert {
@@ -331,7 +331,7 @@ def test_the_zip_has_files_for_judging_but_none_of_a_class(packed):
     assert not [n for n in names if n.split("/")[1:2] and n.split("/")[1].startswith(class_files)]
 
 
-def test_requirements_have_packages_for_judging_but_no_jupyter(packed):
+def test_requirements_include_packages_for_judging_but_not_jupyter(packed):
     archive = zipfile.ZipFile(io.BytesIO(packed))
     listed = archive.read("requirements.txt").decode()
     assert listed.startswith("-c constraints.txt\n")
@@ -342,7 +342,7 @@ def test_requirements_have_packages_for_judging_but_no_jupyter(packed):
 
 @pytest.fixture
 def rehearsed(monkeypatch):
-    """Skip the rehearsals, as other tests show that the course's own solutions are right."""
+    """Skip the rehearsals, because other tests show that the course's solutions are right."""
     from grader.classroom import rehearsals
 
     monkeypatch.setattr(rehearsals.Rehearsals, "finish", lambda self, executor: None)
@@ -366,7 +366,7 @@ def test_no_autograder_is_written_if_a_rehearsal_fails(tmp_path, monkeypatch, ca
     from grader.classroom import rehearsals
 
     def finish(self, executor):
-        raise rehearsals.RehearsalFailed("Nobody was graded: a test is wrong.")
+        raise rehearsals.RehearsalFailed("No student was graded: a test is wrong.")
 
     monkeypatch.setattr(rehearsals.Rehearsals, "finish", finish)
     path = Path(tmp_path / "auto.zip")

@@ -1,4 +1,4 @@
-"""Messages and pictures of the checks of boxes."""
+"""Messages and pictures of the box checks."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,12 +11,12 @@ from utils.checks.core import notes_of, run_check
 
 CORNERS = {
     "zigzag": [0, 1, 3, 2, 4, 5, 7, 6],
-    "roof first": [4, 5, 6, 7, 0, 1, 2, 3],
-    "the roof begun elsewhere": [0, 1, 2, 3, 5, 6, 7, 4],
+    "roof corners first": [4, 5, 6, 7, 0, 1, 2, 3],
+    "the roof from another corner": [0, 1, 2, 3, 5, 6, 7, 4],
 }
 
 
-def noted(exercise, function):
+def notes_for(exercise, function):
     """Return the names of the notes that a function gets."""
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
@@ -30,24 +30,26 @@ def noted(exercise, function):
 )
 def test_another_order_of_corners_is_a_note(exercise, name, note):
     right = getattr(load_reference(name), exercise)
-    assert noted(exercise, right) == set()
+    assert notes_for(exercise, right) == set()
     for order in CORNERS.values():
-        assert noted(exercise, lambda *given, order=order: right(*given)[:, order]) == {note}
+        assert notes_for(exercise, lambda *given, order=order: right(*given)[:, order]) == {note}
 
 
-def test_boxes_in_a_list_are_a_note():
+def test_a_list_of_boxes_is_a_note():
     for exercise, name, note in (
         ("get_bounding_boxes", "08_bounding_boxes", "returns_an_array"),
         ("get_oriented_boxes", "11_pca_boxes", "returns_boxes_as_an_array"),
     ):
         right = getattr(load_reference(name), exercise)
-        assert noted(exercise, lambda *given, right=right: right(*given).tolist()) == {note}
+        assert notes_for(exercise, lambda *given, right=right: right(*given).tolist()) == {note}
 
 
-def test_axes_in_lists_are_a_note():
+def test_axes_as_lists_are_a_note():
     right = load_reference("11_pca_boxes").principal_axes
-    assert noted("principal_axes", right) == set()
-    assert noted("principal_axes", lambda points: right(points).tolist()) == {"returns_an_array"}
+    assert notes_for("principal_axes", right) == set()
+    assert notes_for("principal_axes", lambda points: right(points).tolist()) == {
+        "returns_an_array"
+    }
 
 
 def limits_of(failure):
@@ -87,7 +89,7 @@ def test_messages_use_singular_and_plural():
 
 
 def test_the_picture_shows_the_axis_in_the_message():
-    """If x, y and z have one maximum, the message names y, which a side view does not show."""
+    """If x, y and z have the same maximum, the message names y, which a side view hides."""
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))

@@ -46,7 +46,7 @@ TELLING = {
 
 
 def accelerated(cloud, threshold=0.5):
-    """Cluster with SciPy, without any shortcut of the lesson."""
+    """Cluster with SciPy, without the shortcuts of the lesson."""
     return connected_components(cdist(cloud, cloud) < threshold)[1] + 1
 
 
@@ -93,7 +93,7 @@ def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, 
 
 
 @pytest.mark.parametrize(("exercise", "letter"), EACH)
-def test_the_picture_shows_that_it_is_wrong(exercise, letter):
+def test_the_picture_shows_the_mistake(exercise, letter):
     assert differs(exercise, letter, function_of(exercise), PUZZLES[exercise].example)
 
 
@@ -101,7 +101,7 @@ def test_the_picture_shows_that_it_is_wrong(exercise, letter):
     ("exercise", "letter"),
     [(exercise, letter) for exercise in THE_SAME for letter in THE_SAME[exercise]],
 )
-def test_a_version_answers_like_a_kept_answer_with_that_mistake(exercise, letter):
+def test_a_version_gives_the_same_answers_as_a_kept_answer_with_that_mistake(exercise, letter):
     puzzle, right = PUZZLES[exercise], function_of(exercise)
     wrong = function_of(exercise, THE_SAME[exercise][letter])
     rng, different = np.random.default_rng(2), 0
@@ -174,7 +174,7 @@ def test_an_endless_loop_is_stopped(capsys, monkeypatch):
     breaking.tell_apart(euclidean_clustering, A=[[0, 0, 0]])
     assert "A ✗ Your own function did not answer within 0.3 seconds" in capsys.readouterr().out
     breaking.show_broken(euclidean_clustering)
-    assert "a loop that never ends" in capsys.readouterr().out
+    assert "an endless loop" in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Notebooks match their sources, are reproducible and leak no solutions."""
+"""Notebooks match their sources, are reproducible, and do not leak solutions."""
 
 import inspect
 import json
@@ -41,11 +41,11 @@ def test_nothing_is_stale_and_nothing_leaks():
 
 
 @pytest.mark.slow
-def test_same_bytes_each_time(built):
+def test_the_build_is_reproducible(built):
     assert build.build_all() == built
 
 
-def test_notebooks_are_valid_and_carry_no_output(built, lesson):
+def test_notebooks_are_valid_and_contain_no_output(built, lesson):
     for path in (lesson.solved, lesson.released):
         notebook = nbformat.reads(built[path].decode(), as_version=4)
         nbformat.validate(notebook)
@@ -53,7 +53,7 @@ def test_notebooks_are_valid_and_carry_no_output(built, lesson):
         assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
 
 
-def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
+def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, lesson):
     """A student notebook therefore runs up to its first stub, which raises NotImplementedError."""
     solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
     first = next(
@@ -95,21 +95,21 @@ def test_every_exercise_has_checks_tests_and_points(lesson):
             assert callable(getattr(load_reference(lesson.name), exercise.name))
 
 
-def test_three_hints_for_each_exercise(built, lesson):
+def test_each_exercise_has_three_hints(built, lesson):
     text = "\n".join(source_of(cell) for cell in cells_of(built[lesson.released]))
     for number in (1, 2, 3):
         assert text.count(f"<summary>Hint {number}</summary>") >= len(lesson.exercises)
 
 
-def test_every_picture_is_inside_and_has_a_description(built, lesson):
+def test_every_picture_is_embedded_and_has_a_description(built, lesson):
     for cell in cells_of(built[lesson.released]):
         text = source_of(cell)
         assert not re.search(r"\]\((?!attachment:)[^)]*\.(png|gif)\)", text)
         assert "![](" not in text
 
 
-def test_nbgrader_releases_notebooks_and_nothing_else(tmp_path):
-    """The folder of a stage also contains hidden tests, kept answers and sources of lessons."""
+def test_nbgrader_releases_only_notebooks(tmp_path):
+    """The folder of a stage also contains hidden tests, kept answers and the lessons' sources."""
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
@@ -144,7 +144,7 @@ PASTED = """\
 """
 
 
-def test_functions_of_earlier_lessons_are_filled_in_with_their_dependencies():
+def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     namespace = {}
     text = earlier_lessons.with_functions(PASTED)
     exec(text, namespace)  # imports included
@@ -171,8 +171,8 @@ def test_a_wrong_name_of_an_earlier_function_raises(line, message):
         earlier_lessons.with_functions(line)
 
 
-def test_students_get_no_function_of_an_earlier_lesson(built):
-    """Their cell is empty, and a line of another lesson's solution counts as a leak."""
+def test_students_do_not_get_functions_of_earlier_lessons(built):
+    """The cell for them is empty, and a line of another lesson's solution counts as a leak."""
     lesson = find_lesson("12_streaming_obstacles")
     (solved,), (released,) = (
         [
@@ -189,7 +189,7 @@ def test_students_get_no_function_of_an_earlier_lesson(built):
     others = [built[other.released] for other in all_lessons() if other != lesson]
     notebook = json.loads(built[lesson.released])
     theirs = "return cloud[is_somewhere & ~is_origin]"  # the answer of lesson 01
-    given = "def turned(points, angle):"  # lesson 11 gives it
+    given = "def turned(points, angle):"  # given in lesson 11
     for line, found in ((theirs, [theirs]), (given, [])):
         assert line in built[lesson.solved].decode()
         notebook["cells"][-1]["source"] = f"x = 1\n{line}\n"
@@ -215,7 +215,7 @@ def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
 
 
 def test_nbgrader_sees_the_stages_and_the_optional_lesson():
-    """Each folder of sources is an assignment; the judge gives no points for the optional one."""
+    """Each folder of sources is an assignment. The optional lesson has no points."""
     config = configure(Config(), PROJECT)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
     assert api.get_source_assignments() == {*stages(), "optional"}
@@ -268,7 +268,7 @@ def toy(tmp_path_factory):
     return build.solved_notebook(Toy("01_toy", "stage1_ransac"), build.Origin("", "main"))
 
 
-def test_folded_cells_are_folded_everywhere(toy):
+def test_folded_cells_are_folded_in_all_programs(toy):
     assert toy.cells[1].metadata["jupyter"] == {"source_hidden": True}
     assert toy.cells[1].metadata["cellView"] == "form"
     assert toy.cells[1].metadata["_kg_hide-input"] is True
@@ -288,7 +288,7 @@ def test_the_next_lesson_is_a_link(toy):
     assert "**Next:** 99 · Nowhere" in toy.cells[-1].source
 
 
-def test_points_are_read_from_the_cells_that_nbgrader_reads(toy):
+def test_points_come_from_the_cells_that_nbgrader_reads(toy):
     assert "**You write** `toy` (7 points), `other` (points)." in toy.cells[0].source
 
 
@@ -308,7 +308,7 @@ def test_minutes_are_computed(toy):
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
     assert durations.section_minutes(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
-    answer = "for whoever grades " * 100
+    answer = "for the grader's eyes " * 100
     report = f'# %% [markdown] nbgrader={{"grade": true}}\n# {answer}\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
     assert durations.section_minutes(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
@@ -329,12 +329,12 @@ def test_optional_sections_are_listed_but_not_counted():
     assert "<td>If you want more</td><td>15 on top</td>" in cells.cells[0].source
 
 
-def test_no_sitting_is_longer_than_ninety_minutes(lesson):
+def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
     assert max(durations.sitting_minutes(notebook)) <= durations.MOST_MINUTES_WITHOUT_STOP
 
 
-def test_tests_of_this_file_run_in_one_process(request):
-    """An incompatible version of pytest-xdist would silently ignore groups of tests."""
+def test_the_tests_in_this_file_run_in_one_process(request):
+    """An incompatible version of pytest-xdist would silently ignore test groups."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         assert request.node.nodeid.endswith("@test_build")

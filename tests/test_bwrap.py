@@ -48,15 +48,15 @@ def wheel(tmp_path, monkeypatch):
 
 @pytest.fixture
 def kernel(monkeypatch):
-    """Return a function that sets the process status and kernel settings seen by `bwrap`."""
+    """Return a function that sets the process status and the kernel settings that `bwrap` reads."""
 
-    def say(status, user=ORDINARY, **settings):
+    def configure(status, user=ORDINARY, **settings):
         files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
         files["/proc/self/status"] = status
         monkeypatch.setattr(bwrap, "_lines", lambda path: files.get(path, "").splitlines())
         monkeypatch.setattr(os, "geteuid", lambda: user)
 
-    return say
+    return configure
 
 
 def test_the_systems_program_comes_first(system, wheel):
@@ -87,7 +87,7 @@ def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
         ("aarch64", "is for x86-64, and this is aarch64. Run: sudo apt-get install bubblewrap"),
     ],
 )
-def test_without_bubblewrap_the_remedy_fits_the_machine(
+def test_without_bubblewrap_the_remedy_suits_the_machine(
     system, wheel, monkeypatch, machine, remedy
 ):
     names = (*os.uname()[:4], machine)
@@ -113,7 +113,7 @@ def test_without_bubblewrap_the_remedy_fits_the_machine(
         ),
     ],
 )
-def test_the_message_has_the_reason_and_a_remedy(
+def test_the_message_contains_the_reason_and_a_remedy(
     system, wheel, kernel, status, user, settings, remedy
 ):
     path = system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")

@@ -1,6 +1,6 @@
-"""Cheap answers, which do not work on their task, earn at most a tenth of its points.
+"""Cheap answers, which do not try to solve the task, earn at most a tenth of its points.
 
-The functions run in this process, as the sandbox is too slow for so many of them. As in the
+The functions run in this process, because the sandbox is too slow for so many of them. As in the
 sandbox, each function gets copies of its arguments.
 """
 
@@ -52,11 +52,11 @@ ANYTHING = {
     "zeros of the same shape": lambda first, *others: np.zeros(np.shape(first)),
     "the first argument without rows": lambda first, *others: first[:0],
     "the first row": lambda first, *others: first[0],
-    "the first row alone": lambda first, *others: first[:1],
+    "only the first row": lambda first, *others: first[:1],
     "the last row": lambda first, *others: first[-1],
-    "the last row alone": lambda first, *others: first[-1:],
+    "only the last row": lambda first, *others: first[-1:],
     "every second row": lambda first, *others: first[::2],
-    "the rows backwards": lambda first, *others: first[::-1],
+    "the rows in reverse order": lambda first, *others: first[::-1],
     "the mean": lambda first, *others: np.mean(first, axis=0),
     "the mean as the only row": lambda first, *others: np.mean(first, axis=0, keepdims=True),
     "the sum of every row": lambda first, *others: np.sum(first, axis=1),
@@ -141,8 +141,8 @@ def cars_at(x, y, *degrees, sides=(4.2, 1.8, 1.5)):
     return lambda cloud: np.array(boxes)
 
 
-def where_something_is(boxes):
-    """Return a detector that answers with those of some fixed boxes that have returns."""
+def fixed_boxes_with_returns(boxes):
+    """Return a detector that returns those of the given boxes that contain points of the cloud."""
 
     def detect_obstacles(cloud):
         middles = boxes(cloud).mean(axis=1)[:, None]
@@ -215,7 +215,7 @@ def a_chain(side):
     return insert
 
 
-def spoils_its_point(tree, point, index):
+def changes_its_point(tree, point, index):
     point[:] = [1e9] * len(point)
 
 
@@ -261,7 +261,7 @@ CHEAP = {
         "the x axis": fixed_line(0.0, 1.0, 0.0),
         "the y axis": fixed_line(1.0, 0.0, 0.0),
         "a line and all True": lambda points, *rest: ((0, 1, 0), np.ones(len(points), bool)),
-        "a line and nobody": lambda points, *rest: ((0, 1, 1e6), np.zeros(len(points), bool)),
+        "a line without inliers": lambda points, *rest: ((0, 1, 1e6), np.zeros(len(points), bool)),
     },
     "plane_through": {
         "the level plane at 0": lambda p, q, r: (0.0, 0.0, 1.0, 0.0),
@@ -286,7 +286,7 @@ CHEAP = {
         "the level plane at the median of z": level_plane,
         "the road": fixed_plane(0.0, 0.0, 1.0, 1.73),
         "the plane at 0": fixed_plane(0.0, 0.0, 1.0, 0.0),
-        "the slope of the lesson": fixed_plane(-0.28, 0.0, 0.96, 1.5),
+        "the lesson's slope": fixed_plane(-0.28, 0.0, 0.96, 1.5),
         "a plane and all True": lambda points, *rest: (
             (0, 0, 1, 0),
             np.ones(len(points), dtype=bool),
@@ -310,13 +310,13 @@ CHEAP = {
         "always the root": as_root,
         "always left": a_chain("left"),
         "always right": a_chain("right"),
-        "spoils its point": spoils_its_point,
+        "changes its point": changes_its_point,
     },
     "search": {
         "everything": every_index,
         "the root": index_of_the_root,
         "number 0": lambda tree, target, tolerance: [0],
-        "nothing, on a tree that insert has spoilt": lambda tree, target, tolerance: [],
+        "nothing, after an insert that changes points": lambda tree, target, tolerance: [],
     },
     "median_order": {
         "sorted by x": lambda points: np.argsort(points[:, 0]),
@@ -324,14 +324,14 @@ CHEAP = {
         "shuffled": lambda points: dice().permutation(len(points)),
     },
     "euclidean_clustering": {
-        "by the sign of x": lambda cloud, threshold=0.5: 1 + (cloud[:, 0] > 4),
+        "split by the sign of x": lambda cloud, threshold=0.5: 1 + (cloud[:, 0] > 4),
         "two halves": lambda cloud, threshold=0.5: 1 + 2 * np.arange(len(cloud)) // len(cloud),
     },
     "filter_ground": {
         "a fixed share": lambda cloud, ground_level=-1.2: cloud[: len(cloud) // 2],
     },
     "voxel_grid": {
-        "one row in two": lambda cloud, voxel_size=0.2: cloud[::2],
+        "every second row": lambda cloud, voxel_size=0.2: cloud[::2],
         "rounded rows": lambda cloud, voxel_size=0.2: np.unique(np.round(cloud, 1), axis=0),
     },
     "filter_by_distance": {},
@@ -342,17 +342,17 @@ CHEAP = {
         "all noise": lambda cluster_labels, min_num_points=100: np.zeros(
             len(cluster_labels), dtype=int
         ),
-        "cluster 1 alone": lambda cluster_labels, min_num_points=100: np.where(
+        "only cluster 1": lambda cluster_labels, min_num_points=100: np.where(
             cluster_labels == 1, 1, 0
         ),
     },
     "euclidean_clustering_accelerated": {
-        "by the sign of x": lambda cloud, threshold=0.5: 1 + (cloud[:, 0] > 4),
+        "split by the sign of x": lambda cloud, threshold=0.5: 1 + (cloud[:, 0] > 4),
         "two halves": lambda cloud, threshold=0.5: 1 + 2 * np.arange(len(cloud)) // len(cloud),
     },
     "principal_axes": {
         "the axes of the scan": lambda points: np.eye(3),
-        "the same, another first": lambda points: np.eye(3)[:, [1, 2, 0]],
+        "the same axes in another order": lambda points: np.eye(3)[:, [1, 2, 0]],
         "x along the mean": lambda points: np.linalg.qr(
             np.column_stack([points[:, :3].mean(axis=0), np.eye(3)[:, :2]])
         )[0],
@@ -387,18 +387,18 @@ def nearest(previous, current, max_distance):
 
 # Fraction of the points that each answer may keep, with the reason.
 PARTLY = {
-    # Right unless two boxes share a nearest one, which only the check with the most weight tests.
-    "match_boxes": {"the nearest, rivals ignored": (nearest, 0.75)},
-    # A permutation that begins with the right median has two properties, each with its own check.
+    # Right unless two boxes have the same nearest box, which only the most important check tests.
+    "match_boxes": {"the nearest box, even if it is shared": (nearest, 0.75)},
+    # A permutation that begins with the right median has two properties with their own checks.
     "median_order": {
         "the median, then the rest": (
             lambda points: np.roll(np.argsort(points[:, 0]), -((len(points) - 1) // 2)),
             0.15,
         )
     },
-    # Each tests for obstacles in four fixed places, which is a very simple detector.
+    # Each looks for obstacles in four fixed places, which is a very simple detector.
     "detect_obstacles": {
-        f"{name}, where something is": (where_something_is(boxes), 0.15)
+        f"{name}, where something is": (fixed_boxes_with_returns(boxes), 0.15)
         for name, boxes in PARKED.items()
     },
 }
@@ -407,7 +407,7 @@ PARTLY = {
 
 
 def earned(lesson, answers, seed):
-    """Return, by exercise, the earned fraction of points and the weights of passed checks."""
+    """Return the earned fraction of points and the weights of passed checks, by exercise."""
     shares = {}
     outcomes = run_checks(lesson, student_with(lesson, answers), seed)
     for exercise in answers:
@@ -422,7 +422,7 @@ def earned(lesson, answers, seed):
 
 
 def one_for_each(lesson, tables):
-    """Yield combinations with one answer per exercise of a lesson until all answers were used."""
+    """Yield combinations with one answer per exercise of a lesson, until all answers are used."""
     columns = [
         [(exercise.name, name, answer) for name, answer in tables(exercise.name).items()]
         for exercise in lesson.machine_graded
@@ -465,7 +465,7 @@ def test_no_cheap_answer_earns_more_than_a_tenth(lesson):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", PARTLY)
-def test_what_is_right_in_part_earns_its_part(exercise):
+def test_a_partly_right_answer_earns_part_of_the_points(exercise):
     lesson = next(
         lesson for lesson in COURSE if exercise in [graded.name for graded in lesson.machine_graded]
     )

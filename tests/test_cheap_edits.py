@@ -1,4 +1,4 @@
-"""No single edit turns a cheap answer, which ignores its task, into a right answer."""
+"""No single edit turns a cheap answer, which ignores the task, into a right answer."""
 
 import ast
 import contextlib
@@ -28,7 +28,7 @@ MEMORY = 4 * 2**30  # additional bytes, as an edit may create huge arrays
 
 
 def sources():
-    """Return the nodes of functions in `test_cheap_answers`, by first line and type of node."""
+    """Return the syntax nodes of functions in `test_cheap_answers`, by first line and node type."""
     tree = ast.parse(inspect.getsource(test_cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
@@ -76,10 +76,10 @@ def time_limit():
         signal.signal(signal.SIGALRM, before)
 
 
-def holds(question):
+def passes(check):
     try:
         with time_limit():
-            question()
+            check()
     except BaseException:
         return False
     return True
@@ -101,10 +101,10 @@ def repairing_edits(exercise, function):
     for text, changed in edited(function):
         setattr(student, exercise, with_copied_arguments(changed))
         shown = visible_calls(student, failed)
-        if not all(map(holds, shown)):
+        if not all(map(passes, shown)):
             continue
         hidden = hidden or hidden_calls(lesson, student, test_cheap_answers.SEED, failed)
-        if all(map(holds, hidden)):
+        if all(map(passes, hidden)):
             found.append(text)
     return found
 
@@ -129,7 +129,7 @@ def bounded():
 @pytest.mark.usefixtures("bounded")
 @pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
-    """Answers with the very mistake that an exercise is about are left out: they keep less."""
+    """Answers that miss the point of the exercise are left out, because they keep fewer points."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
@@ -145,8 +145,8 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_a_mistake_that_a_cheap_answer_makes_says_so():
-    """Otherwise a cheap answer with a known mistake would keep three fifths without an edit."""
+def test_known_mistakes_of_cheap_answers_are_marked_as_cheap():
+    """Otherwise, a cheap answer with a known mistake would keep 60 % of its points."""
     named = {}
     for exercise, table in test_cheap_answers.CHEAP.items():
         checks_of(exercise)  # declares the mistakes
@@ -159,7 +159,7 @@ def test_a_mistake_that_a_cheap_answer_makes_says_so():
     assert {mistake_made for mistake_made, is_declared in named.items() if not is_declared} == set()
 
 
-def test_a_slip_in_what_an_exercise_is_about_keeps_less(sandbox):
+def test_a_slip_that_misses_the_task_keeps_fewer_points(sandbox):
     """A horizontal distance ignores the height, so an answer that includes it misses the task."""
     lesson = lesson_of("horizontal_distance")
     answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"

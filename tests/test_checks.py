@@ -73,11 +73,11 @@ def test_check_explains_an_exception(capsys):
     shown = capsys.readouterr().out
     assert "A mask fits the array" in shown
     assert "return cloud[np.ones(len(cloud) + 1, dtype=bool)]" in shown, "the line is named"
-    assert shown.count("boolean index did not match") == 1, "one cause is told once"
-    assert "Hint" not in shown, "the hints of the rows are about something else"
+    assert shown.count("boolean index did not match") == 1, "one cause is explained once"
+    assert "Hint" not in shown, "the hints about rows do not apply"
 
 
-def test_an_exception_in_a_comprehension_is_placed_in_the_function_around_it():
+def test_an_exception_in_a_comprehension_is_located_in_its_function():
     def measure(rows):
         return [x + y for x, y in rows]
 
@@ -97,7 +97,7 @@ def under_check(point):
     return total
 
 
-def test_an_exception_in_a_finished_function_is_placed_where_that_was_called():
+def test_an_exception_in_a_finished_function_is_located_at_the_call():
     with pytest.raises(ValueError) as caught:
         under_check([1])
     name, place, line = locate(caught.value, under_check)
@@ -109,7 +109,7 @@ def test_an_exception_in_a_finished_function_is_placed_where_that_was_called():
     assert inner.endswith("of the cell of finished")
 
 
-def test_check_of_a_stub_reports_that_it_is_not_started(capsys):
+def test_a_check_of_a_stub_reports_that_it_is_not_started(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         raise NotImplementedError
 
@@ -119,18 +119,18 @@ def test_check_of_a_stub_reports_that_it_is_not_started(capsys):
     assert shown.count("\n") == 1 and "not started" in shown
 
 
-def test_check_of_something_else_lists_the_exercises():
+def test_a_check_of_something_else_lists_the_exercises():
     with pytest.raises(LookupError, match="it: horizontal_distance, "):
         check(len)
     with pytest.raises(TypeError, match=r"without quotation marks: check\(filter_ground\)"):
         check("filter_ground")
 
 
-def test_failure_is_one_line_in_a_notebook():
+def test_a_failure_is_one_line_in_a_notebook():
     assert ChecksFailed("2 of 5 checks failed.")._render_traceback_() == ["2 of 5 checks failed."]
 
 
-def test_table_escapes_what_students_write():
+def test_the_table_escapes_text_from_students():
     def filter_ground(cloud, ground_level=-1.2):
         return "<script>alert(1)</script>"
 
@@ -173,7 +173,7 @@ def test_wrong_rows_are_reported(answer, words):
         assert_rows(answer, CLOUD, KEEP)
 
 
-def test_messages_say_one_row_in_the_singular():
+def test_messages_use_the_singular_for_one_row():
     with pytest.raises(CheckFailed) as caught:
         assert_rows(CLOUD[:2], CLOUD, np.array([True, False, False]))
     assert (caught.value.yours, caught.value.expected) == ("2 rows", "1 row")
@@ -234,7 +234,7 @@ def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
         assert shown.count("[note]") == 1 and words in shown
 
 
-def test_sets_of_rows():
+def test_sets_of_rows_are_compared():
     assert_same_set_of_rows(CLOUD[::-1], CLOUD)
     assert_same_set_of_rows([], np.empty((0, 3)))
     for wrong, words in (
@@ -247,7 +247,7 @@ def test_sets_of_rows():
             assert_same_set_of_rows(wrong, CLOUD)
 
 
-def test_partitions():
+def test_partitions_are_compared():
     expected = np.array([1, 1, 2, 3])
     cloud = np.zeros((4, 3))
     for same in ([1, 1, 2, 3], [7, 7, 0, -2], np.array([1.0, 1, 2, 3]), (3, 3, 1, 2)):
@@ -271,7 +271,7 @@ def test_partitions():
         assert_partition([1, 1, 0, 0], expected - 1, cloud)
 
 
-def test_pictures_of_failures_can_be_drawn():
+def test_failures_can_be_drawn():
     for wrong in (CLOUD, CLOUD[:1]):
         with pytest.raises(CheckFailed) as caught:
             assert_rows(wrong, CLOUD, KEEP)
@@ -281,7 +281,7 @@ def test_pictures_of_failures_can_be_drawn():
     assert caught.value.draw() is not None
 
 
-def test_untouched():
+def test_a_changed_input_is_reported():
     assert_untouched(lambda values: None, np.array([1.0, np.nan]))
     with pytest.raises(CheckFailed, match="changed its input"):
         assert_untouched(lambda cloud: cloud.fill(1), CLOUD)
@@ -350,7 +350,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: filter_ground(), "first line"),
     ],
 )
-def test_tips_fit_what_numpy_and_python_really_say(provoke, word):
+def test_tips_match_the_real_messages_of_numpy_and_python(provoke, word):
     with pytest.raises(Exception) as caught:  # noqa: B017, PT011 (each raises its own)
         provoke()
     assert word in tip_for(type(caught.value).__name__, str(caught.value))
@@ -384,7 +384,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
     for line in ("x, y, z = points[i]", "for x, y, z in cloud:", "x, y, z = cloud[near].T"):
         assert "intensity" in tip_for("ValueError", str(caught.value), f"`{line}`")
-    # The result of a call is not a row of a cloud, regardless of names; a plane has four numbers.
+    # The result of a call is not a row of a cloud, whatever its name. A plane has four numbers.
     for line in (
         "a, b, c = plane_through(p, q, r)",
         "a, b, c = fit_plane(points)",
@@ -421,7 +421,7 @@ def test_an_ambiguous_error_gets_no_tip():
     assert tip_for("ZeroDivisionError", "division by zero") == ""
 
 
-def test_import_is_quick_and_light():
+def test_importing_utils_loads_no_heavy_packages():
     import subprocess
     import sys
 
@@ -437,7 +437,7 @@ def test_import_is_quick_and_light():
 
 
 def test_checks_of_an_exercise_have_different_titles(lesson):
-    """With equal titles, a table would not show which of the two checks failed."""
+    """If two checks had the same title, a table would not show which one failed."""
     titles = []
 
     def record_and_skip(one_check):
@@ -490,10 +490,10 @@ def test_constants_are_read_only(request):
     assert writeable == set()
 
 
-def spoiling(function, read_only):
+def overwriting(function, read_only):
     """Wrap a function so that it overwrites all its arguments after use."""
 
-    def ruin(*arguments, **keywords):
+    def overwrite(*arguments, **keywords):
         given = [*arguments, *keywords.values()]
         result = function(*(copy.deepcopy(value) if is_plain(value) else value for value in given))
         for value in given:
@@ -505,7 +505,7 @@ def spoiling(function, read_only):
                 value[:] = [99] * len(value)
         return result
 
-    return ruin
+    return overwrite
 
 
 def is_plain(value):
@@ -513,10 +513,10 @@ def is_plain(value):
 
 
 @pytest.mark.slow
-def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson, monkeypatch):
+def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, monkeypatch):
     reference, read_only = load_reference(lesson.name), []
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {name: spoiling(getattr(reference, name), read_only) for name in names}
+    functions = {name: overwriting(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
         for name, function in functions.items():  # the lesson's class looks them up there
             monkeypatch.setitem(vars(reference), name, function)
@@ -528,7 +528,7 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson, monk
         if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
-    # Arguments have to be writable, as an answer may have a good reason to change its copy.
+    # Arguments must be writable, because an answer may have a good reason to change its copy.
     allowed = {"filter_clusters"}  # a hidden test passes a read-only array on purpose
     assert set(read_only) <= allowed
 
@@ -546,17 +546,17 @@ def nested(depth):
 HUGE = {
     "boxes": np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
     "dimensions": np.zeros((6,) * 8, dtype=bool),
-    "dimensions and a model": [None, np.zeros((6,) * 8, dtype=bool)],
+    "dimensions, after None": [None, np.zeros((6,) * 8, dtype=bool)],
     "nesting": nested(50),
-    "deep and wide": [nested(50)] * 20_000,
+    "deeply nested lists in a long list": [nested(50)] * 20_000,
     "a long list": list(range(10**6)),
     "a longer list": [0.5] * (10**6 + 1),
     "a long list of lists": [[0.0, 0.0, 0.0]] * 300_000,
-    "lists of nothing": [[]] * 900_000,
+    "a long list of empty lists": [[]] * 900_000,
     "digits": 10**10_000,
     "many digits": [10**10_000] * 1000,
     "a long text": "9" * 10**7,
-    "a long text among short ones": ["9" * 10**7] + ["9"] * 10_000,
+    "a long text in a list of short ones": ["9" * 10**7] + ["9"] * 10_000,
     "a set": set(range(500_000)),
     "a dictionary": {number: number for number in range(500_000)},
     "a large array": np.zeros(4 * 10**6),
@@ -566,7 +566,7 @@ HUGE = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", HUGE)
-def test_a_huge_claim_is_refused_at_once(name):
+def test_a_huge_answer_is_refused_quickly(name):
     from time import process_time
 
     slow = {}
@@ -617,7 +617,7 @@ def huge_answers(exercise, answer):
     return KdTree
 
 
-def test_messages_name_the_limits_of_size():
+def test_messages_name_the_size_limits():
     for claim, words in (
         (HUGE["dimensions"], "three dimensions"),
         (nested(50), "three dimensions"),
@@ -663,7 +663,7 @@ WEIRD = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WEIRD)
-def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
+def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
     names = [exercise.name for exercise in lesson.machine_graded]
     functions = {exercise: lambda *arguments, **keywords: WEIRD[name] for exercise in names}
     if "KdTree" in lesson.names:
@@ -703,7 +703,7 @@ def test_exercises_of_one_class_are_checked_separately(monkeypatch, capsys):
     assert "Fix this first" not in said
 
 
-def test_a_number_that_was_changed_is_shown_as_a_number():
+def test_a_changed_number_is_shown_as_a_number():
     def clear_in_place(labels):
         labels[1] = 0
         return labels.copy()
@@ -736,7 +736,7 @@ def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
     assert not [outcome.failure for outcome in outcomes if outcome.failure]
 
 
-def test_texts_get_the_digits_that_tell_them_apart():
+def test_texts_get_enough_digits_to_differ():
     assert distinct_texts(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
     assert distinct_texts(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
     assert distinct_texts(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
@@ -764,7 +764,7 @@ def test_yours_and_expected_are_never_the_same_text(name, wrong):
     assert [each.message for each in compared if each.yours == each.expected] == []
 
 
-def test_texts_that_do_not_differ_are_left_out():
+def test_equal_texts_are_left_out():
     failure = CheckFailed("Something else is wrong.", yours="1 row", expected="1 row")
     [check_, *_] = checks_of("horizontal_distance")
     labels = [label for label, _ in details(Outcome(check_, failure))]
@@ -782,12 +782,12 @@ def test_texts_that_do_not_differ_are_left_out():
         (KEEP, "This is a mask"),
     ],
 )
-def test_an_answer_of_another_kind_is_named(answer, words):
+def test_the_type_of_a_wrong_answer_is_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
         as_array(answer, columns=4, what="rows")
 
 
-def test_a_slow_right_answer_is_told_how_long_the_judge_waits(capsys, monkeypatch):
+def test_a_slow_right_answer_gets_a_note_on_the_time_limit(capsys, monkeypatch):
     clock = iter([0.0, 7.0])
     monkeypatch.setattr(core.time, "process_time", lambda: next(clock, 7.0))
     check(filter_ground)

@@ -1,6 +1,6 @@
 """The choice of a format by suffix, the binary formats, and the messages about bad files.
 
-The tests build files byte by byte, independently of the writers under test.
+The tests build files byte by byte, independently of the writers that they test.
 """
 
 import io
@@ -48,13 +48,13 @@ def test_every_format_keeps_the_numbers(tmp_path, suffix, columns, rows):
 
 
 @pytest.mark.parametrize("suffix", [".pcd", ".npz", ".txt"])
-def test_double_precision_survives_where_the_format_can(tmp_path, suffix):
+def test_double_precision_is_kept_if_the_format_allows_it(tmp_path, suffix):
     cloud = np.array([[1 / 3, 2 / 3, 1e-12], [np.nan, np.inf, -0.0]])
     write_cloud(tmp_path / f"cloud{suffix}", cloud)
     np.testing.assert_array_equal(read_cloud(tmp_path / f"cloud{suffix}"), cloud)
 
 
-def test_writing_accepts_lists_and_integers_and_refuses_the_rest(tmp_path):
+def test_only_lists_and_arrays_of_numbers_can_be_written(tmp_path):
     write_cloud(tmp_path / "a.txt", [[1, 2, 3]])
     assert (tmp_path / "a.txt").read_text() == "1.0 2.0 3.0\n"
     assert "shape (3,)" in message_of(write_cloud, tmp_path / "b.txt", [1, 2, 3])
@@ -66,7 +66,7 @@ def test_writing_accepts_lists_and_integers_and_refuses_the_rest(tmp_path):
     assert not (tmp_path / "b.txt").exists()
 
 
-def test_a_missing_file_says_where_it_looked_and_what_is_there(tmp_path):
+def test_the_error_about_a_missing_file_names_folders_and_existing_files(tmp_path):
     (tmp_path / "street.pcd").touch()
     (tmp_path / "notes.md").touch()
     message = message_of(read_cloud, tmp_path / "cloud.txt")
@@ -75,7 +75,7 @@ def test_a_missing_file_says_where_it_looked_and_what_is_there(tmp_path):
     assert "no cloud file there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
 
 
-def test_folders_unknown_suffixes_and_odd_names_are_explained(tmp_path):
+def test_folders_unknown_suffixes_and_strange_names_are_explained(tmp_path):
     assert "read_sequence" in message_of(read_cloud, tmp_path)
     message = message_of(read_cloud, tmp_path / "cloud.las")
     assert ".las" in message and ".pcd" in message
@@ -84,12 +84,12 @@ def test_folders_unknown_suffixes_and_odd_names_are_explained(tmp_path):
     assert "cannot be opened" in message_of(read_cloud, "a" * 5000 + ".txt")
 
 
-def test_the_error_survives_a_process_pool():
+def test_errors_survive_a_process_pool():
     error = pickle.loads(pickle.dumps(CloudFileError("street.txt: cut off.")))
     assert isinstance(error, ValueError) and str(error) == "street.txt: cut off."
 
 
-def test_importing_loads_no_heavy_packages():
+def test_importing_clouds_loads_no_heavy_packages():
     code = "import sys, utils.clouds, utils.datasets; print(*sys.modules)"
     modules = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
@@ -104,11 +104,11 @@ class TestKitti:
         assert decode_kitti(data).dtype == np.float32
         assert decode_kitti(b"").shape == (0, 4)
 
-    def test_a_cut_file_names_the_byte(self):
+    def test_the_error_about_a_truncated_file_names_the_byte(self):
         message = message_of(decode_kitti, bytes(16 * 3 + 5), "a.bin")
         assert "a.bin, byte 48" in message and "5 bytes" in message and "3 points" in message
 
-    def test_text_is_recognised(self):
+    def test_text_in_a_binary_file_is_recognised(self):
         assert "the text '1.0 2.0" in message_of(decode_kitti, b"1.0 2.0 3.0 0.5\n" * 8)
 
 
@@ -132,20 +132,20 @@ class TestNpz:
         return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode()
 
     @pytest.mark.parametrize("kind", ["<f4", "<f8", ">f8", "<f2", "<i4", "u1"])
-    def test_kinds_of_numbers(self, kind):
+    def test_all_number_types_are_read(self, kind):
         values = np.arange(12).reshape(3, 4).astype(kind)
         cloud = decode_npz(self.archive(value=values))
         np.testing.assert_array_equal(cloud, np.arange(12).reshape(3, 4))
         assert cloud.dtype == (np.float32 if kind == "<f4" else np.float64)
 
-    def test_column_order_and_other_arrays(self):
+    def test_columns_are_found_by_name_and_other_arrays_ignored(self):
         values = np.asfortranarray(np.arange(12.0).reshape(4, 3))
         np.testing.assert_array_equal(decode_npz(self.archive(value=values)), values)
         buffer = io.BytesIO()
         np.savez(buffer, truth=np.arange(4), cloud=values)
         np.testing.assert_array_equal(decode_npz(buffer.getvalue()), values)
 
-    def test_other_content_is_explained(self):
+    def test_unsuitable_content_is_explained(self):
         zeros = np.zeros((2, 3))
         assert "'points'" in message_of(decode_npz, self.archive("points", zeros))
         assert "expected numbers" in message_of(decode_npz, self.archive(value=[["a", "b", "c"]]))
@@ -166,7 +166,7 @@ class TestNpz:
         raw = np.array([[Bomb()] * 3], dtype=object)
         assert "expected numbers" in message_of(decode_npz, self.archive(value=raw))
 
-    def test_damage_is_noticed(self):
+    def test_damaged_archives_are_noticed(self):
         data = self.archive(value=np.random.default_rng(0).normal(size=(500, 4)))
         for broken in (data[:-40], data[: len(data) // 2], data[100:]):
             message_of(decode_npz, broken)
@@ -175,18 +175,18 @@ class TestNpz:
         assert "damaged" in message_of(decode_npz, bytes(flipped))
 
     @pytest.mark.parametrize("shape", [(10**12, 4), (-1, 4), (2**62, 3), (10**30, 4), (True, 3)])
-    def test_bombs_of_announced_size(self, shape):
+    def test_archives_that_announce_a_huge_size_are_refused(self, shape):
         raw = self.header(shape) + bytes(96)
         assert bounded(message_of, decode_npz, self.archive(raw=raw)) < 5e6
 
-    def test_a_bomb_of_zeros_is_not_unpacked(self):
+    def test_a_zip_bomb_of_zeros_is_not_unpacked(self):
         zeros = bytes(200_000_000)
         data = self.archive(raw=self.header((200_000_000 // 32, 4)) + zeros)
         del zeros
         assert len(data) < 400_000
         assert bounded(message_of, decode_npz, data) < 5e6
 
-    def test_nested_header_does_not_exhaust_the_parser(self):
+    def test_a_nested_header_does_not_exhaust_the_parser(self):
         raw = self.header("(" * 9000 + ")" * 9000)
         assert "damaged" in message_of(decode_npz, self.archive(raw=raw))
 

@@ -1,8 +1,8 @@
 """A reader returns a cloud or raises CloudFileError, whatever bytes a file contains.
 
-The inputs are random bytes, and small files of every format that were cut, overwritten, repeated
-or filled with extreme numbers. A reader gives no warning, raises no other exception, and uses only
-as much memory as the size of the file justifies.
+The inputs are random bytes, and small files of every format that were truncated, overwritten,
+repeated or filled with extreme numbers. A reader must not warn, raise other exceptions, or use more
+memory than the size of the file justifies.
 """
 
 import io
@@ -79,8 +79,8 @@ def damaged(draw, files):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def all_is_imported(tmp_path_factory):
-    """Read intact files first, so that late imports do not count as memory of a reader."""
+def everything_imported(tmp_path_factory):
+    """Read intact files first, so that the memory of late imports is not attributed to a reader."""
     for decode, files in READERS.values():
         for data in files:
             decode(data, "whole")
@@ -128,7 +128,7 @@ def check_bytes(reader: str, data: bytes) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
-def test_files_of_any_content(reader):
+def test_files_with_any_content_are_read_or_refused(reader):
     @settings(max_examples=250, deadline=None)
     @given(damaged(READERS[reader][1]))
     def property_holds(data):
@@ -139,7 +139,7 @@ def test_files_of_any_content(reader):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
-def test_many_files_of_any_content(reader):
+def test_many_files_with_any_content_are_read_or_refused(reader):
     @settings(max_examples=1_500, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged(READERS[reader][1]))
     def property_holds(data):
@@ -149,13 +149,13 @@ def test_many_files_of_any_content(reader):
 
 
 @pytest.mark.parametrize("data", [b"\x0b,", b"1 2 3\n\x0c;\n", "\u2003,".encode()])
-def test_an_empty_field_after_any_blank_is_named(data):
+def test_the_error_about_an_empty_field_names_the_column(data):
     with pytest.raises(CloudFileError, match="found nothing in column 1, expected a number"):
         decode_text(data)
 
 
 @pytest.mark.parametrize("reader", READERS)
-def test_files_cut_at_every_byte(reader):
+def test_truncated_files_are_read_or_refused(reader):
     for data in READERS[reader][1]:
         for length in range(0, len(data), 1 + len(data) // 300):
             check_bytes(reader, data[:length])
@@ -168,7 +168,7 @@ WORDS = [*"013\n ,;#", "-1", "nan", "inf", "1e9", "abc", "x y z", "DATA ascii\n"
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=30))
 @example(["\x0b,"])  # numpy.loadtxt treated this as an empty file and warned
-def test_texts_of_likely_words(words):
+def test_texts_of_likely_words_are_read_or_refused(words):
     data = " ".join(words).encode()
     check_bytes("text", data)
     check_bytes("pcd", data)
@@ -187,7 +187,7 @@ TRACKLETS = b"""<boost_serialization><tracklets><count>1</count><item><objectTyp
 
 @settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=damaged([CALIBRATION, LABEL * 2, b"0 1 " + LABEL, TRACKLETS]))
-def test_labels_and_calibration_of_any_content(tmp_path_factory, data):
+def test_labels_and_calibration_with_any_content_are_read_or_refused(tmp_path_factory, data):
     folder = tmp_path_factory.getbasetemp()
     (folder / "good.txt").write_bytes(CALIBRATION)
     calibration = read_calibration(folder / "good.txt")
@@ -258,11 +258,11 @@ def fuzz_recordings(folder, kind: str, examples: int) -> None:
 
 
 @pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
-def test_recordings_of_any_content(tmp_path, kind):
+def test_recordings_with_any_content_are_read_or_refused(tmp_path, kind):
     fuzz_recordings(tmp_path, kind, examples=60)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
-def test_many_recordings_of_any_content(tmp_path, kind):
+def test_many_recordings_with_any_content_are_read_or_refused(tmp_path, kind):
     fuzz_recordings(tmp_path, kind, examples=600)

@@ -1,4 +1,4 @@
-"""Labels, calibration and raw drives of KITTI, read from small folders that the tests write."""
+"""KITTI labels, calibration and raw drives, read from small folders that the tests write."""
 
 import csv
 import os
@@ -28,8 +28,9 @@ P2 = "700 0 600 45 0 700 180 -0.3 0 0 1 0.005"
 OBJECT_CALIBRATION = f"P2: {P2}\nR0_rect: {IDENTITY}\nTr_velo_to_cam: {MOUNTING}\n\n"
 TRACKING_CALIBRATION = f"P2: {P2}\nR_rect {IDENTITY}\nTr_velo_cam {MOUNTING}\n"
 
-# A car of 4 x 1.6 x 1.5 m, seen from behind (at KITTI's rotation -pi/2 a car points along the
-# camera's z). The centre of its floor is 10 m ahead of the scanner, 2 m to its left, 1.73 m below.
+# A car of 4 x 1.6 x 1.5 m, seen from behind (at KITTI's rotation -pi/2, a car points along the
+# camera's z axis). The centre of its floor is 10 m ahead of the scanner, 2 m to the left and 1.73 m
+# below.
 CAR = "Car 0.00 0 1.9 500 150 600 250 1.5 1.6 4.0 -2.0 1.65 9.73 -1.5707963"
 WALKER = "Pedestrian 0.00 0 0 500 150 600 250 1.8 0.6 0.5 3.0 1.65 19.73 0"
 IGNORED = "DontCare -1 -1 -10 503 169 590 190 -1 -1 -1 -1000 -1000 -1000 -10"
@@ -62,7 +63,7 @@ def test_all_three_kinds_of_calibration_agree(tmp_path, calibration):
     np.testing.assert_allclose(ahead, [-2, 0.92, 9.73, 1])
 
 
-def test_bad_calibration_is_explained(tmp_path):
+def test_invalid_calibration_is_explained(tmp_path):
     path = tmp_path / "calib.txt"
     assert "calib.txt" in error_message(read_calibration, path)
     path.write_text(TRACKING_CALIBRATION.replace("R_rect", "Q_rect"))
@@ -118,7 +119,7 @@ def test_tracking_labels_are_grouped_by_frame_with_track_ids(tmp_path, calibrati
         (CAR.replace("9.73", "nan"), "line 1"),
     ],
 )
-def test_bad_labels_are_explained(tmp_path, calibration, text, part):
+def test_invalid_labels_are_explained(tmp_path, calibration, text, part):
     path = tmp_path / "000008.txt"
     path.write_text(text)
     message = error_message(read_object_labels, path, calibration)
@@ -173,14 +174,14 @@ def test_a_drive_has_frames_with_boxes_and_times(drive):
     assert [frame.time for frame in recording[1:]] == pytest.approx([0.1, 0.3])
 
 
-def test_a_drive_without_tracklets_and_times(drive):
+def test_tracklets_and_times_are_optional(drive):
     (drive / "tracklet_labels.xml").unlink()
     (drive / "velodyne_points" / "timestamps.txt").unlink()
     recording = read_kitti_raw(drive)
     assert recording[2].boxes == () and recording[2].time == pytest.approx(0.3)
 
 
-def test_bad_drives_are_explained(drive):
+def test_invalid_drives_are_explained(drive):
     assert "2011_09_26_drive_0005_sync" in error_message(read_kitti_raw, drive.parent)
     assert "no files" in error_message(read_kitti_raw, drive / "none")
     unnumbered = drive / "velodyne_points" / "data" / "first.bin"
@@ -198,7 +199,7 @@ def test_bad_drives_are_explained(drive):
         assert "tracklet_labels.xml" in error_message(read_tracklets, tracklets)
 
 
-def test_inside_includes_the_faces_and_turns_with_the_box():
+def test_points_on_the_faces_of_a_turned_box_are_inside():
     box = Box(centre=(1, 2, 3), size=(4, 2, 1), yaw=np.pi / 2, kind="car", identity=1)
     points = np.array([[1, 2, 3], [2, 4, 3.5], [2.1, 2, 3], [1, 4.1, 3], [1, 2, 3.6]])
     assert inside(points, box).tolist() == [True, True, False, False, False]

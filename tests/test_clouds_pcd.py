@@ -1,4 +1,4 @@
-"""PCD files written by hand: layouts that the format allows, and some that it does not."""
+"""PCD files written by hand, with layouts that the format allows and some that it does not."""
 
 import os
 import struct
@@ -21,7 +21,7 @@ POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (np.nan, 0.0, 0.0,
 
 def header(points=3, encoding="binary", fields="x y z intensity", size="4 4 4 4", kind="F F F F",
          count="1 1 1 1", width=None, height=1, **lines):  # fmt: skip
-    """Return the header of a PCD file; a keyword replaces a line, and None omits it."""
+    """Return the header of a PCD file. A keyword replaces a line, and None omits the line."""
     entries = {
         "VERSION": "0.7",
         "FIELDS": fields,
@@ -43,7 +43,7 @@ def records(layout="<4f", points=POINTS):
 
 
 def literals(data: bytes) -> bytes:
-    """Return an LZF stream that has only literal runs."""
+    """Return an LZF stream that consists only of literal runs."""
     runs = [data[start : start + 32] for start in range(0, len(data), 32)]
     return b"".join(bytes([len(run) - 1]) + run for run in runs)
 
@@ -78,7 +78,7 @@ def test_compressed():
 
 
 @pytest.mark.parametrize("encoding", ["binary", "ascii", "binary_compressed"])
-def test_any_field_order_padding_counts_and_kinds(encoding):
+def test_any_field_order_padding_counts_and_types_are_read(encoding):
     layout = {
         "fields": "rgb z _ intensity normal x y",
         "size": "4 8 1 2 4 4 8",
@@ -110,7 +110,7 @@ def test_any_field_order_padding_counts_and_kinds(encoding):
     np.testing.assert_array_equal(cloud, np.array(POINTS) * [1, 1, 1, 2])
 
 
-def test_integers_without_intensity_and_old_field_names():
+def test_integers_without_intensity_and_old_field_names_are_read():
     data = header(fields=None, COLUMNS=None, size="2 2 2", kind="I I I", count=None)
     data = data.replace(b"SIZE", b"FIELDS X Y Z\nSIZE") + struct.pack("<9h", *range(-4, 5))
     np.testing.assert_array_equal(decode_pcd(data), np.arange(-4, 5).reshape(3, 3))
@@ -136,7 +136,7 @@ def test_padding_after_the_points_is_ignored():
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("shape", [(0, 3), (0, 4), (1, 3), (500, 4)])
-def test_round_trip(encoding, dtype, shape):
+def test_written_files_are_read_back(encoding, dtype, shape):
     cloud = np.random.default_rng(2).normal(scale=20, size=shape).astype(dtype)
     decoded = decode_pcd(encode_pcd(cloud, encoding))
     assert decoded.dtype == dtype and decoded.shape == shape
@@ -225,7 +225,7 @@ class TestLzf:
         assert lzf.decompress(packed, len(raw)) == raw
         assert len(packed) <= len(raw) * 33 // 32 + 1
 
-    def test_repetition_compresses_well_but_distant_matches_are_ignored(self):
+    def test_repetition_compresses_well_but_not_over_long_distances(self):
         block = bytes(np.random.default_rng(0).integers(0, 256, 9000, dtype=np.uint8))
         assert len(lzf.compress(bytes(100_000))) < 1500
         assert lzf.decompress(lzf.compress(block * 2), 18_000) == block * 2

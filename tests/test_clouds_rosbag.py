@@ -1,4 +1,4 @@
-"""Small ROS recordings, written with rosbags' writers, then read intact and damaged."""
+"""Small ROS recordings, which rosbags writes and which are read intact or damaged."""
 
 from types import SimpleNamespace
 
@@ -114,7 +114,7 @@ def test_missing_and_other_files_are_explained(tmp_path):
         read_bag(tmp_path)
 
 
-def test_a_cut_recording_is_explained(bag):
+def test_a_truncated_recording_is_explained(bag):
     files = [bag] if bag.is_file() else [*bag.glob("*.db3"), *bag.glob("*.mcap")]
     data = files[0].read_bytes()
     files[0].write_bytes(data[: len(data) // 3])
@@ -126,7 +126,7 @@ class TestMessages:
     points = np.array([[1.5, -2, 3, 7], [4, 5, np.nan, 0], [-1, 0, 2, 255]])
 
     @pytest.mark.parametrize("big", [False, True])
-    def test_doubles_small_integers_gaps_and_any_order(self, big):
+    def test_doubles_small_integers_gaps_and_any_order_are_read(self, big):
         kind = np.dtype({"names": ["z", "i", "y", "x"], "formats": ["f8", "u1", "f4", "f4"],
                          "offsets": [1, 12, 16, 24], "itemsize": 32})  # fmt: skip
         records = np.zeros(3, kind.newbyteorder(">" if big else "<"))
@@ -137,7 +137,7 @@ class TestMessages:
         assert result.dtype == np.float64
         np.testing.assert_array_equal(result, self.points)
 
-    def test_organised_with_padded_rows_and_no_intensity(self):
+    def test_organised_clouds_with_padded_rows_are_read(self):
         rows = np.zeros((2, 3 * 16 + 5), np.uint8)
         expected = np.random.default_rng(0).normal(size=(2, 3, 4)).astype("<f4")
         rows[:, :48] = expected.view(np.uint8).reshape(2, 48)
@@ -145,7 +145,7 @@ class TestMessages:
         made = message(rows.tobytes()[:-5], fields, height=2, width=3, row_step=53)
         np.testing.assert_array_equal(decode_message(made, "a"), expected[..., :3].reshape(6, 3))
 
-    def test_empty_and_forgotten_row_step(self):
+    def test_empty_clouds_and_a_missing_row_step_are_read(self):
         assert decode_message(message(b""), "a").shape == (0, 4)
         made = message(self.points.astype("<f4").tobytes(), row_step=0)
         np.testing.assert_array_equal(decode_message(made, "a"), self.points)

@@ -30,7 +30,7 @@ def test_frames_are_in_natural_order(tmp_path):
         frames[3]
 
 
-def test_natural_order_of_mixed_names():
+def test_mixed_names_are_in_natural_order():
     names = ["b1", "a10", "a9", "a09", "10", "9", "a", "a1b2", "a1b10"]
     ordered = sorted(map(Path, names), key=natural_order)
     assert [path.name for path in ordered] == [

@@ -1,4 +1,4 @@
-"""Clouds as text: every usual notation is read, and errors explain files that are not clouds."""
+"""Clouds as text: all common notations are read, and errors explain files that are not clouds."""
 
 import time
 
@@ -35,14 +35,14 @@ FOUR = [[1.0, 2.0, 3.0, 0.25], [-4.0, 5.5, 6e-3, 1.0]]
         ("VERSION 0.7\nFIELDS x y z\nDATA ascii\n1 2 3\n-4 5.5 6e-3\n", THREE),
     ],
 )
-def test_every_usual_notation_is_read(text, expected):
+def test_common_notations_are_read(text, expected):
     cloud = decode_text(text.encode())
     assert cloud.dtype == np.float64
     np.testing.assert_array_equal(cloud, expected)
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "latin-1"])
-def test_every_usual_encoding_is_read(encoding):
+def test_common_encodings_are_read(encoding):
     np.testing.assert_array_equal(decode_text("Höhe\n1 2 3\n-4 5.5 6e-3".encode(encoding)), THREE)
 
 

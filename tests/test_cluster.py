@@ -1,6 +1,6 @@
-"""Grading on a Dask cluster: the same gradebook as here, or a stop from which a run can resume.
+"""Grading on a Dask cluster gives the same gradebook as grading here, or stops and can be resumed.
 
-Schedulers and workers are started with Dask's own command, in an empty folder without the course.
+Dask's own command starts schedulers and workers, in an empty folder without the course.
 """
 
 import contextlib
@@ -45,7 +45,7 @@ PATIENCE = 240
 
 @pytest.fixture(scope="module")
 def local(tmp_path_factory, sandbox):
-    """Grade a class on this machine; return its root, its verdicts and its gradebook's content."""
+    """Grade a class on this machine; return its folder, its verdicts and its gradebook's rows."""
     texts = {
         "broken": answer()[:5000],
         "half": answer("filter_ground"),
@@ -60,7 +60,7 @@ def local(tmp_path_factory, sandbox):
 
 @pytest.fixture
 def course(tmp_path, local):
-    """Return a copy of the class that is not yet graded."""
+    """Return a copy of the class that has not been graded yet."""
     made = Course(tmp_path / "course")
     shutil.copytree(local.root, made.root)
     for folder in ("verdicts", "autograded", "report"):
@@ -149,7 +149,7 @@ def wait_for_workers(address, count):
 
 @pytest.fixture
 def after_first_verdict(monkeypatch):
-    """Return a function that schedules an action for when the first verdict is written."""
+    """Return a function that schedules an action, which runs when the first verdict is written."""
 
     def schedule(action):
         def write(verdict, path, original=grade.write_verdict):
@@ -167,7 +167,7 @@ def after_first_verdict(monkeypatch):
 
 @pytest.mark.slow
 def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox, start, capsys):
-    """A worker has two threads and Dask's nanny; a second run works without the cluster."""
+    """A worker has two threads and Dask's nanny. A second run works without the cluster."""
     address, process = start.scheduler()
     start.worker(address, threads=2)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
@@ -178,8 +178,8 @@ def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox,
     assert "5 unchanged" in capsys.readouterr().out
 
 
-# Attacks that a cluster might handle differently: a worker's process judges, submissions come over
-# the network, two notebooks share the processes of a worker, and messages are sent back.
+# Attacks that might succeed on a cluster: a worker's process judges, submissions and messages are
+# sent over the network, and two notebooks share the processes of a worker.
 LOCKS = """
 import fcntl, glob, os, numpy, time
 FILES = sorted(glob.glob(os.path.dirname(numpy.__file__) + "/*/tests/*.py"))[:64]
@@ -194,7 +194,7 @@ def taken(keep):
     return False
 """
 HOSTILE = {
-    "ends everything": "import os\n    os.kill(-1, 9)\n    os._exit(0)",
+    "kills all processes": "import os\n    os.kill(-1, 9)\n    os._exit(0)",
     "floods": "return [cloud] * 100",
     "sleeps": "import time\n    time.sleep(600)",
     "speaks": "raise ValueError('LEA' + 'KED' + str(cloud[0].tolist()))",
@@ -244,8 +244,8 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
 
 
 @pytest.mark.slow
-def test_a_local_cluster_of_processes(course, local, sandbox, monkeypatch):
-    """If a judge dies, one job fails; a changed course is sent to workers that have an old one."""
+def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypatch):
+    """If a judge dies, one job fails. A changed course is sent to workers with an older version."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
@@ -276,9 +276,7 @@ def test_a_local_cluster_of_processes(course, local, sandbox, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_worker_is_killed_and_another_joins_later(
-    course, local, sandbox, start, after_first_verdict
-):
+def test_a_run_survives_the_loss_of_a_worker(course, local, sandbox, start, after_first_verdict):
     address, _ = start.scheduler()
     first = start.worker(address, "--no-nanny", threads=2)
 
@@ -292,8 +290,8 @@ def test_a_worker_is_killed_and_another_joins_later(
 
 
 @pytest.mark.slow
-def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
-    """Without a suitable worker no student is graded; one next to them grades the class."""
+def test_unsuitable_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
+    """Without a suitable worker, no student is graded. One suitable worker is enough."""
     numpy = tmp_path / "stub" / "numpy-1.26.4.dist-info"
     numpy.mkdir(parents=True)
     (numpy / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.26.4\n")
@@ -329,7 +327,7 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
 
 
 @pytest.mark.slow
-def test_the_scheduler_is_lost_and_nothing_is_judged_twice(
+def test_nothing_is_judged_twice_after_the_loss_of_the_scheduler(
     course, local, sandbox, start, after_first_verdict, capfd
 ):
     address, process = start.scheduler()
@@ -361,8 +359,8 @@ sys.exit(cli.main(["grade", "--seed", sys.argv[2], "--sandbox", sys.argv[3],
 
 
 @pytest.mark.slow
-def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, start):
-    """The run ends by Ctrl-C with a message, then by SIGKILL; the workers keep running."""
+def test_the_same_command_resumes_a_stopped_or_killed_run(course, local, sandbox, start):
+    """Ctrl-C ends the run with a message, SIGKILL without one. The workers keep running."""
     address, _ = start.scheduler()
     start.worker(address)
     command = [sys.executable, "-c", RUN, str(course.root), str(SEED), sandbox.name, address]
@@ -386,7 +384,7 @@ def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, star
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_does_not_answer_is_a_fault(course, sandbox, monkeypatch, capsys):
+def test_a_scheduler_that_does_not_answer_is_reported(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(cluster, "CONNECTION_TIMEOUT", 1)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
         assert grade_on(address, course, sandbox) == commands.FAULT
@@ -405,7 +403,7 @@ def test_without_dask_the_command_that_installs_it_is_named(missing, sandbox, mo
         EXECUTORS["scheduler"]("tcp://127.0.0.1:9", sandbox.name, print)
 
 
-def test_nobody_works(sandbox, monkeypatch, tmp_path):
+def test_missing_workers_are_reported(sandbox, monkeypatch, tmp_path):
     monkeypatch.setattr(cluster, "LONGEST_WAIT", 1)
     monkeypatch.chdir(tmp_path)
     with (
@@ -424,7 +422,7 @@ def test_workers_and_a_scheduler_exclude_each_other(capsys):
     assert "Use one of the two" in capsys.readouterr().err
 
 
-def test_the_packed_course_has_only_files_that_judging_reads():
+def test_the_packed_course_contains_only_files_that_judging_reads():
     packed = cluster.packed_course()
     assert packed == cluster.packed_course()
     names = set(zipfile.ZipFile(BytesIO(packed)).namelist())
@@ -438,7 +436,7 @@ def test_the_packed_course_has_only_files_that_judging_reads():
 
 
 @pytest.mark.slow
-def test_reading_ahead_is_limited_to_free_room(course, sandbox, monkeypatch):
+def test_reading_ahead_is_limited_by_the_free_workers(course, sandbox, monkeypatch):
     """Each verdict is written before the next notebook is read."""
     monkeypatch.setattr(Inline, "capacity", 1, raising=False)
     rehearsed(course, LESSON)

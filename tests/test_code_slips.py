@@ -1,4 +1,4 @@
-"""Slips in the source of a function, whatever the function is meant to do."""
+"""Slips that can be found in the source of a function, whatever the function should do."""
 
 import linecache
 
@@ -33,12 +33,13 @@ INNOCENT = {
     "prints and returns": "def near(cloud):\n    print(1)\n    return cloud\n",
     "generates": "def near(cloud):\n    print(1)\n    yield cloud\n",
     "returns from an endless loop": "def near(cloud):\n    while True:\n        return cloud\n",
-    "goes on": "def near(cloud):\n    for row in cloud:\n        if row[0]:\n            continue\n"
+    "continues": "def near(cloud):\n    for row in cloud:\n        if row[0]:\n"
+    "            continue\n"
     "        return row\n",
-    "returns where it found something": "def near(cloud):\n    for row in cloud:\n"
+    "returns after finding something": "def near(cloud):\n    for row in cloud:\n"
     "        if row[0]:\n            return row\n",
-    "reads a list as default": "def near(cloud, axes=[0, 1]):\n    return cloud[:, axes]\n",
-    "a constant besides the parameter": "def near(cloud):\n    return cloud + obstacles\n",
+    "reads a default list": "def near(cloud, axes=[0, 1]):\n    return cloud[:, axes]\n",
+    "a constant next to the parameter": "def near(cloud):\n    return cloud + obstacles\n",
     "a helper of the notebook": "def near(cloud):\n    return helper()\n",
     "an inner function returns in its loop": "def near(cloud):\n    print(cloud)\n"
     "    return [row for row in cloud]\n",
@@ -46,7 +47,7 @@ INNOCENT = {
 
 
 def defined(source, name="near", **names):
-    """Define a function as a cell of a notebook does, with source that can be read again."""
+    """Define a function as in a notebook cell, so that its source can be read."""
     file = f"<cell {abs(hash(source))}>"
     linecache.cache[file] = (len(source), None, source.splitlines(True), file)
     names = {"np": np, "obstacles": np.ones((3, 4)), "helper": len, **names}
@@ -66,7 +67,7 @@ def defined(source, name="near", **names):
         ),
     ],
 )
-def test_a_slip_is_read_from_the_source(source, words):
+def test_a_slip_is_found_in_the_source(source, words):
     slip = code_slip(defined(source), returned_none=True)
     assert words in slip.says and slip.hint
 
@@ -76,16 +77,16 @@ def test_innocent_code_has_no_slip(title):
     assert code_slip(defined(INNOCENT[title]), returned_none=True) is None
 
 
-def test_what_has_no_source_has_no_slip():
+def test_a_function_without_source_has_no_slip():
     for function in (len, np.ndarray, eval("lambda cloud: print(cloud)")):
         assert code_slip(function, returned_none=True) is None
 
 
-def test_a_function_that_need_not_return_anything_may_print():
+def test_a_function_without_a_return_value_may_print():
     assert code_slip(defined(PRINTS), returned_none=False) is None
 
 
-def test_the_check_says_it_with_the_first_failure(capsys):
+def test_the_check_shows_the_slip_with_the_first_failure(capsys):
     source = PRINTS.replace("near", "horizontal_distance")
     with pytest.raises(ChecksFailed):
         check(defined(source, "horizontal_distance"))

@@ -1,4 +1,4 @@
-"""Notebooks in Colab, where each runs alone and with Colab's versions of the packages."""
+"""Notebooks in Colab, where each notebook runs alone and with Colab's package versions."""
 
 import io
 import json
@@ -47,7 +47,7 @@ def setup_cell(address):
 
 
 def run_setup(folder, address, in_colab=True):
-    """Run the setup cell in `folder`; return its output and the last line of its error."""
+    """Run the setup cell in `folder`; return its output and the last line of the error."""
     program = f"{MARK if in_colab else ''}\n{setup_cell(address)}"
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
@@ -81,7 +81,7 @@ def test_setup_without_a_connection_suggests_a_fix(tmp_path):
 
 @only_like_colab
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
-def test_setup_leaves_nothing_after_a_broken_download(tmp_path, share):
+def test_setup_removes_a_broken_download(tmp_path, share):
     pages = {ARCHIVE: archive_of(COURSE)}
     whole = pages[ARCHIVE]
     with served(pages) as (address, requests):
@@ -94,7 +94,7 @@ def test_setup_leaves_nothing_after_a_broken_download(tmp_path, share):
 
 @only_like_colab
 @pytest.mark.parametrize("path", ["utils/../../../evil.txt", "/../../evil.txt"])
-def test_setup_writes_only_into_its_folder(tmp_path, path):
+def test_setup_writes_only_to_its_folder(tmp_path, path):
     folder = tmp_path / "a" / "b"
     folder.mkdir(parents=True)
     with served({ARCHIVE: archive_of(COURSE | {path: b""})}) as (address, requests):
@@ -166,12 +166,12 @@ def test_badges_open_this_notebook_at_this_revision():
         ("https://github.com/owner/lab", "main; rm -r x"),
     ],
 )
-def test_wrong_origins_name_the_settings_file(repository, revision):
+def test_the_error_about_an_invalid_origin_names_the_file(repository, revision):
     with pytest.raises(ValueError, match="pyproject.toml"):
         build.Origin(repository, revision)
 
 
-def test_settings_of_binder_and_vs_code():
+def test_binder_and_vs_code_have_settings():
     requirements = PROJECT / ".binder" / "requirements.txt"
     included = requirements.read_text().split()[-1]
     assert (requirements.parent / included).resolve() == PROJECT / "requirements-3d.txt"
@@ -187,7 +187,7 @@ def test_colab_gets_the_pyvista_of_the_requirements():
     assert set(colab.PYVISTA) <= set(pins)
 
 
-def test_matplotlib_draws_in_colab_when_pyvista_cannot_be_installed(monkeypatch, capsys):
+def test_matplotlib_draws_in_colab_if_pyvista_cannot_be_installed(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "google.colab", None)
     monkeypatch.setattr(opengl.importlib.util, "find_spec", lambda name: None)
     monkeypatch.setattr(colab, "PYVISTA", ("pyvista==0.0.0",))
@@ -200,7 +200,7 @@ def test_matplotlib_draws_in_colab_when_pyvista_cannot_be_installed(monkeypatch,
 
 @pytest.fixture(scope="session")
 def place(pytestconfig):
-    """Return the folder of an environment with Colab's versions."""
+    """Return the folder of an environment with Colab's package versions."""
     return environment(pytestconfig.cache.mkdir("colab"))
 
 
@@ -216,13 +216,13 @@ def colab_kernel(place, monkeypatch):
 
 @pytest.fixture(scope="session")
 def course():
-    """Serve a published course; yield its notebooks by path, which fetch the rest from there."""
+    """Serve a published course; yield its notebooks by path, which fetch everything else."""
     with served({ARCHIVE: archive_of(course_files())}) as (address, requests):
         yield build.build_all(build.Origin(f"{address}/{REPOSITORY}", REVISION))
 
 
 def run_alone(text, folder):
-    """Execute a notebook in an empty folder of Colab, up to its first error."""
+    """Execute a notebook in an empty folder with Colab's packages, up to the first error."""
     return run(nbformat.reads(text.decode(), as_version=4), folder, kernel_name="colab")
 
 
@@ -253,7 +253,7 @@ def run_without_network(text, folder):
 
 @only_like_colab
 @pytest.mark.colab
-def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel, tmp_path):
+def test_a_standalone_notebook_runs_in_colab_without_a_network(lesson, colab_kernel, tmp_path):
     notebook = run_without_network(make_standalone(lesson.solved.read_bytes()), tmp_path)
     assert errors_of(notebook) == []
     assert written(notebook, "stderr") == ""
@@ -264,14 +264,14 @@ def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel,
 
 @only_like_colab
 @pytest.mark.colab
-def test_untouched_standalone_notebook_runs_to_its_end(lesson, colab_kernel, tmp_path):
+def test_an_untouched_standalone_notebook_runs_to_the_end(lesson, colab_kernel, tmp_path):
     notebook = run_without_network(make_standalone(lesson.released.read_bytes()), tmp_path)
     assert errors_outside_checks(notebook) == []
 
 
 @only_like_colab
 @pytest.mark.colab
-def test_installing_pyvista_changes_no_package_of_colab(place, tmp_path):
+def test_installing_pyvista_changes_no_colab_package(place, tmp_path):
     def in_colab(program):
         return subprocess.run(
             [place / "bin" / "python", "-c", program],

@@ -1,4 +1,4 @@
-"""The submissions of a class, collected from archives of learning platforms into ``submitted/``."""
+"""Collecting a class's submissions from archives of learning platforms into ``submitted/``."""
 
 import csv
 import errno
@@ -100,8 +100,8 @@ def questions(outcome):
 # ---- Canvas -------------------------------------------------------------------------------------
 
 
-def test_canvas_one_attempt_with_four_lessons_has_four_attachments(course):
-    """The attachment with the highest number counts, for each lesson separately."""
+def test_a_canvas_attempt_has_one_attachment_for_each_lesson(course):
+    """For each lesson, the attachment with the highest number counts."""
     files = canvas_files(
         "Lovelace, Ada",
         4001,
@@ -125,7 +125,7 @@ def test_canvas_one_attempt_with_four_lessons_has_four_attachments(course):
     assert outcome.archives[0][1:] == ("Canvas", 6)
 
 
-def test_canvas_marks_late_work_without_a_time(course):
+def test_late_work_from_canvas_has_no_time(course):
     files = [
         *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True),
         *canvas_files("Müller, Björn", 4002, [(2, f"{SIX}.ipynb", notebook())]),
@@ -143,7 +143,7 @@ def test_canvas_marks_late_work_without_a_time(course):
 
 
 def test_a_late_mark_is_removed_with_the_next_archive(course):
-    """The due date was moved in Canvas before the second download."""
+    """The due date in Canvas was changed before the second download."""
     for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
         outcome = collect(course, archive(course, files, when=modified))
@@ -152,8 +152,8 @@ def test_a_late_mark_is_removed_with_the_next_archive(course):
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
 @pytest.mark.parametrize("flagged", [True, False], ids=["marked as UTF-8", "not marked"])
-def test_canvas_names_are_found_without_a_number(course, form, flagged):
-    """`cy` has no number on the roster; Canvas removes apostrophes, blanks and capitals."""
+def test_students_are_found_by_their_canvas_names(course, form, flagged):
+    """`cy` has no number on the roster. Canvas removes apostrophes, blanks and capital letters."""
     files = canvas_files("O'Neil, Cy", 4711, [(1, f"{SIX}.ipynb", notebook())])
     files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
     path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
@@ -163,7 +163,7 @@ def test_canvas_names_are_found_without_a_number(course, form, flagged):
 
 
 def forget_utf8(path):
-    """Clear the bits of a zip that mark names as UTF-8, because Canvas does not set them."""
+    """Clear the bits in a zip that mark names as UTF-8, because Canvas does not set them."""
     data = bytearray(path.read_bytes())
     for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         position = data.find(signature)
@@ -174,7 +174,7 @@ def forget_utf8(path):
     path.write_bytes(data)
 
 
-def test_canvas_texts_and_links_become_questions(course):
+def test_typed_texts_and_links_in_canvas_become_questions(course):
     files = [
         (canvas_prefix("Lovelace, Ada", 4001) + "_text.html", b"<p>my code</p>"),
         (canvas_prefix("Müller, Björn", 4002, late=True) + "_link.html", b"<a>"),
@@ -186,7 +186,7 @@ def test_canvas_texts_and_links_become_questions(course):
     assert texts["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
 
 
-def test_canvas_anonymous_work_is_collected_under_its_code(course, anonymous_course):
+def test_anonymous_work_from_canvas_is_collected_under_its_code(course, anonymous_course):
     files = canvas_files("", 1, [(5, f"{SIX}.ipynb", notebook())], late=True, anonymous="aB3x9")
     assert files[0][0] == f"LATE_anon_aB3x9_5_{SIX}.ipynb"
     path = archive(anonymous_course, files)
@@ -195,7 +195,7 @@ def test_canvas_anonymous_work_is_collected_under_its_code(course, anonymous_cou
     assert outcome.late == ["anon_aB3x9"]
 
 
-def test_canvas_group_submits_once_and_its_members_are_asked_for(course):
+def test_the_command_asks_for_the_members_of_a_canvas_group(course):
     files = canvas_files("Team Rot", 4001, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
     outcome = collect(course, path)
@@ -206,7 +206,7 @@ def test_canvas_group_submits_once_and_its_members_are_asked_for(course):
     assert outcome.questions == []
 
 
-def test_unusual_file_names(course, anonymous_course):
+def test_unusual_file_names_are_recognised(course, anonymous_course):
     """Canvas replaces characters that are not allowed in file names by `_`."""
     name = f'a/b\\c:d*e?"f<g>h|{SIX} (1) Übung.ipynb'
     (made,) = canvas_files("Jr., Cy 2", 77, [(3, name, notebook())])
@@ -220,7 +220,7 @@ def test_unusual_file_names(course, anonymous_course):
 
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
-def test_moodle_people_are_found_by_name(course, folders):
+def test_students_are_found_by_their_moodle_names(course, folders):
     files = [
         *moodle_files(
             "Ada Lovelace",
@@ -235,13 +235,13 @@ def test_moodle_people_are_found_by_name(course, folders):
     assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"08": "new"}}
 
 
-def test_moodle_keeps_folders(course):
+def test_folders_from_moodle_are_kept(course):
     files = moodle_files("Ada Lovelace", 5001, [(f"my work/deep/{SIX}.ipynb", notebook())])
     assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
 
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
-def test_moodle_texts_become_questions(course, folders):
+def test_typed_texts_in_moodle_become_questions(course, folders):
     files = moodle_files(
         "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
     )
@@ -256,8 +256,8 @@ TIMES = {
 
 
 @pytest.mark.parametrize("language", TIMES)
-def test_moodle_worksheet_has_names_and_times(course, language):
-    """A worksheet has titles and dates in the teacher's language; this course uses UTC."""
+def test_names_and_times_are_read_from_moodles_worksheet(course, language):
+    """A worksheet has titles and dates in the teacher's language. This course uses UTC."""
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = [
         *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),
@@ -294,7 +294,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, said):
     assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
-def test_times_in_a_table_by_id(course):
+def test_times_are_read_from_a_table_by_id(course):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
@@ -303,8 +303,8 @@ def test_times_in_a_table_by_id(course):
     assert not outcome.late and not outcome.undecided
 
 
-def test_a_table_of_late_students_is_enough_if_the_platform_marks_them(course):
-    """Canvas marks late submissions, so the others are in time; folders have no marks."""
+def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
+    """Canvas marks late submissions, so all others are on time. Folders have no such marks."""
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = [
@@ -327,7 +327,7 @@ def test_the_error_about_a_table_without_times_lists_its_columns(course):
         collect(course, course.root, times=table)
 
 
-def test_moodle_teams(course):
+def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
     """An option or a column of the worksheet names a team's members.
 
     The default group has no number.
@@ -368,7 +368,7 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
     checkout(root, "stage-3-someone", mine)
     outcome = collect(course, root)
     assert outcome.archives[0][1] == "GitHub Classroom"
-    assert states(outcome) == {"ada": {"06": "new"}}, "what nobody worked in was not handed in"
+    assert states(outcome) == {"ada": {"06": "new"}}, "an untouched notebook is not a submission"
     assert "column github" in questions(outcome)["stage-3-someone"]
     (root / "classroom_roster.csv").write_text(
         '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
@@ -390,14 +390,14 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
         "{}/06_filter_ground.json",
     ],
 )
-def test_folders_for_each_student(course, layout):
+def test_one_folder_for_each_student_is_collected(course, layout):
     files = [(layout.format(name), notebook()) for name in ("Ada ", "BJORN")]
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
 
 
-def test_a_folder_of_zips_and_a_single_file(course, tmp_path):
+def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     folder = tmp_path / "downloads"
     folder.mkdir()
     (folder / "ada.zip").write_bytes(zipped([(f"{SIX}.ipynb", notebook())]))
@@ -440,7 +440,7 @@ def test_folder_names_are_safe_on_every_system(given, made):
     assert safe_folder(given) == made
 
 
-# ---- lesson of a file ---------------------------------------------------------------------------
+# ---- the lesson of a file -----------------------------------------------------------------------
 
 
 def test_the_content_decides_if_the_name_has_no_lesson(course):
@@ -464,7 +464,7 @@ def test_name_and_content_that_disagree_become_a_question(course):
     assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
     outcome = collect(course, path, lessons={name: "06"})
     assert states(outcome)["ada"] == {"06": "new", "07": "same"}
-    assert collect(course, path).questions == [], "what was answered is not asked again"
+    assert collect(course, path).questions == [], "answered questions are not asked again"
 
 
 def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
@@ -540,7 +540,7 @@ def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
 
 
 def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(course):
-    """A `.py` file is only mentioned if the notebook of its lesson is there."""
+    """A `.py` file is only mentioned if the notebook of its lesson was submitted."""
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
@@ -553,7 +553,7 @@ def test_a_student_with_only_a_picture_is_named(course):
     assert questions(outcome) == {"ada": "contains no notebook: photo.png"}
 
 
-def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
+def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
     """Otherwise the work of one student could be judged as that of another."""
     files = [
         *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook(text="ada"))]),
@@ -572,7 +572,7 @@ def test_two_submitters_are_one_student_only_if_the_options_say_so(course):
 
 
 def test_an_untouched_copy_is_ignored(course):
-    """A second download has "(1)" in its name, and so looks newer."""
+    """A second download has "(1)" in its name, so it looks newer."""
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
     collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
@@ -606,7 +606,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
 
 
 def test_copies_without_an_order_become_a_question(course):
-    """The times in a zip from Moodle are those of the download."""
+    """A zip from Moodle contains the times of the download."""
     names = (f"a/{SIX}.ipynb", f"b/{SIX}.ipynb")
     files = moodle_files("Ada Lovelace", 1, [(name, notebook(text=name)) for name in names])
     files[1] = (*files[1], (2027, 1, 1, 0, 0, 0))
@@ -628,7 +628,7 @@ def resubmission(course, first_content, second_content, **options):
     return first, second
 
 
-def test_the_same_bytes_are_left_alone(course):
+def test_an_identical_file_is_not_replaced(course):
     first, second = resubmission(course, notebook(), notebook())
     collect(course, first)
     path = course.submitted / "ada" / STAGE / f"{SIX}.ipynb"
@@ -637,7 +637,7 @@ def test_the_same_bytes_are_left_alone(course):
     assert (path.stat().st_ino, path.stat().st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
 
 
-def test_a_newer_submission_replaces_the_older_which_is_kept(course):
+def test_a_newer_submission_replaces_the_older_one_which_is_kept(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, first)
     assert states(collect(course, second)) == {"ada": {"06": "newer"}}
@@ -689,7 +689,7 @@ def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     collect(course, first, times=table)
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
     outcome = collect(course, second)
-    assert "timestamp.txt" not in placed(course, "ada"), "it is the time of older work"
+    assert "timestamp.txt" not in placed(course, "ada"), "this is the time of older work"
     assert outcome.undecided["ada"] == "it was submitted again, and the time is unknown"
     assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
     collect(course, second, times=table)
@@ -705,7 +705,7 @@ def remark_texts(outcome):
 
 
 def test_the_owner_is_asked_for_once_in_a_stage(course):
-    """The next archive of the stage uses the answer and says so; another stage asks again."""
+    """The next archive of the stage uses the answer. For another stage, the command asks again."""
     team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook())])
     first = archive(course, team, "first.zip", when=MONDAY)
     collect(course, first, who={"TEAM ROT_77": "ada,cy"})
@@ -727,7 +727,7 @@ def test_a_second_answer_replaces_the_first(course):
 
 @pytest.mark.parametrize("inside", ["", "hw/", "a/b/"])
 def test_an_archive_of_one_student_may_have_any_folders(course, inside):
-    """The reason why a zip in a student's folder is not judged suggests this option."""
+    """The message about a zip in a student's folder suggests this option."""
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
@@ -740,7 +740,7 @@ def test_an_archive_of_one_student_may_have_any_folders(course, inside):
 
 
 def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
-    """The file is called like the archive, which has the files of a class."""
+    """The file has the same name as the archive of the class."""
     files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
     assert set(questions(collect(course, path))) == {"submissions"}
@@ -766,7 +766,7 @@ def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
 
 
 def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
-    """The other members of a team keep its submission."""
+    """The other members of a team keep the team's submission."""
     files = [(f"eve/{SIX}.ipynb", notebook()), (f"team/{SIX}.ipynb", notebook(text="team"))]
     path = archive(course, files)
     collect(course, path, who={"eve": "ada", "team": "bjorn,cy"})
@@ -893,7 +893,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     assert "contains 5,001 files" in texts["ada/many.zip"]
     assert "zips and is not opened" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
     assert "cannot be opened as a zip" in texts["ada/broken.zip"]
-    assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "the class goes on"
+    assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "other students are not affected"
 
 
 def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
@@ -976,7 +976,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
     assert "It is not known whether these students were late: ada." in capsys.readouterr().out
 
 
-def test_an_answer_cannot_lead_to_another_folder(anonymous_course):
+def test_an_option_cannot_lead_to_another_folder(anonymous_course):
     path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
     with pytest.raises(CollectError, match="no folder can have the name ../../x"):
         collect(anonymous_course, path, who={"ada": "../../x"})
@@ -1014,7 +1014,7 @@ def test_the_error_about_a_read_only_folder_names_it(course, command, monkeypatc
     assert str(course.submitted / "ada" / STAGE) in errors and "same command again" in errors
 
 
-def test_the_error_about_a_file_in_place_of_a_folder_names_it(course, command, capsys):
+def test_the_error_about_a_file_instead_of_a_folder_names_it(course, command, capsys):
     course.submitted.write_text("")
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert str(course.submitted) in capsys.readouterr().err
@@ -1028,7 +1028,7 @@ def test_a_full_disk_leaves_no_partial_files(course, monkeypatch):
     assert [path.name for path in course.submitted.rglob("*") if path.is_file()] == []
 
 
-# ---- namesakes ----------------------------------------------------------------------------------
+# ---- equal names --------------------------------------------------------------------------------
 
 
 def with_roster(course, *people):
@@ -1071,7 +1071,7 @@ def test_an_ambiguous_row_is_not_used(course):
     ],
 )
 def test_a_students_text_cannot_make_another_student_late(course, number, email, known):
-    """Moodle's writer continues a cell after a backslash and a quotation mark; readers end it."""
+    """In Moodle's files, a quotation mark after a backslash does not end a cell."""
     with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
     table = course.root / "worksheet.csv"
     early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
@@ -1100,7 +1100,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
-def test_a_login_that_is_the_end_of_another_login_is_not_matched(course, tmp_path):
+def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
     root = tmp_path / "hw"
     for name in ("hw-3-mary-smith", "hw-3-zed"):
@@ -1154,7 +1154,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
 
 
 def test_a_damaged_zip_is_read_or_reported():
-    """Most changed bytes are in the central directory; the seed is fixed."""
+    """Most changed bytes are in the central directory. The seed is fixed."""
     whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
     contents.cache_releases()
@@ -1168,7 +1168,7 @@ def test_a_damaged_zip_is_read_or_reported():
             data[position] = rng.choice((0, 1, 0xFF, 0x80, 12, 93, rng.randrange(256)))
         pieces = inspection._unpack(bytes(data), "h.zip")
         seen |= {piece.complaint.partition(":")[0] for piece in pieces}
-    assert len(seen) > 3, "some of it was damage"
+    assert len(seen) > 3, "some changes caused damage"
 
 
 def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):

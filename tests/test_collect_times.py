@@ -1,4 +1,4 @@
-"""The time of a submission, for any order of archives and for runs stopped at any change."""
+"""The time of a submission, for any order of archives and for runs that stop at any moment."""
 
 import contextlib
 from datetime import UTC, datetime
@@ -91,7 +91,7 @@ def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
 
 
 def test_the_time_of_files_that_were_not_collected_counts(course):
-    """A notebook may have come through nbgrader, with a time of its own."""
+    """nbgrader may have collected a notebook, together with its time."""
     folder(course).mkdir(parents=True)
     (folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
     (folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
@@ -109,11 +109,11 @@ def test_an_unreadable_time_stays_undecided(course):
 
 
 class Stopped(BaseException):
-    """Raised in place of Ctrl-C."""
+    """Raised instead of pressing Ctrl-C."""
 
 
 def stop_at(change, calls, number, after):
-    """Return `change` with a counter that raises `Stopped` before or after the nth call."""
+    """Return a version of `change` that raises `Stopped` before or after the nth call."""
 
     def changing(*args, **kwargs):
         calls.append(change)
@@ -128,15 +128,15 @@ def stop_at(change, calls, number, after):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("after", [False, True])
-@pytest.mark.parametrize("written_by", ["us", "a person", "nobody"])
-def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(
+@pytest.mark.parametrize("written_by", ["the grader", "a person", "no one"])
+def test_new_work_never_gets_the_time_of_old_work_if_a_run_is_stopped(
     tmp_path, monkeypatch, after, written_by
 ):
-    """Running the same command again completes the work."""
+    """Running the same command again completes the run."""
     for number in range(1, 30):
         course = make_course(tmp_path / str(number))
         first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
-        collect(course, first, times=table(course, EARLY) if written_by == "us" else None)
+        collect(course, first, times=table(course, EARLY) if written_by == "the grader" else None)
         if written_by == "a person":
             (folder(course) / "timestamp.txt").write_text(EARLY)
         before = time_of(course)
@@ -158,4 +158,4 @@ def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(
         assert time_of(course) == utc(LATE)
         if len(changes) < number:
             break
-    assert 4 < number < 29, "it was stopped at each change, and then not at all"
+    assert 4 < number < 29, "the run was stopped at each change, and at last not stopped"

@@ -104,13 +104,13 @@ def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, 
         assert "roster.csv: the first line" in output.err and "━" not in output.err
 
 
-def test_grade_names_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):
+def test_grade_suggests_collect_in_an_empty_course(course, monkeypatch, sandbox, capsys):
     monkeypatch.setattr(commands, "choose_sandbox", lambda *_: sandbox)
     assert cli.main(["grade"]) == 2
     assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
 
 
-def test_a_progress_bar_appears_with_the_first_work(capsys):
+def test_a_progress_bar_appears_when_work_begins(capsys):
     with console.progress_bar("Judging") as advance:
         advance(0, 0, "")
     assert "Judging" not in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""A function that breaks one of the common requirements loses that check and no other."""
+"""A function that violates one of the common requirements fails only the check for it."""
 
 import copy
 import functools
@@ -18,7 +18,7 @@ for name in LESSONS:
 
 
 def parameter(made, argument=""):
-    """Return a common check as a parameter of a test; checks on speed make some lessons slow."""
+    """Return a common check as a test parameter. Lessons with speed checks are marked as slow."""
     slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
     exercise = made.case.exercise
     return pytest.param(made, argument, id=f"{exercise} {made.name} {argument}", marks=slow)
@@ -144,15 +144,15 @@ BREAKS = {
     "made, _",
     [parameter(made) for made in common_checks.all_promises() if made.kind != "untouched"],
 )
-def test_who_breaks_a_promise_loses_that_check(made, _):
+def test_a_broken_promise_fails_only_its_check(made, _):
     exercise = made.case.exercise
     assert failed_checks(exercise, BREAKS[made.kind](right(exercise), made)) == {made.name}
 
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
 
-# Changes of arguments that are hard to notice: in a column, label or number that a plain case does
-# not have. Other arguments change in their last number.
+# Changes of arguments that are hard to notice, because they affect a column, label or number that a
+# plain case does not contain. In other arguments, the last number changes.
 SIDE_EFFECTS = {
     "cloud": lambda cloud: cloud[:, 3:].fill(0.0),
     "cluster_labels": lambda labels: np.copyto(labels, -1, where=labels == 0),
@@ -190,7 +190,7 @@ UNTOUCHED = [
 
 
 @pytest.mark.parametrize("made, argument", UNTOUCHED)
-def test_who_writes_into_an_argument_loses_that_check(made, argument):
+def test_changing_an_argument_fails_only_that_check(made, argument):
     exercise = made.case.exercise
     wrong = changing_argument(right(exercise), made.case.given, argument)
     assert made.name in failed_checks(exercise, wrong)
@@ -198,7 +198,7 @@ def test_who_writes_into_an_argument_loses_that_check(made, argument):
 
 
 def also_about_writing(exercise):
-    """Return the names of other checks that fail if the input changes with the result."""
+    """Return the names of the other checks that fail if changing the result changes the input."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 
@@ -213,7 +213,7 @@ def test_right_answers_pass_all_common_checks(exercise):
 # ---- how common checks are made -----------------------------------------------------------------
 
 
-def test_every_kind_has_a_function_that_breaks_it():
+def test_every_promise_has_a_function_that_breaks_it():
     assert {made.kind for made in common_checks.all_promises()} == {*BREAKS, "untouched"}
 
 
@@ -224,7 +224,7 @@ def test_a_common_check_belongs_to_its_lesson(made, _):
     assert check.title and check.why and check.hint
 
 
-def test_in_full_adds_what_a_plain_case_lacks():
+def test_in_full_adds_missing_features_to_a_plain_case():
     plain = {"cloud": np.zeros((3, 3)), "cluster_labels": np.array([1, 2, 2]), "min_num_points": 3}
     full = common_checks.extended(plain)
     dark_cloud = common_checks.extended({"cloud": np.zeros((3, 4))})["cloud"]
@@ -244,7 +244,7 @@ def test_in_full_returns_complete_values_unchanged():
     assert all(common_checks.extended(plain)[name] is value for name, value in plain.items())
 
 
-def test_a_line_through_the_origin_is_moved_off_it():
+def test_a_line_through_the_origin_is_moved_away_from_it():
     assert common_checks.extended({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
     flat = {"points": np.ones((4, 2))}
     assert common_checks.extended(flat)["points"] is flat["points"], (

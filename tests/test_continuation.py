@@ -1,4 +1,4 @@
-"""After a wrong answer, later cells that fail with it run with stored answers and say so."""
+"""After a wrong answer, later cells that fail because of it run with stored answers and say so."""
 
 import json
 import random
@@ -49,7 +49,7 @@ TWICE = "largest has not passed its check, so this cell continues with the cours
 
 
 def stored_answers():
-    """Return the stored answers that the solved story records."""
+    """Return the stored answers that were recorded from the solved story."""
     namespace = {}
     exec(f"{RIGHT}\n{DEFINE_FOUND}", namespace)
     recorder = lent.Recorder(["largest"], ["found"], namespace)
@@ -197,7 +197,7 @@ def test_tracebacks_have_frames_of_the_notebook_only(run):
     assert "plots.boxes(numbers)" in drawn.tracebacks[0]
 
 
-def test_a_statement_that_changes_an_object_finds_it_recreated():
+def test_an_object_is_recreated_for_a_statement_that_changes_it():
     cells = ["found = []", "found.append(f(1))", "other = 2", "print(found)"]
     kept = plan(cells, {"f": ["f"]}, set()).statements
     assert [statement.cell for statement in kept] == [1, 2]
@@ -236,10 +236,10 @@ def test_a_right_answer_to_a_lesson_shows_no_banner(name):
 
 
 @pytest.mark.slow
-def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
-    """After a wrong answer, no traceback shows course code and every later cell runs to its end.
+def test_every_cell_below_a_wrong_answer_runs_to_the_end(lesson):
+    """After a wrong answer, no traceback shows course code, and every later cell runs to the end.
 
-    Two answers are drawn for each exercise, because each runs a whole notebook.
+    Only two answers are drawn for each exercise, because each answer runs a whole notebook.
     """
     for exercise in lesson.machine_graded:
         wrong = [answer for answer in answers_to(exercise.name) if not answer.right]

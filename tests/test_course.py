@@ -1,4 +1,4 @@
-"""A course from release to export, run by its commands, and faults at every step."""
+"""A whole course from release to export, with the real commands, and faults at every step."""
 
 import csv
 import errno
@@ -56,7 +56,7 @@ def with_report(text):
     return fill_in(WRITTEN, {"match_boxes": right_match_boxes(), "write_up": text})
 
 
-def hand_in(course, student, lesson, text, when=None, name=None):
+def submit(course, student, lesson, text, when=None, name=None):
     path = course.submitted / student / lesson.stage / (name or f"{lesson.name}.ipynb")
     path.parent.mkdir(parents=True, exist_ok=True)
     if isinstance(text, str):
@@ -68,7 +68,7 @@ def hand_in(course, student, lesson, text, when=None, name=None):
 
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
-    """Judge two students once; copies of a course can use the same verdicts."""
+    """Judge two students once. All copies of the course can use these verdicts."""
     texts = {"ada": answer(), "bob": answer("voxel_grid")}
     made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
     judge_it(made, sandbox)
@@ -77,14 +77,14 @@ def verdicts(tmp_path_factory, sandbox):
 
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch, verdicts):
-    """A course of two lessons, with verdicts for the submissions of two students."""
+    """Return a course of two lessons, with verdicts on the submissions of two students."""
     made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
     for folder in ("solutions", "notebooks"):
         (made.root / folder / WRITTEN.stage).mkdir()
     shutil.copy(WRITTEN.solved, made.root / "solutions" / WRITTEN.stage)
     shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
     rehearsed(made, WRITTEN)
-    hand_in(made, "bob", LESSON, answer("voxel_grid"))
+    submit(made, "bob", LESSON, answer("voxel_grid"))
     shutil.copytree(verdicts, made.verdicts, dirs_exist_ok=True)
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
     paths._folder.cache_clear()
@@ -102,7 +102,7 @@ def configure(course, *lines):
 
 
 def rows(course):
-    """Return the content of the gradebook, without its row numbers."""
+    """Return the content of the gradebook without row numbers."""
     base = sqlite3.connect(course.root / "gradebook.db")
     query = """
         select student.id, assignment.name, notebook.name, base_cell.name, grade.auto_score,
@@ -170,7 +170,7 @@ def mark_of(course, student):
 
 
 @pytest.mark.slow
-def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
+def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypatch):
     for stage in STAGES:
         made = nbgrader(course, "generate_assignment", stage, "--force")
         assert made.returncode == 0, made.stderr
@@ -182,12 +182,12 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
         "c.PercentPerDay.grace_minutes = 30",
     )
     for number, (name, (change, _)) in enumerate(EARNS_EVERYTHING.items()):
-        hand_in(course, f"spoilt{number:02} {name[:30].replace('/', ' ')}", LESSON, changed(change))
-    hand_in(course, "carol", LESSON, answer(), "2026-11-03 12:00:00 UTC")
-    hand_in(course, "dave", LESSON, answer(), "2026-11-01 12:20:00 UTC")
-    hand_in(course, "erin", WRITTEN, with_report(REPORT))
-    hand_in(course, "frank", LESSON, answer(), name="Copy of 06_filter_ground (1).ipynb")
-    hand_in(course, "gina", LESSON, "not a notebook", name="06_filter_ground.py")
+        submit(course, f"spoilt{number:02} {name[:30].replace('/', ' ')}", LESSON, changed(change))
+    submit(course, "carol", LESSON, answer(), "2026-11-03 12:00:00 UTC")
+    submit(course, "dave", LESSON, answer(), "2026-11-01 12:20:00 UTC")
+    submit(course, "erin", WRITTEN, with_report(REPORT))
+    submit(course, "frank", LESSON, answer(), name="Copy of 06_filter_ground (1).ipynb")
+    submit(course, "gina", LESSON, "not a notebook", name="06_filter_ground.py")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
 
     assert grade(course, sandbox) == commands.SUCCESS
@@ -199,7 +199,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     scores = entered(course)
     for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:
         assert scores[student, LESSON.stage, LESSON.name] == 30, student
-    # Carol is two days late, less half an hour of grace: she loses 20 % of 30 points.
+    # Carol is two days late after half an hour of grace, so she loses 20 % of 30 points.
     assert penalties(course) == {"carol": pytest.approx(2 * 3.0)}
     before = rows(course)
 
@@ -209,7 +209,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
 
     # Carol's due date moves, Bob submits again, and Erin gets a mark.
     set_due(course, LESSON.stage, "2026-11-09 12:00:00 UTC")
-    hand_in(course, "bob", LESSON, answer())
+    submit(course, "bob", LESSON, answer())
     by_hand(course, "erin", 8)
     assert grade(course, sandbox) == commands.SUCCESS
     assert penalties(course) == {}
@@ -217,14 +217,14 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert mark_of(course, "erin") == (8, False)
 
     # The mark stays if other text changes. If the answer changes, it must be graded again.
-    hand_in(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
+    submit(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
     assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, False)
-    hand_in(course, "erin", WRITTEN, with_report(REPORT + " And the tram."))
+    submit(course, "erin", WRITTEN, with_report(REPORT + " And the tram."))
     assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, True)
 
-    # Grading restores the points of the release if they differ in the gradebook.
+    # If points in the gradebook differ from the release, grading restores them.
     base = sqlite3.connect(course.root / "gradebook.db")
     base.execute("update grade_cells set max_score = 7")
     base.commit()
@@ -258,8 +258,8 @@ def test_a_deleted_gradebook_is_written_again(course, sandbox):
 
 
 @pytest.mark.slow
-def test_withdrawn_work_is_removed_but_manual_marks_stay(course, sandbox, capsys):
-    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+def test_withdrawn_work_is_removed_but_manual_marks_remain(course, sandbox, capsys):
+    submit(course, "erin", WRITTEN, with_report(REPORT))
     assert grade(course, sandbox) == commands.SUCCESS
     by_hand(course, "erin", 8)
     shutil.rmtree(course.submitted / "bob")
@@ -292,7 +292,7 @@ def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, mon
 
 @pytest.mark.slow
 def test_an_unreadable_time_is_named(course, sandbox, capsys):
-    hand_in(course, "ada", LESSON, answer(), when="yesterday, I think")
+    submit(course, "ada", LESSON, answer(), when="yesterday, I think")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr()
@@ -328,14 +328,14 @@ def postgresql():
 
 
 @pytest.mark.slow
-def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
+def test_the_gradebook_may_be_on_a_server(course, sandbox, postgresql, capsys):
     configure(course, f"c.CourseDirectory.db_url = {postgresql!r}")
-    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+    submit(course, "erin", WRITTEN, with_report(REPORT))
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr().out
     assert "postgresql+pg8000://teacher:***@" in output and "secret" not in output
     by_hand(course, "erin", 8)
-    hand_in(course, "bob", LESSON, answer())
+    submit(course, "bob", LESSON, answer())
     assert grade(course, sandbox) == commands.SUCCESS
     assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
@@ -345,7 +345,7 @@ def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
 @pytest.mark.parametrize(
     "late, points", [(0, 0), (60, 0), (601, 3), (86_400, 3), (86_401, 6), (10**8, 15)]
 )
-def test_late_penalty_per_day(late, points):
+def test_the_late_penalty_grows_by_the_day(late, points):
     plugin = PercentPerDay(percent=10, grace_minutes=10, most_percent=50)
     assert (plugin.late_submission_penalty("ada", 30.0, late) or 0) == pytest.approx(points)
 
@@ -375,8 +375,8 @@ def test_partial_files_of_an_earlier_run_are_removed(course, sandbox):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
-def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
-    """The disk is full after `writes` files: verdicts, fingerprints of answers, the report."""
+def test_a_full_disk_is_reported_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
+    """The disk is full after `writes` files, which are verdicts, fingerprints or the report."""
     left, replace = [writes], os.replace
 
     def replace_until_full(*arguments):
@@ -400,10 +400,10 @@ def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeyp
 @pytest.mark.slow
 def test_students_may_have_unusual_names(course, sandbox):
     for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
-        hand_in(course, name, LESSON, answer())
+        submit(course, name, LESSON, answer())
     deep = json.loads(answer())
     deep["metadata"]["a"] = functools.reduce(lambda inner, _: {"a": inner}, range(620), 1)
-    hand_in(course, "deep", LESSON, json.dumps(deep))
+    submit(course, "deep", LESSON, json.dumps(deep))
     pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
@@ -420,9 +420,9 @@ def test_students_may_have_unusual_names(course, sandbox):
 
 
 def run_in_a_child(course, sandbox, after, number):
-    """Grade in a child process; return "ended", or "killed" if a signal stopped it after `after` s.
+    """Grade in a child process, and send it a signal after `after` seconds if it still runs.
 
-    The signal is sent to the process only if it is still running.
+    Return "killed" if the signal ended the process, and otherwise "ended".
     """
     child = os.fork()
     if not child:
@@ -448,11 +448,11 @@ def run_in_a_child(course, sandbox, after, number):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
 @pytest.mark.parametrize("moments", [5, 50], ids=["five", "fifty"])
-def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, number, moments):
-    """The signal arrives while the run judges, writes the gradebook or writes the report."""
+def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, moments):
+    """The signal arrives while the run is judging, writing the gradebook or writing the report."""
     for student in ("carol", "dave"):
-        hand_in(course, student, LESSON, answer("voxel_grid"))
-    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+        submit(course, student, LESSON, answer("voxel_grid"))
+    submit(course, "erin", WRITTEN, with_report(REPORT))
     begin = time.monotonic()
     assert grade(course, sandbox) == commands.SUCCESS
     cold = time.monotonic() - begin

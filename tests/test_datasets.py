@@ -1,4 +1,4 @@
-"""Named samples: search for files, the cache, and downloads that break off.
+"""Named samples: the search for files, the cache, and interrupted downloads.
 
 The only server in these tests listens on the loopback address.
 """
@@ -95,7 +95,7 @@ class TestLoadSequence:
         assert not [file for file in path.parent.iterdir() if file.suffix != ".npz"]
 
     def test_without_a_writable_cache_frames_are_computed(self, cache):
-        cache.write_text("a file where the folder should be")
+        cache.write_text("a file instead of the folder")
         self.assert_same(datasets.load_sequence("highway")[1], scenes.highway()[1])
 
     def test_progress_is_printed_only_in_notebooks(self, capfd):
@@ -111,7 +111,7 @@ class TestLoadSequence:
 class Server:
     """HTTP server on the loopback address.
 
-    Each number in `breaks` cuts one answer after that many bytes.
+    Each number in `breaks` truncates one response after that many bytes.
     """
 
     def __init__(self):
@@ -159,7 +159,7 @@ def server():
 class TestDownload:
     data = np.random.default_rng(0).bytes(100_000)
 
-    def test_a_broken_download_is_resumed(self, server, tmp_path):
+    def test_an_interrupted_download_is_resumed(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         server.breaks = [30_000, 50_000]
         checksum = hashlib.sha256(self.data).hexdigest()
@@ -187,13 +187,13 @@ class TestDownload:
         assert (tmp_path / "a.bin").read_bytes() == self.data
 
     @pytest.mark.parametrize("length", [100_000, 100_001])
-    def test_a_partial_file_that_is_complete_or_too_long(self, server, tmp_path, length):
+    def test_a_partial_file_may_be_complete_or_too_long(self, server, tmp_path, length):
         server.files["/a.bin"] = self.data
         (tmp_path / "a.bin.part").write_bytes((self.data + b"x")[:length])
         download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin").read_bytes() == self.data
 
-    def test_errors_are_single_sentences(self, server, tmp_path):
+    def test_download_errors_are_single_sentences(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         with pytest.raises(DownloadError, match="404"):
             download(f"{server.address}/b.bin", tmp_path / "b.bin")

@@ -38,7 +38,7 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Return a course to which Ada and Bob submitted at 12:00 UTC; it has no due dates yet."""
+    """Return a course without due dates, to which Ada and Bob submitted at 12:00 UTC."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
@@ -75,7 +75,7 @@ def test_the_due_date_of_a_stage_is_copied_to_the_gradebook(course):
     assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # the due date moves
 
 
-def test_a_section_may_have_another_due_date(course):
+def test_a_section_may_have_its_own_due_date(course):
     lost = grade_with(course, HEAD + f"[{STAGE}.sections]\nB = 2026-03-01T13:00:00\n")
     assert lost == {"ada": pytest.approx(3.0)}
     earlier = HEAD.replace("T12", "T18") + f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
@@ -99,7 +99,7 @@ def test_an_extension_counts_from_the_first_submission(entered_once, tmp_path):
     assert class_results(course).stage("ada", STAGE).due == datetime(2026, 3, 3, 12, tzinfo=UTC)
 
 
-def hand_in_at(course, student, time):
+def submit_at(course, student, time):
     (course.submitted / student / STAGE / "timestamp.txt").write_text(f"{time} UTC")
 
 
@@ -115,17 +115,17 @@ def test_an_extension_across_a_change_of_clocks_ends_at_the_right_second(course,
     head = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}\n'
     dates = f"{head}[{STAGE}.sections]\nB = {until}\n[{STAGE}.students]\nada = {until}\n"
     for student in EARNED:
-        hand_in_at(course, student, f"{last}:00")
+        submit_at(course, student, f"{last}:00")
     assert grade_with(course, dates) == {}
     assert note_texts(course) == []
     for student in EARNED:
-        hand_in_at(course, student, f"{last}:01")
+        submit_at(course, student, f"{last}:01")
     assert set(grade_with(course, dates)) == set(EARNED)
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
 
 
 @pytest.mark.end_to_end
-def test_dates_removed_from_the_file_leave_the_gradebook(course):
+def test_dates_removed_from_the_file_are_removed_from_the_gradebook(course):
     section = f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
     grade_with(course, HEAD.replace("-01T", "-02T"))  # another date in between
@@ -221,7 +221,7 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
     assert note_texts(course) == []
 
 
-def test_less_time_in_the_gradebook_than_in_the_file_is_corrected(course):
+def test_a_shorter_extension_in_the_gradebook_is_corrected(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)
     grant(course, "bob", hours=-5)
@@ -240,7 +240,7 @@ def test_a_stage_that_is_not_in_the_file_keeps_its_dates(course):
     assert note_texts(course) == []
 
 
-def test_another_extension_is_a_difference(course):
+def test_a_different_extension_in_the_gradebook_is_reported(course):
     grade_with(course, HEAD)
     deadlines = read_deadlines(course)
     entry = StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
@@ -262,7 +262,7 @@ def postgresql():
 
 
 @pytest.mark.slow
-def test_on_a_server_dates_are_the_same(course, postgresql):
+def test_dates_are_the_same_on_a_database_server(course, postgresql):
     with (course.root / "nbgrader_config.py").open("a") as file:
         file.write(f"c.CourseDirectory.db_url = {postgresql!r}\n")
     dates = (

@@ -1,4 +1,4 @@
-"""Due dates of the class, of sections and of single students; extensions and excuses."""
+"""Due dates of the class, of sections and of single students, with extensions and excuses."""
 
 import os
 import time
@@ -67,17 +67,17 @@ def test_dates_of_students_take_precedence_over_sections_and_the_class(course):
         "dora": utc(2026, 10, 12, 21, 59),
     }
     assert dates.due(Person("ben", section="B"), "stage1_ransac") == due["ben"]
-    assert dates.due("somebody else", "stage1_ransac") == due["dora"]
+    assert dates.due("another student", "stage1_ransac") == due["dora"]
 
 
-def test_a_date_may_have_a_zone_and_a_stage_may_have_no_date(course):
+def test_a_date_may_have_a_time_zone_and_a_stage_may_have_no_date(course):
     dates = read(course, DATES)
     assert dates.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
     assert dates.due("anna", "stage3_obstacles") is None
     assert not dates.is_excused("noshow", "stage2_clustering")
 
 
-def test_extensions_and_excuses(course):
+def test_extensions_and_excuses_are_read(course):
     dates = read(course, DATES)
     assert dates.extensions("stage1_ransac") == {"anna": utc(2026, 10, 19, 21, 59)}
     assert dates.extensions("stage2_clustering") == dates.extensions("stage3_obstacles") == {}
@@ -91,8 +91,8 @@ def test_extensions_are_relative_to_the_section(course):
     assert set(read(course, text).extensions("stage1_ransac")) == {"anna", "cleo"}
 
 
-@pytest.mark.skipif(not hasattr(time, "tzset"), reason="the zone of the machine cannot be set")
-def test_without_a_zone_dates_use_the_zone_of_the_machine(course, monkeypatch):
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="setting the machine's time zone")
+def test_dates_without_a_time_zone_use_the_zone_of_the_machine(course, monkeypatch):
     monkeypatch.setenv("TZ", "America/New_York")
     time.tzset()
     try:
@@ -106,7 +106,7 @@ def test_without_a_zone_dates_use_the_zone_of_the_machine(course, monkeypatch):
     assert os.environ.get("TZ") != "America/New_York"
 
 
-def test_without_a_roster_students_may_still_have_their_own_dates(course):
+def test_students_may_have_their_own_dates_without_a_roster(course):
     (course.root / "roster.csv").unlink()
     dates = read(
         course,
@@ -171,7 +171,7 @@ def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
     assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
 
 
-def test_only_excuses_need_no_date(course):
+def test_a_stage_with_only_excuses_needs_no_date(course):
     assert (
         read(course, '[stage1_ransac.students]\nnoshow = "excused"').due("x", "stage1_ransac")
         is None

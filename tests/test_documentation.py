@@ -1,4 +1,4 @@
-"""The generated parts of the documentation, and the version that several files name."""
+"""The generated parts of the documentation, and the version number in several files."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ def page(name):
     return (PROJECT / name).read_text("utf-8")
 
 
-def test_nothing_generated_is_stale():
+def test_no_generated_page_is_stale():
     assert documentation.check(cli.build_parser()) == []
 
 
@@ -50,12 +50,12 @@ def test_the_syllabus_has_the_minutes_and_points_of_each_notebook():
     assert sum(float(hours) for hours, _ in weeks) == pytest.approx(hours, abs=0.2)
 
 
-def test_titles_of_stages_have_a_fallback():
+def test_stage_titles_have_a_fallback():
     assert stage_title("stage4_realtime") == "Real time"
     assert stage_title("stage5_own_lessons") == "own lessons"
 
 
-def test_every_file_names_the_same_version(capsys):
+def test_all_files_have_the_same_version(capsys):
     with pytest.raises(SystemExit):
         cli.main(["--version"])
     assert capsys.readouterr().out == f"{course_title()} {version()}\n"

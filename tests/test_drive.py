@@ -1,4 +1,4 @@
-"""A car that drives by the boxes of a detector: single rules and whole drives."""
+"""A car that follows the boxes of a detector: single rules and whole drives."""
 
 import copy
 import importlib
@@ -78,9 +78,9 @@ def test_on_a_free_road_the_car_reaches_the_speed_limit():
     assert plan(9.0, 8.0, []).acceleration < 0
 
 
-# The bumper is at 2.6 m. At 7 m/s the car needs 7 m to stop, and it keeps 2 m of space.
+# The bumper is at 2.6 m. At 7 m/s, the car needs 7 m to stop, and it keeps a gap of 2 m.
 @pytest.mark.parametrize(("x", "brakes"), [(2.6 + 8.9, True), (2.6 + 9.1, False)])
-def test_it_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
+def test_the_car_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
     decision = plan(7.0, 7.0, [thing(x)])
     assert (decision.acceleration <= -1) == brakes
     assert (decision.cause is not None) == brakes
@@ -90,7 +90,7 @@ def test_it_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
         assert decision.gap == pytest.approx(8.9)
 
 
-def test_it_brakes_fully_for_obstacles_that_are_too_near():
+def test_the_car_brakes_fully_for_obstacles_that_are_too_near():
     assert plan(7.0, 7.0, [thing(2.6 + 4.0)]).acceleration == -7.0
 
 
@@ -138,13 +138,13 @@ def test_a_box_on_the_bonnet_stops_the_car_forever():
 
 
 def test_a_moving_car_ahead_needs_less_room():
-    # If both drive 7 m/s, the ego car needs the distance of half a second, and 2 m.
+    # If both cars drive at 7 m/s, the ego car needs the distance of half a second plus 2 m.
     assert needed_room(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
     assert needed_room(thing(10.0), 7.0) == pytest.approx(9.0)
     assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
 
 
-def test_behind_a_slow_car_it_slows_down_gently():
+def test_the_car_slows_down_gently_behind_a_slow_car():
     decision = plan(7.0, 7.0, [thing(2.6 + 14.0, forward=4.0)])
     assert -1.01 < decision.acceleration < 0
 
@@ -159,13 +159,13 @@ def test_a_stopped_car_starts_when_there_is_room_again():
     assert plan(0.0, 7.0, [thing(2.6 + 3.5)]).acceleration == 2.0
 
 
-def test_it_brakes_for_an_obstacle_in_three_scans_in_a_row():
+def test_the_car_brakes_for_an_obstacle_in_three_consecutive_scans():
     planner, near = Planner(), [thing(2.6 + 6.0)]
     first, second, third = (planner.decide(7.0, 8.0, near) for _ in range(3))
-    assert first.acceleration == second.acceleration == 0.0, "it does not speed up either"
+    assert first.acceleration == second.acceleration == 0.0, "the car does not accelerate either"
     assert third.acceleration < -1 and third.cause is near[0]
     assert planner.decide(7.0, 8.0, []).acceleration > 0
-    assert planner.decide(7.0, 8.0, near).cause is None, "and again from the beginning"
+    assert planner.decide(7.0, 8.0, near).cause is None, "the count starts again"
 
 
 def decide(*scans, speed=7.0):
@@ -175,18 +175,18 @@ def decide(*scans, speed=7.0):
 
 
 def test_three_obstacles_in_one_scan_each_do_not_stop_the_car():
-    """A raindrop next to a lorry extends its box into the lane of the ego car for one scan."""
+    """A raindrop next to a lorry extends the lorry's box into the ego car's lane for one scan."""
     beside = [thing(2.6 + 6.0, 1.9, name=name) for name in range(3)]
     reaching = [thing(2.6 + 6.0, 1.6, name=name) for name in range(3)]
     scans = [[reaching[k] if k == scan else beside[k] for k in range(3)] for scan in range(3)]
     assert [decision.cause for decision in decide(*scans)] == [None, None, None]
     assert [decision.acceleration for decision in decide(*scans)] == [0.0, 0.0, 0.0]
     decisions = decide(*[[*scan, reaching[0]] for scan in scans[1:]], scans[0])
-    assert decisions[-1].cause is reaching[0], "one of them stays, whatever the others do"
+    assert decisions[-1].cause is reaching[0], "one of the obstacles stays in the lane"
 
 
-def test_tracks_over_the_car_that_are_not_seen_do_not_count():
-    """The track of a raindrop coasts with the ego car, and other drops confirm it at times."""
+def test_unseen_tracks_over_the_car_do_not_count():
+    """The track of a raindrop coasts with the ego car, and other drops sometimes confirm it."""
     drops = [thing(0.9, length=1.4, seen=scan % 3 == 0) for scan in range(24)]
     assert {decision.cause for decision in decide(*([drop] for drop in drops))} == {None}
     dirt = [thing(0.9, length=1.4, seen=scan % 3 > 0) for scan in range(24)]
@@ -194,7 +194,7 @@ def test_tracks_over_the_car_that_are_not_seen_do_not_count():
 
 
 def test_raindrops_over_the_car_do_not_stop_it():
-    """Raindrops are in every scan, but at least half a metre away from those in the last scan."""
+    """Each scan has raindrops, at least half a metre away from those in the previous scan."""
     ends = np.tile([0.2, 1.4, 0.7, 1.9, -0.8], 12)
     for decision in decide(*([thing(end, length=1.0)] for end in ends)):
         assert decision.cause is None and decision.acceleration > 0
@@ -206,11 +206,11 @@ def test_dirt_on_the_bonnet_stops_the_car_after_a_second():
         decision.cause is not None
         for decision in decide(*([thing(end, length=1.4)] for end in ends))
     ]
-    assert brakes == [False] * 11 + [True] * 4, "ten scans in one place, and three in the way"
+    assert brakes == [False] * 11 + [True] * 4, "ten scans in one place and three in the lane"
 
 
-def test_it_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
-    """The distance does not matter, and raindrops do not hide a person."""
+def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
+    """The distance does not matter, and raindrops do not hide the person."""
     drops, nothing = [thing(0.5)], []
     for metres in (0.1, 1.0, 6.0):
         person = thing(2.6 + metres, -1.5, length=0.5, width=0.5)
@@ -220,15 +220,15 @@ def test_it_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
             assert decisions[-1].acceleration < -3
 
 
-def test_road_users_who_approach_from_the_side_are_ahead():
-    """Only their predicted position overlaps the ego car, not the present one."""
+def test_road_users_who_approach_from_the_side_count_as_ahead():
+    """Their predicted position overlaps the ego car, but not their present one."""
     cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
     assert room(cyclist, 8.0) < -0.5
     assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
 
 
-def test_boxes_that_reach_from_the_car_forward_are_ahead():
-    """One box contains raindrops and a person 2 m ahead; another contains all points and jumps."""
+def test_boxes_that_extend_forward_from_the_car_count_as_ahead():
+    """One box contains raindrops and a person 2 m ahead. Another contains all points and jumps."""
     both, everything = thing(0.5, length=4.6), [thing(-20.0 - jump, length=60.0) for jump in (0, 3)]
     assert decide(*[[both]] * 3)[-1].cause is both
     assert decide(*([box] for box in everything * 2))[-1].cause is everything[1]
@@ -255,8 +255,8 @@ def test_speeds_over_ground_are_estimated_from_a_moving_car():
     assert np.allclose(walker, (0.0, 1.4), atol=0.1)
 
 
-def test_a_box_that_jumps_has_no_speed():
-    """A box may jump because it grows to include its neighbour."""
+def test_a_jumping_box_has_no_speed():
+    """A box may jump because it grows and includes a neighbouring obstacle."""
     motion = Motion()
     for scan in range(14):
         aside = 5.0 - 1.2 * (scan >= 7)
@@ -278,7 +278,7 @@ ALPHA_BETA = Tracker(
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
-    """From the tenth scan on, its box contains only the side towards the ego car's lane."""
+    """From the tenth scan, its box contains only the side that faces the ego car's lane."""
     motion = motion_by(tracker)
     for scan in range(20):
         width = 1.6 if scan < 10 else 0.15
@@ -287,12 +287,12 @@ def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
         assert car.velocity[1] == 0.0, scan
 
 
-def first_for_all(previous, current, max_distance):
-    """Match every box to the first one, which is wrong."""
+def match_all_with_first(previous, current, max_distance):
+    """Match every box with the first one, which is wrong."""
     return np.full(len(current), -1 if len(previous) == 0 else 0)
 
 
-@pytest.mark.parametrize("match", [first_for_all, lambda *_: np.full(6, 9)])
+@pytest.mark.parametrize("match", [match_all_with_first, lambda *_: np.full(6, 9)])
 def test_a_wrong_match_does_not_end_a_drive(match):
     tracker = copy.copy(ALPHA_BETA)
     tracker.match = match
@@ -313,7 +313,7 @@ def test_a_thing_keeps_its_track_id_and_coasts_unseen(tracker):
     (stays, gone) = motion.update(box(20, 5)[None], 0.0, 0.1)
     assert [stays.name, gone.name] == [thing.name for thing in scans[-1]]
     assert stays.seen and not gone.seen
-    assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "as fast as it was seen to go"
+    assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "at its observed speed"
 
 
 def test_a_new_track_has_no_speed_for_three_scans():
@@ -323,16 +323,16 @@ def test_a_new_track_has_no_speed_for_three_scans():
         assert newcomer.velocity == (0.0, 0.0)
 
 
-def test_a_box_that_flickers_is_kept_for_three_scans():
+def test_a_flickering_box_is_kept_for_three_scans():
     motion, none = Motion(), np.empty((0, 8, 3))
     for _ in range(2):
         motion.update(box(20, 0)[None], 0.0, 0.1)
     assert [len(motion.update(none, 0.5, 0.1)) for _ in range(4)] == [1, 1, 1, 0]
     motion.update(box(20, 0)[None], 0.0, 0.1)
-    assert motion.update(none, 0.0, 0.1) == [], "seen once only"
+    assert motion.update(none, 0.0, 0.1) == [], "seen only once"
 
 
-def test_a_coasting_thing_comes_nearer_as_we_drive():
+def test_a_coasting_thing_approaches_as_the_car_drives():
     motion = Motion()
     for _ in range(2):
         motion.update(box(20, 0)[None], 0.0, 0.1)
@@ -361,7 +361,7 @@ def test_the_students_matching_is_called():
         (lambda count: ["first"], "ValueError: invalid literal"),
     ],
 )
-def test_a_matching_that_fails_becomes_a_problem_of_the_drive(partners, said):
+def test_a_failing_matching_is_reported_as_a_problem(partners, said):
     def match_boxes(previous, current, max_distance):
         return partners(len(current))
 
@@ -412,7 +412,7 @@ def test_a_tracker_that_only_matches_gets_default_steps():
     assert np.allclose(walker.velocity, (0.0, 1.4), atol=0.1)
 
 
-def test_pairs_are_near_and_one_to_one():
+def test_matched_boxes_are_near_and_one_to_one():
     before, now = np.stack([box(0, 0), box(10, 0)]), np.stack([box(0.8, 0), box(0.3, 0), box(9, 0)])
     assert closest_pairs(before, now, 1.2).tolist() == [-1, 0, 1]
     assert closest_pairs(before, now, 0.9).tolist() == [-1, 0, -1]
@@ -422,16 +422,16 @@ def test_pairs_are_near_and_one_to_one():
 # Actors ------------------------------------------------------------------------------------
 
 
-def test_an_actor_waits_until_it_begins_and_follows_its_speeds():
+def test_an_actor_waits_for_its_start_and_follows_its_speeds():
     actor = Actor(placed(pedestrian(), 50.0, -5.0, np.pi / 2), 20.0, ((0, 2.0), (2, 0.0)))
     assert actor.at(7.0, None).pose.y == -5.0
     slowing = actor.at(7.0 + 1.0, 7.0)
-    # Slowing evenly from 2 m/s to 1 m/s in a second takes 1.5 m.
+    # Slowing down evenly from 2 m/s to 1 m/s within a second takes 1.5 m.
     assert slowing.pose.y == pytest.approx(-3.5) and slowing.speed == pytest.approx(1.0)
     assert actor.at(30.0, 7.0).pose.y == pytest.approx(-3.0)
 
 
-def test_a_car_ahead_drives_until_it_begins():
+def test_a_car_ahead_drives_before_its_start():
     actor = car_ahead(20.0, 5.0, 30.0, (0, 5.0), (1, 0.0))
     assert actor.at(4.0, None).pose.x == pytest.approx(40.0)
     assert actor.at(6.0, 4.0).pose.x == pytest.approx(42.5)
@@ -444,7 +444,7 @@ def test_a_crossing_child_is_in_the_lane_when_the_car_arrives():
     assert thing.pose.y == pytest.approx(-1.2, abs=0.01)
 
 
-def test_actors_begin_at_a_position_of_the_car():
+def test_actors_start_when_the_car_reaches_a_position():
     street = straight(actors=(child(60.0, 30 / 3.6),))
     begun = [
         moment.position
@@ -467,7 +467,7 @@ def test_drives_are_reproducible():
     assert not np.array_equal(first.frame(5).cloud, first.frame(4).cloud)
 
 
-def test_the_detector_sees_the_scan_and_nothing_else():
+def test_the_detector_gets_only_the_scan():
     seen = []
 
     def detect(cloud):
@@ -499,7 +499,7 @@ def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
     (braking,) = [braking for braking in trip.report.brakings if not braking.needless]
     assert "a person" in braking.reason
     assert trip.report.needless == 0
-    assert trip.drive.metres > 42, "it went on behind the child"
+    assert trip.drive.metres > 42, "the car continued behind the child"
 
 
 def test_braking_for_an_empty_box_is_needless():
@@ -526,7 +526,7 @@ def test_the_cause_of_needless_braking_is_named(settings, corners, reason):
     assert braking.needless and reason in braking.reason
 
 
-def test_an_exception_affects_only_its_scan():
+def test_an_exception_affects_only_one_scan():
     calls = []
 
     def detect(cloud):
@@ -569,7 +569,7 @@ def test_a_slow_detector_sees_fewer_scans():
         return find_nothing(cloud)
 
     trip = drive(straight(), detect, seconds=2.0, clock=slow_clock, sensor=COARSE)
-    assert len(seen) == 1 + 5, "every fourth scan, and the first one to load libraries"
+    assert len(seen) == 1 + 5, "every fourth scan, and the first one, which loads libraries"
     assert [moment.seen for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
     assert sum(moment.busy for moment in trip.moments) == 15
 
@@ -599,7 +599,7 @@ def test_the_clock_ignores_single_short_measurements():
         return sum(range(300_000))
 
     times = [clock(call)[1] for call in (work, work, work, lambda: 0, work)]
-    assert times[-1] > 0, "the middle one of the last five"
+    assert times[-1] > 0, "the median of the last five"
 
 
 # Measures of a drive -----------------------------------------------------------------------
@@ -626,7 +626,7 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
-def test_results_add_up():
+def test_results_are_summed():
     both = Result(100.0, 2, 0, 1) + Result(50.0, 0, 1, 0)
     assert both == Result(150.0, 2, 1, 1)
     assert str(both).strip() == "150 m, 2 needless braking events, 1 collision"
@@ -643,7 +643,7 @@ def test_each_braking_in_a_notebook_links_to_its_frame():
     assert page.count("<details>") == len(trip.report.brakings) > 0
     assert page.count("data:image/png;base64,") == len(trip.report.brakings)
     assert "<script" not in page and "needless" in page and "aria-label" in page
-    # A screen reader would skip the links to frames if their parent had the role of an image.
+    # If the parent had the role of an image, screen readers would skip the links to frames.
     assert "<svg" in page and "<a href='#braking-" in page and "role='img'" not in page
 
 
@@ -696,7 +696,7 @@ def test_ctrl_c_keeps_finished_drives(capsys, monkeypatch):
     assert "Stopped." in output and "yours" in output
 
 
-# Right and wrong detectors, each through a street ------------------------------------------
+# Right and wrong detectors, each on one street ---------------------------------------------
 
 
 @pytest.mark.proof
@@ -751,24 +751,24 @@ def along_the_axes(points, labels):
     return np.reshape(rows, (-1, 8, 3))
 
 
-# Claims of lessons about a drive: a street, a detector, words that the report of the drive
-# contains, and words that it does not contain.
+# Claims of lessons about drives: a street, a detector, words that the report of the drive must
+# contain, and words that it must not contain.
 CLAIMS = {
-    "06: -1.2 m is asphalt": (6, above(-1.2), "road mistaken for an obstacle", "hits"),
-    "06: -0.6 m drives on": (6, above(-0.6), "", "needless"),
-    "05: 0.2 m is pieces": (11, within(0.2), "never had a box", "needless"),
-    "05: 0.5 m is two people": (11, within(0.5), "a person", "hits"),
-    "06: -0.6 m is blind downhill": (16, above(-0.6), "The car hits a person", "needless"),
+    "06: -1.2 m keeps asphalt": (6, above(-1.2), "road mistaken for an obstacle", "hits"),
+    "06: -0.6 m does not stop the car": (6, above(-0.6), "", "needless"),
+    "05: 0.2 m splits obstacles": (11, within(0.2), "never had a box", "needless"),
+    "05: 0.5 m separates two people": (11, within(0.5), "a person", "hits"),
+    "06: -0.6 m misses a person downhill": (16, above(-0.6), "The car hits a person", "needless"),
     "07: 1.6 m is too narrow": (2, half_width(1.6), "The car hits a person", "needless"),
-    "05: 0.9 m is a box that jumps": (11, within(0.9), "8.6 s  a person in our lane", "needless"),
-    "05: and it is late": (11, within(0.9), "The car hits a person", "needless"),
+    "05: 0.9 m causes a jumping box": (11, within(0.9), "8.6 s  a person in our lane", "needless"),
+    "05: 0.9 m is too late": (11, within(0.9), "The car hits a person", "needless"),
     "07: 6 m is enough": (2, half_width(6.0), "a person", "hits"),
     "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "hits"),
-    "07: 2.2 m is late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
-    "07: and too late": (2, half_width(2.2), "The car hits a person", "needless"),
+    "07: 2.2 m brakes late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
+    "07: 2.2 m is too late": (2, half_width(2.2), "The car hits a person", "needless"),
     "09: 100 points drop a cyclist": (3, at_least(100), "The car hits a cyclist", "needless"),
-    "09: 10 points do not": (3, at_least(10), "a cyclist", "hits"),
-    "09: 1 point is rain": (8, at_least(1), "rain mistaken for an obstacle", "hits"),
+    "09: 10 points keep the cyclist": (3, at_least(10), "a cyclist", "hits"),
+    "09: 1 point keeps rain": (8, at_least(1), "rain mistaken for an obstacle", "hits"),
     "08: 12 degrees": (
         1,
         askew(chain(boxes=along_the_axes), 12.0),
@@ -777,7 +777,7 @@ CLAIMS = {
     ),
     "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
     "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 13 m in 13 s", "hits"),
-    "09: 10 points drive on": (8, at_least(10), "", "rain"),
+    "09: 10 points do not stop the car": (8, at_least(10), "", "rain"),
 }
 
 
@@ -800,7 +800,7 @@ def test_the_first_box_that_blocks_the_lane_agrees_with_lesson_08(degrees, first
 @pytest.mark.proof
 @pytest.mark.parametrize(("threshold", "shared", "scans"), [(0.5, 3, 10), (0.6, 13, 14)])
 def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, scans):
-    """The scan knows the owner of each point; each person must have a cluster of ten points."""
+    """The scan knows which object each point belongs to. Each person needs ten points."""
     calls, cluster = [], DBSCAN(eps=threshold, min_samples=1)
 
     def clusters(points):
@@ -822,7 +822,7 @@ def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, sc
     assert (sum(together), len(together)) == (shared, scans)
 
 
-# Name of a wrong detector, a street, and words in the report of its drive.
+# Names of wrong detectors, a street, and words in the report of the drive.
 WRONG = [
     ("returns no boxes", 2, "never had a box"),
     ("one box around everything", 1, "needless: "),

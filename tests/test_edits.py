@@ -1,4 +1,4 @@
-"""Edits that undo a slip, which is a mistake of one small edit."""
+"""Edits that undo a slip, which is a mistake caused by one small edit."""
 
 import ast
 import textwrap
@@ -12,27 +12,33 @@ from utils.notebooks.edits import MOST_EDITS, edits_of
 SLIPS = {
     "an operator": ("return x + y * z", "return x + y / z"),
     "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),
-    "a sign within": ("return -dy / length, dx / length", "return dy / length, dx / length"),
+    "a sign inside an expression": (
+        "return -dy / length, dx / length",
+        "return dy / length, dx / length",
+    ),
     "a comparison": ("return x < y", "return x <= y"),
-    "the other way round": ("return x < y", "return x > y"),
+    "a comparison reversed": ("return x < y", "return x > y"),
     "is None": (
         "if x is None:\n    return y\nreturn z",
         "if x is not None:\n    return y\nreturn z",
     ),
     "a constant": ("for k in range(1, n):\n    x += k", "for k in range(0, n):\n    x += k"),
     "a bound": ("for k in range(n):\n    x += k", "for k in range(n + 1):\n    x += k"),
-    "a bound by one": (
+    "an upper bound with a lower one": (
         "for k in range(1, n):\n    x += k",
         "for k in range(1, n + 1):\n    x += k",
     ),
-    "one too many": ("for k in range(n - 1):\n    x += k", "for k in range(n):\n    x += k"),
+    "a bound with one too many": (
+        "for k in range(n - 1):\n    x += k",
+        "for k in range(n):\n    x += k",
+    ),
     "an axis": ("return x.mean(axis=1)", "return x.mean(axis=0)"),
     "no axis": ("return x.mean()", "return x.mean(axis=0)"),
     "a mask": ("return x[y]", "return x[~y]"),
     "a mask of a call": ("return x[np.isnan(y)]", "return x[~np.isnan(y)]"),
-    "a mask too many": ("return x[~y]", "return x[y]"),
+    "a needless inversion": ("return x[~y]", "return x[y]"),
     "abs": ("return a * x + b < y", "return abs(a * x + b) < y"),
-    "abs too many": ("return abs(x)", "return x"),
+    "a needless abs": ("return abs(x)", "return x"),
     "a root": ("return x ** 2 + y ** 2", "return (x ** 2 + y ** 2) ** 0.5"),
     "a root of a sum": ("return np.sum(x)", "return np.sum(x) ** 0.5"),
     "a square": ("return x + y ** 2", "return x ** 2 + y ** 2"),
@@ -45,17 +51,20 @@ SLIPS = {
     "a table for its column": ("return f(x, y[:, 1])", "return f(x[:, 0], y[:, 1])"),
     "row and column": ("return x[0, :]", "return x[:, 0]"),
     "arguments": ("return f(x, y)", "return f(y, x)"),
-    "what is returned": ("return x, y", "return y, x"),
-    "three returned": ("return x, y, z", "return z, x, y"),
+    "the order of two returned values": ("return x, y", "return y, x"),
+    "the order of three returned values": ("return x, y, z", "return z, x, y"),
     "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
     "the other child": ("node.left = x", "node.right = x"),
     "min and max": ("return x.min(), x.max()", "return x.max(), x.max()"),
-    "one level out": (
+    "a return one level out": (
         "for k in x:\n    if k:\n        y += k\n    return y",
         "for k in x:\n    if k:\n        y += k\nreturn y",
     ),
-    "one level in": ("if x:\n    y = 1\nz = 2\nreturn z", "if x:\n    y = 1\n    z = 2\nreturn z"),
-    "two lines in": (
+    "a line one level in": (
+        "if x:\n    y = 1\nz = 2\nreturn z",
+        "if x:\n    y = 1\n    z = 2\nreturn z",
+    ),
+    "two lines one level in": (
         "for k in x:\n    f(k)\ny += k\nz += k\nreturn z",
         "for k in x:\n    f(k)\n    y += k\n    z += k\nreturn z",
     ),
@@ -70,10 +79,10 @@ SLIPS = {
     ),
     "elif": ("if x:\n    f(x)\nif y:\n    f(y)", "if x:\n    f(x)\nelif y:\n    f(y)"),
     "a slice": ("return x", "return x[::-1]"),
-    "a slice too many": ("return x[::-1]", "return x"),
+    "a needless slice": ("return x[::-1]", "return x"),
     "three columns": ("return f(x)", "return f(x[:, :3])"),
     "a forgotten return": ("f(x)\nnp.sort(y)", "f(x)\nreturn np.sort(y)"),
-    "a forgotten name": ("for k in x:\n    y += k", "for k in x:\n    y += k\nreturn y"),
+    "a missing return": ("for k in x:\n    y += k", "for k in x:\n    y += k\nreturn y"),
     "a table for a mask": ("y = x > 0\nreturn f(y)", "y = (x > 0).all(axis=1)\nreturn f(y)"),
     "and": ("return x and y", "return x or y"),
     "a shift": ("return x << y", "return x >> y"),
@@ -83,7 +92,7 @@ SLIPS = {
     "+=": ("for k in x:\n    y = k\nreturn y", "for k in x:\n    y += k\nreturn y"),
     "a list for an array": ("return [x, y]", "return np.array([x, y])"),
     "two lines": ("y = f(x)\nx = g(y)\nreturn x", "x = g(y)\ny = f(x)\nreturn x"),
-    "a line too many": ("x = f(x)\nx = g(x)\nreturn x", "x = g(x)\nreturn x"),
+    "a needless line": ("x = f(x)\nx = g(x)\nreturn x", "x = g(x)\nreturn x"),
     "a keyword": ("return f(x, axis=1)", "return f(x)"),
     "transposed": ("return x @ y", "return x @ y.T"),
     "a call": ("return len(x)", "return x"),
@@ -95,60 +104,60 @@ SLIPS = {
         "for k in x:\n    if k:\n        return\n    y += k",
         "for k in x:\n    if k:\n        continue\n    y += k",
     ),
-    "a part that nobody returns": ("y = x > 0\nx[y & z]", "y = x > 0\nreturn x[y & z]"),
+    "a result that is not returned": ("y = x > 0\nx[y & z]", "y = x > 0\nreturn x[y & z]"),
     "is equal": ("return x <= y", "return x == y"),
-    "a product for both": ("return x & y", "return x * y"),
-    "one returned": ("return x", "return x, y"),
-    "two of three returned": ("return x, z", "return x, y, z"),
-    "an argument too few": ("return f(y)", "return f(x, y)"),
-    "a name too few": ("dx = f(z)\nreturn dx + dy", "dx, dy = f(z)\nreturn dx + dy"),
+    "a product for a conjunction": ("return x & y", "return x * y"),
+    "one returned value too few": ("return x", "return x, y"),
+    "two of three returned values": ("return x, z", "return x, y, z"),
+    "a missing argument": ("return f(y)", "return f(x, y)"),
+    "a missing name": ("dx = f(z)\nreturn dx + dy", "dx, dy = f(z)\nreturn dx + dy"),
     "no range": ("for k in n:\n    x += k", "for k in range(n):\n    x += k"),
     "no len": ("return x.sum() / y", "return x.sum() / len(y)"),
     "no sum": ("if x > y:\n    z = x", "if x > y.sum():\n    z = x"),
-    "a factor too few": ("return x + y", "return x + (y * z)"),
-    "not divided": ("dx = x - y\nreturn dx", "dx = x - y\nreturn (dx / n)"),
+    "a missing factor": ("return x + y", "return x + (y * z)"),
+    "a missing division": ("dx = x - y\nreturn dx", "dx = x - y\nreturn (dx / n)"),
     "with replacement": ("return z.choice(n, 2)", "return z.choice(n, 2, replace=False)"),
     "a mask returned": ("y = x > 0\nreturn y", "y = x > 0\nreturn x[y]"),
-    "a bracket on the right": ("return x ** 1 / 2", "return x ** (1 / 2)"),
-    "a bracket on the left": ("return n - 1 // 2", "return (n - 1) // 2"),
+    "missing brackets on the right": ("return x ** 1 / 2", "return x ** (1 / 2)"),
+    "missing brackets on the left": ("return n - 1 // 2", "return (n - 1) // 2"),
     "the upper middle": ("return x[n // 2]", "return x[(n - 1) // 2]"),
-    "no axis twice": ("return x.min(), x.max()", "return x.min(axis=0), x.max(axis=0)"),
-    "the other axis twice": (
+    "two missing axes": ("return x.min(), x.max()", "return x.min(axis=0), x.max(axis=0)"),
+    "two wrong axes": (
         "return x.min(axis=1), x.max(axis=1)",
         "return x.min(axis=0), x.max(axis=0)",
     ),
-    "a name of the notebook": (
+    "a name from the notebook": (
         "y = y + z + n + node\nreturn street[street[:, 0] > y]",
         "y = y + z + n + node\nreturn x[x[:, 0] > y]",
     ),
-    "like with like": (
+    "a comparison of a name with itself": (
         "y = f(z)\nif y.sum() > 0:\n    z = y",
         "y = f(z)\nif y.sum() > z.sum():\n    z = y",
     ),
-    "another name returned": ("y = f(z)\nreturn x, y", "y = f(z)\nreturn x, z"),
+    "the wrong name returned": ("y = f(z)\nreturn x, y", "y = f(z)\nreturn x, z"),
     "a table returned for a mask": ("return abs(x - y) < n", "return (abs(x - y))"),
-    "a bracket too many": ("return n * (x + y * z)", "return n * x + y * z"),
-    "behind the call": ("return abs(x) + y", "return abs(x + y)"),
-    "within the call": ("return np.sqrt(x + y)", "return (np.sqrt(x) + y)"),
+    "needless brackets": ("return n * (x + y * z)", "return n * x + y * z"),
+    "a term outside the call": ("return abs(x) + y", "return abs(x + y)"),
+    "a term inside the call": ("return np.sqrt(x + y)", "return (np.sqrt(x) + y)"),
     "a pair for numbers": ("return x, y", "return *x, y"),
     "whole numbers for a mask": ("return x.astype(int)", "return x"),
     "a power": ("return x", "return (x ** n)"),
     "the complement": ("return np.log(x)", "return np.log((1 - x))"),
     "an attribute": ("y = node", "x.y = node"),
     "rows of rows": ("x = np.argsort(y)\nreturn x", "x = x[np.argsort(y)]\nreturn x"),
-    "a loop for a question": ("if x:\n    y = f(x)", "while x:\n    y = f(x)"),
+    "a loop for an if": ("if x:\n    y = f(x)", "while x:\n    y = f(x)"),
     "an empty queue": ("z = deque()\nreturn z", "z = deque([x])\nreturn z"),
     "both sides exchanged": (
         "if x:\n    f(node.left)\nelse:\n    f(node.right)",
         "if x:\n    f(node.right)\nelse:\n    f(node.left)",
     ),
-    "one of two kept": (
+    "a missing assignment": (
         "y, z = 0, 0\nfor k in x:\n    n = f(k)\n    z = k\nreturn y, z",
         "y, z = 0, 0\nfor k in x:\n    n = f(k)\n    z = k\n    y = n\nreturn y, z",
     ),
     "and for masks": ("return x[y and z]", "return x[(y) & (z)]"),
     "not for a mask": ("return x[not y]", "return x[~(y)]"),
-    "a result that nobody keeps": ("f(x, y)\nreturn x", "x = f(x, y)\nreturn x"),
+    "a result that is not assigned": ("f(x, y)\nreturn x", "x = f(x, y)\nreturn x"),
     "a column of numbers": ("return x / y", "return x / y[:, None]"),
     "the rows of a count": ("r = f(z)\nreturn y[n < 3], r", "r = f(z)\nreturn y[n[r] < 3], r"),
     "a number for a parameter": (
@@ -157,15 +166,15 @@ SLIPS = {
     ),
     "two parameters exchanged": ("return y < x < z", "return z < x < y"),
     "print": ("y = 2 * x\nprint(y)", "y = 2 * x\nreturn y"),
-    "two levels out": (
+    "a return two levels out": (
         "for k in x:\n    for m in k:\n        y += m\n        return y",
         "for k in x:\n    for m in k:\n        y += m\nreturn y",
     ),
-    "one of two levels out": (
+    "a return one of two levels out": (
         "for k in x:\n    y = 0\n    for m in k:\n        y += m\n        return y",
         "for k in x:\n    y = 0\n    for m in k:\n        y += m\n    return y",
     ),
-    "a mask that nobody asks": ("y = x > 0", "y = x > 0\nreturn x[~y]"),
+    "a mask that is not used": ("y = x > 0", "y = x > 0\nreturn x[~y]"),
 }
 
 
@@ -194,8 +203,8 @@ def test_a_slip_is_one_edit_away(slip):
 
 
 @pytest.mark.parametrize("slip", SLIPS)
-def test_the_lines_of_an_edit_make_its_statement(slip):
-    """The function has a decorator, and characters of several bytes come before it."""
+def test_the_lines_of_an_edit_form_its_statement(slip):
+    """The function has a decorator, and the text before it contains multi-byte characters."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
     edits = edits_in(*cells)
@@ -209,7 +218,7 @@ def test_the_lines_of_an_edit_make_its_statement(slip):
         assert changed.startswith("é = '²'") and changed.endswith("print(é)")
 
 
-def test_docstrings_and_signatures_stay():
+def test_docstrings_and_signatures_are_not_edited():
     text = 'def f(x, k=3):\n    """A text."""\n    return x\n'
     assert all(
         edit.statement.startswith('def f(x, k=3):\n    """A text."""')
@@ -218,7 +227,7 @@ def test_docstrings_and_signatures_stay():
     )
 
 
-def test_a_return_one_level_out_is_tried_first():
+def test_moving_a_return_one_level_out_is_tried_first():
     first, *_ = edits_in(function("for k in x:\n    if k < y:\n        y = k + 1\n    return y"))
     assert first.statement + "\n" == function(
         "for k in x:\n    if k < y:\n        y = k + 1\nreturn y"

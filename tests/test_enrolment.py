@@ -1,4 +1,4 @@
-"""Only students on the roster are entered, and no folder of theirs loses a file."""
+"""Only students on the roster are entered in the gradebook, and no file in a folder is lost."""
 
 import os
 import shlex
@@ -68,7 +68,7 @@ def test_all_students_on_the_roster_are_in_the_gradebook(course):
     assert {student for student, _ in marks(course)} == {"ada", "bob"}
 
 
-def test_changes_of_the_roster_are_entered_but_blank_cells_change_nothing(course):
+def test_changes_to_the_roster_are_entered_but_blank_cells_are_ignored(course):
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("bob", email="bob@home.edu")
@@ -77,7 +77,7 @@ def test_changes_of_the_roster_are_entered_but_blank_cells_change_nothing(course
     assert students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
 
 
-def test_students_who_are_not_on_the_roster_are_named_and_not_entered(course):
+def test_students_not_on_the_roster_are_named_but_not_entered(course):
     submit(course, "ghost", GROUND)
     sentences = error_lines(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
     assert sentences == [

@@ -1,4 +1,4 @@
-"""An exercise that calls a wrong function keeps the points for its own work."""
+"""An exercise that calls a wrong function earns the points for its own work."""
 
 import ast
 import shutil
@@ -25,7 +25,7 @@ def source_of(exercise, name=""):
 
 
 def judge_with(answers, sandbox, tmp_path):
-    """Judge a notebook with the given answers and right ones elsewhere; return results by name."""
+    """Judge a notebook in which all other answers are right; return the results by name."""
     right = {exercise.name: source_of(exercise.name) for exercise in LESSON.machine_graded}
     path = tmp_path / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, right | answers), "utf-8")
@@ -43,7 +43,7 @@ def judge_with(answers, sandbox, tmp_path):
         ("point_line_distance", "stub left in place"),
     ],
 )
-def test_what_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_path):
+def test_an_exercise_that_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_path):
     results = judge_with({helper: source_of(helper, name)}, sandbox, tmp_path)
     assert results[helper].score < results[helper].max_score
     calls = results["ransac_line"]
@@ -53,7 +53,7 @@ def test_what_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_p
 
 
 @pytest.mark.slow
-def test_own_mistakes_still_lose_points(sandbox, tmp_path):
+def test_mistakes_in_the_exercise_itself_still_lose_points(sandbox, tmp_path):
     helper = source_of("line_through", "the normal has any length")
     gives_up = source_of("ransac_line").replace("continue", "break")
     results = judge_with({"line_through": helper, "ransac_line": gives_up}, sandbox, tmp_path)
@@ -87,7 +87,7 @@ PLANE = find_lesson("03_ransac_plane")
 
 @pytest.fixture
 def copied(tmp_path, monkeypatch):
-    """Copy the source and solution of the lesson on planes, so that a test can change them."""
+    """Copy the source and the solution of the lesson on planes, so that tests can change them."""
     folder = tmp_path / "solutions" / PLANE.name
     folder.mkdir(parents=True)
     shutil.copy(PLANE.source, folder)
@@ -108,7 +108,7 @@ def add_slip(path):
 
 
 @pytest.mark.slow
-def test_a_slip_in_a_source_that_was_not_built_has_no_effect(copied, sandbox, tmp_path):
+def test_a_slip_in_an_unbuilt_source_has_no_effect(copied, sandbox, tmp_path):
     path = tmp_path / PLANE.solved.name
     shutil.copy(PLANE.solved, path)
     add_slip(path)  # the student's own slip

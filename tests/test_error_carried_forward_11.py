@@ -1,4 +1,4 @@
-"""Lesson 11: get_oriented_boxes calls principal_axes, but loses points only for its own work."""
+"""Lesson 11: get_oriented_boxes calls principal_axes, but loses points only for its own faults."""
 
 import pytest
 
@@ -47,7 +47,7 @@ def results(axes, boxes, sandbox, folder):
     "axes, least",
     [
         (STUB, 0),
-        # One missing [:, ::-1] used to cost all 30 points of the lesson.
+        # A single missing [:, ::-1] used to cost all 30 points of the lesson.
         (wrong_axes("columns left in ascending order"), 6),
         (wrong_axes("np.cov of rows instead of columns"), 0),
     ],
@@ -63,7 +63,7 @@ def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_p
 
 
 @pytest.mark.parametrize("axes", ["not centred", "sometimes left-handed"])
-def test_other_wrong_axes_cost_the_boxes_nothing(axes, sandbox, tmp_path):
+def test_other_wrong_axes_do_not_cost_points_for_the_boxes(axes, sandbox, tmp_path):
     assert results(wrong_axes(axes), AS_HINTED, sandbox, tmp_path)["get_oriented_boxes"].score == 20
 
 
@@ -74,7 +74,7 @@ def test_wrong_boxes_keep_their_own_mistake(sandbox, tmp_path):
     assert "is outside" in boxes.cause or "are outside" in boxes.cause
 
 
-def test_a_notebook_names_the_function_that_is_not_written(capsys):
+def test_a_notebook_names_the_unwritten_function(capsys):
     namespace = {}
     exec("import numpy as np\n" + STUB + AS_HINTED, namespace)
     with pytest.raises(ChecksFailed, match="calls principal_axes, which is not written yet"):

@@ -69,9 +69,14 @@ def test_a_right_answer_passes(total):
             },
         ),
     ],
-    ids=["the empty list", "another name", "its input", "the plain case"],
+    ids=[
+        "fails for an empty list",
+        "renames a parameter",
+        "changes its input",
+        "fails in the plain case",
+    ],
 )
-def test_a_slip_fails_one_check_but_a_wrong_plain_case_delays_the_others(total, function, failed):
+def test_a_slip_fails_one_check_but_in_the_plain_case_others_wait(total, function, failed):
     found = failures_of(function)
     assert found == failed if isinstance(failed, dict) else set(found) == failed
 
@@ -89,7 +94,7 @@ def test_a_slip_fails_one_check_but_a_wrong_plain_case_delays_the_others(total, 
         ([[1], [2, 3]], [[1], [2, 3]]),
     ],
 )
-def test_only_numbers_may_differ_a_little(answer, expected):
+def test_only_numbers_may_differ_slightly(answer, expected):
     assert_answer(answer, expected)
 
 

@@ -1,4 +1,4 @@
-"""Export of marks: the table of the class, marks of one assignment, and paths of the files."""
+"""Export of marks: the table of the class, the marks of an assignment, and the file paths."""
 
 import csv
 import dataclasses
@@ -39,7 +39,7 @@ DUE = datetime(2026, 10, 12, 22, 0, tzinfo=UTC)
 def results_of(person, scores, late=None, excused=(), penalty=0.0):
     """Return the notebook and stage results of a student.
 
-    `scores` has points, or a status and points, for each lesson that was submitted.
+    `scores` contains the points, or a status and the points, of each submitted lesson.
     """
     notebooks = []
     for lesson, (stage, most) in LESSONS.items():
@@ -89,7 +89,7 @@ def table(results, assignment=None):
     return exported, list(csv.reader(io.StringIO(exported.content.decode())))
 
 
-def test_the_table_has_names_scores_times_penalties_statuses_and_totals():
+def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
     exported, rows = table(CLASS)
     assert rows[0] == [
         *("Student", "Last name", "First name", "E-mail", "Section", SIX, SEVEN),
@@ -113,7 +113,7 @@ def test_the_table_has_names_scores_times_penalties_statuses_and_totals():
     assert (exported.placed, exported.lost) == (3, ())
 
 
-def test_the_table_of_a_lesson_has_only_that_lesson():
+def test_the_table_of_a_lesson_contains_only_that_lesson():
     _, rows = table(CLASS, SEVEN)
     assert rows[0][5:7] == [SEVEN, f"{THREE}: submitted"]
     assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["0", "20"]] + [
@@ -126,14 +126,14 @@ def test_the_table_of_a_lesson_has_only_that_lesson():
         table(CLASS, "stage1_ransac")
 
 
-def test_a_lesson_is_marked_while_another_of_its_stage_waits():
+def test_a_lesson_has_a_mark_while_another_lesson_of_its_stage_waits():
     results = class_of(results_of(ADA, {SIX: 30.0, SEVEN: (WAITING, 5.0)}), people=(ADA,))
     for lesson, status in ((SIX, "marked"), (SEVEN, f"waiting: {SEVEN}")):
         rows = table(results, lesson)[1]
         assert rows[2][rows[0].index(f"{THREE}: standing")] == status
 
 
-def test_unusual_names_shift_no_column_and_are_not_formulas():
+def test_unusual_names_do_not_shift_columns_or_become_formulas():
     names = ["O'Neil, Jr", 'the "quoted"', "=cmd|' /C calc'!A0", "+1", "-1", "@x", "zwei\nZeilen"]
     people = [Person(name, name, name, name, name) for name in names]
     results = class_of(*(results_of(person, {SIX: 1.0}) for person in people), people=people)
@@ -160,7 +160,7 @@ def marks(assignment, results=CLASS, **order):
     return export, {mark.person.id: mark.points for mark in export.marks}
 
 
-def test_marks_of_a_stage_are_sums_less_penalties_of_students_with_work():
+def test_marks_of_a_stage_are_sums_minus_penalties():
     found, points = marks(THREE)
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
     assert found.most == 50.0
@@ -169,7 +169,7 @@ def test_marks_of_a_stage_are_sums_less_penalties_of_students_with_work():
     assert zeros in found.notes
 
 
-def test_marks_of_a_lesson_are_its_points_less_penalties():
+def test_marks_of_a_lesson_are_points_minus_penalties():
     assert marks(SEVEN)[1] == {"ada": pytest.approx(12.345678), "dee": 8.0}
     assert marks(SIX)[1] == {"ada": 30.0, "bo": 0.0}
     penalised = class_of(results_of(BO, {SIX: 10.0}, penalty=2.5), people=(BO,))

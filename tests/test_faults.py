@@ -1,4 +1,4 @@
-"""Faults of the judge, the machine or other students' code cost no student a point."""
+"""Faults of the judge, the machine or other students' code do not cost any student points."""
 
 import contextlib
 import json
@@ -61,12 +61,12 @@ def wait(): time.sleep(1.5)
 
 @pytest.fixture(autouse=True)
 def empty_cache(monkeypatch):
-    """Empty the cache of right notebooks, which earlier tests have filled."""
+    """Empty the cache of right notebooks, which earlier tests may have filled."""
     monkeypatch.setattr(judging, "_FULL_MARKS", {})
 
 
 class Inline(Executor):
-    """Executor that runs every job at once in this process, where tests can replace functions."""
+    """Executor that runs jobs immediately in this process, where tests can replace functions."""
 
     def __init__(self, workers):
         pass
@@ -81,7 +81,7 @@ class Inline(Executor):
 
 
 class Deadly(Pool):
-    """Pool in which the process that judges the student "poison" dies `left` times."""
+    """Executor in which the process that judges the student "poison" dies `left` times."""
 
     left = 0
 
@@ -132,7 +132,7 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
-def test_a_fault_of_the_judge_takes_no_points_and_is_recorded(course, sandbox, monkeypatch):
+def test_a_fault_of_the_judge_is_recorded_and_costs_no_points(course, sandbox, monkeypatch):
     def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
@@ -161,7 +161,7 @@ def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
 
 @pytest.mark.slow
 def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
-    """An oracle that raises for the reference is faulty; otherwise the answer is wrong."""
+    """If an oracle fails for the reference, the oracle is faulty. Otherwise the answer is wrong."""
     original = program_run.run_checks
 
     def raising(*question):
@@ -208,7 +208,7 @@ def test_a_failure_that_does_not_recur_in_a_rehearsal_is_ignored(sandbox, monkey
 
 @pytest.mark.slow
 @pytest.mark.parametrize("answers", [RIGHT, RIGHT | WRONG], ids=["right", "wrong"])
-def test_a_failure_that_does_not_recur_takes_no_points(answers, sandbox, tmp_path, monkeypatch):
+def test_a_failure_that_does_not_recur_costs_no_points(answers, sandbox, tmp_path, monkeypatch):
     path = tmp_path / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, answers), "utf-8")
     expected = judging.judge(path, SEED, sandbox)
@@ -230,11 +230,11 @@ def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, m
     assert "No notebook was graded" in capsys.readouterr().err
 
 
-def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
+def test_rehearsals_are_stored(course, sandbox, monkeypatch):
     events = []
     graded(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
     assert events[:2] == [(0, None), (0, f"the course's solution of {LESSON.name}")]
-    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("never asked",))
+    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("not called",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = graded(course, sandbox, progress=lambda *news: events.append(news))
     assert again["ada"].score == 30 and not isinstance(events[-1][2], str)
@@ -242,10 +242,10 @@ def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
 
 @pytest.fixture
 def three_lessons(course, monkeypatch):
-    """Return a course with three lessons per student, a list of judged jobs and complaints.
+    """Return a course with three lessons per student, the list of judged jobs, and complaints.
 
-    Functions that only record the job replace the judge. The complaints are about the course's
-    own solutions, by number of the lesson.
+    Functions that only record the jobs replace the judge. The complaints about the course's own
+    solutions are stored by lesson number.
     """
     for lesson in ("07_filter_by_distance", "08_bounding_boxes"):
         for student in ("ada", "poison", "zoe"):
@@ -300,7 +300,7 @@ def test_a_lesson_whose_solution_fails_is_not_judged(three_lessons, sandbox, wor
 class FakeJudge:
     """Judge for a class of three that returns given outcomes and records calls and progress.
 
-    `outcomes` has an error or fields of the verdict, by student and number of the call.
+    `outcomes` contains an error or fields of the verdict, by student and number of the call.
     """
 
     def __init__(self, course, **outcomes):
@@ -453,7 +453,7 @@ def test_an_existing_verdict_is_reused(prepared, monkeypatch):
 
 
 class Delayed(Inline):
-    """Executor that rehearses at once, but judges after five seconds unless it is cancelled."""
+    """Executor that rehearses immediately, but judges after five seconds unless it is cancelled."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -474,7 +474,7 @@ def test_waiting_jobs_are_cancelled_when_a_rehearsal_fails(three_lessons, sandbo
 
 
 class Busy(Inline):
-    """Executor that rehearses at once, and judges for half a second without being cancellable."""
+    """Executor that rehearses immediately, and judges for half a second without cancellation."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -579,8 +579,8 @@ def wait(seconds): time.sleep(seconds)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("others", [1, 3, 7])
-def test_who_shares_the_processor_has_as_much_of_it_as_another(sandbox, others):
-    """A call needs 0.9 s of its limit of 1 s; next to three busy processes it lasts 3.6 s."""
+def test_sharing_the_processor_does_not_cost_time(sandbox, others):
+    """A call needs 0.9 s, and the limit is 1 s. Next to three busy processes, it lasts 3.6 s."""
     limits = Limits(call_seconds=1.0)
     with (
         StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student,
@@ -612,8 +612,8 @@ def children():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
-def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep(sandbox, name):
-    """The kernel has no waiting times of finished threads; the call needs 0.6 s of 2.5 s."""
+def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sandbox, name):
+    """The kernel forgets waiting times of finished threads. The call needs 0.6 s of 2.5 s."""
     program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
     with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None
@@ -621,7 +621,7 @@ def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sl
 
 
 @pytest.mark.slow
-def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved(sandbox):
+def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sandbox):
     limits = Limits(call_seconds=0.5)
     with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 3):
         with pytest.raises(StudentStopped, match="did not answer within 0.5 seconds"):
@@ -631,7 +631,7 @@ def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_star
 
 @pytest.mark.slow
 def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
-    """The call gets an eighth of a processor and might have finished with more."""
+    """The call gets an eighth of the processor, and might have finished with more."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
     with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
         with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
@@ -642,7 +642,7 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
 
 
 @pytest.mark.slow
-def test_a_sleeping_call_is_ended_like_a_busy_one_and_not_starved(sandbox):
+def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
     program = Program((NEEDS,), ("f", "wait"))
     for name in ("f", "wait"):
         with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
@@ -655,7 +655,7 @@ def test_a_sleeping_call_is_ended_like_a_busy_one_and_not_starved(sandbox):
 
 
 @pytest.mark.slow
-def test_without_waiting_times_calls_have_longer_and_are_starved(sandbox, monkeypatch):
+def test_if_waiting_times_are_unknown_calls_have_more_time(sandbox, monkeypatch):
     monkeypatch.setattr(usage, "_records_delays", lambda: False)
     program = Program((NEEDS,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
@@ -667,7 +667,7 @@ def test_without_waiting_times_calls_have_longer_and_are_starved(sandbox, monkey
 
 
 class FakeWorker:
-    """Worker of which only the use of time is known."""
+    """Worker that only reports how much time it has used."""
 
     def __init__(self):
         self.worked, self.delayed, self.ready = 7.0, {1: 3.0, 2: 5.0}, False
@@ -691,7 +691,9 @@ class FakeWorker:
         (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the clock of the kernel has not ticked yet
     ],
 )
-def test_a_call_is_charged_for_time_without_waiting(waited, worked, delayed, seconds, monkeypatch):
+def test_a_call_is_charged_only_for_time_in_which_it_does_not_wait(
+    waited, worked, delayed, seconds, monkeypatch
+):
     now, worker = [100.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "own_seconds", lambda: 0.0)
@@ -714,7 +716,7 @@ def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
 
 
 def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
-    """The kernel has no waiting times of threads and children that have ended."""
+    """The kernel does not store waiting times of threads and children that have ended."""
     now, ours, worker = [100.0], [2.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
@@ -730,7 +732,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
         ours[0] += at_work
         meter.measure()
         assert meter.seconds == pytest.approx(taken)
-    # After its answer a call looks asleep, so the share of sleep in earlier looks counts instead.
+    # After its answer, a call seems to sleep, so the earlier share of sleep is used.
     worker.ready = False
     now[0] += 1.0
     meter.measure(answered=True)
@@ -740,7 +742,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
 @pytest.mark.slow
 def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
     with StudentProxy(Program((NEEDS,), ("f", "wait")), sandbox) as student:
-        # Sleep is sampled, so on a busy machine some of it counts as waiting for a processor.
+        # Sleep is sampled, so on a busy machine some sleep counts as waiting for a processor.
         assert student.wait.timed(1)[1] > 0.3
         with crowded(student, 11):
             assert student.f.timed(0.3)[1] < 1.8  # it lasts 3.6 s
@@ -748,7 +750,7 @@ def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
 
 
 @pytest.mark.slow
-def test_work_of_children_is_counted(sandbox):
+def test_the_work_of_children_is_counted(sandbox):
     with StudentProxy(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
         own = student.work.timed()[1]
         assert student.delegate.timed()[1] > own / 2 > 0.02
@@ -786,7 +788,7 @@ def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
         assert "link to another folder" in verdicts[name].problems[0]
 
 
-def test_verdicts_have_ordinary_permissions(course, sandbox):
+def test_verdict_files_have_ordinary_permissions(course, sandbox):
     graded(course, sandbox)
     umask = os.umask(0)
     os.umask(umask)
@@ -803,7 +805,7 @@ def test_workers_must_be_at_least_one(capsys):
     assert "must be at least 1, not" in capsys.readouterr().err
 
 
-def test_files_that_are_not_judged_have_a_reason(course):
+def test_files_that_are_not_judged_are_listed_with_a_reason(course):
     stage = course.submitted / "ada" / LESSON.stage
     (stage / "helper.py").write_text("")
     (stage / "timestamp.txt").write_text("")
@@ -870,7 +872,7 @@ def test_the_newest_of_several_files_counts(course):
 
 
 def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatch):
-    """There is no progress bar if the solutions have been judged before."""
+    """If the solutions have already been judged, there is no progress bar."""
     # Sandboxes and versions depend on the machine; other tests look at them.
     monkeypatch.setattr(doctor, "_sandboxes", lambda: ())
     monkeypatch.setattr(doctor, "_versions", lambda: ())
@@ -935,7 +937,7 @@ def test_the_doctor_checks_that_hidden_tests_cannot_be_read(monkeypatch):
 
 
 @pytest.mark.slow
-def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
+def test_visible_checks_run_before_hidden_tests(lesson):
     """Otherwise a function could store a hidden test's input and reveal it in a visible check."""
 
     def stub(*arguments, **keywords):

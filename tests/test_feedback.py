@@ -1,4 +1,4 @@
-"""Feedback for students: pages, and zips in which learning platforms find each student's file."""
+"""Feedback for students: pages, and zips from which learning platforms return the files."""
 
 import csv
 import dataclasses
@@ -74,13 +74,13 @@ WRONG = ExerciseResult(
     (
         check("joins"),
         check("parts", MISTAKE),
-        check("keeps", "For the reason of “It parts”.", kind=MessageKind.SAME_REASON),
+        check("keeps", "For the same reason as “It parts”.", kind=MessageKind.SAME_REASON),
         *(
             check(f"waits {n}", "Later: parts are apart.", kind=MessageKind.WAITING)
             for n in range(12)
         ),
-        check("hidden[1]", "… rows too many.", False, "Right elsewhere"),
-        check("hidden[2]", "… rows too many.", False, "Right elsewhere"),
+        check("hidden[1]", "… rows too many.", False, "Is correct elsewhere"),
+        check("hidden[2]", "… rows too many.", False, "Is correct elsewhere"),
         check("hastens", "It took `1` minute.", False),
     ),
     cause=MISTAKE,
@@ -140,7 +140,7 @@ def test_different_messages_are_not_folded_together():
         ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "none of 1 checks pass", False),
     ],
 )
-def test_number_of_passed_checks_in_words(tests, first, words, started):
+def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, started):
     folded = summarise_checks(ExerciseResult("f", 0.0, 1.0, tests, "", first))
     assert (folded.in_words, folded.started) == (words, started)
 
@@ -164,8 +164,8 @@ def sentences(late=timedelta(), **more):
     return list(lateness_sentences(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **fields)))
 
 
-def test_times_are_in_the_zone_of_the_course():
-    """This also holds at the end of summer time."""
+def test_times_are_in_the_time_zone_of_the_course():
+    """This is also true at the end of summer time."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
@@ -175,7 +175,7 @@ def test_times_are_in_the_zone_of_the_course():
     )
 
 
-def test_lateness_and_penalty_in_words(monkeypatch):
+def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     (sentence,) = sentences(-timedelta(hours=1))
     assert sentence.startswith("Submitted on time, on 20 November 2026 at ")
     late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
@@ -195,13 +195,13 @@ def test_lateness_and_penalty_in_words(monkeypatch):
         "the table of times has no row for this student",
     ],
 )
-def test_undecided_lateness_has_one_sentence_for_every_reason(why):
+def test_undecided_lateness_has_the_same_sentence_for_every_reason(why):
     (sentence,) = sentences(submitted_at=None, undecided=why)
     assert "so your instructor has to decide whether it is late" in sentence
 
 
 def test_an_excuse_comes_first_and_without_a_penalty():
-    """An excused student who still submits, even late, gets a page."""
+    """An excused student who still submits gets a page, even if the submission is late."""
     result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
     (sentence,) = Feedback(Person("ada"), result, ()).sentences
     assert sentence.startswith("You are excused from this stage")
@@ -257,7 +257,7 @@ def notebook(lesson, write_up=""):
 
 
 def attachments(lessons_of):
-    """Return each student's attachments in Canvas: number, name and content."""
+    """Return each student's Canvas attachments as (number, name, content)."""
     return {
         student: [
             (7000 + 10 * number + int(lesson.number), f"{lesson.name}.ipynb", data)
@@ -340,7 +340,7 @@ STUB = ExerciseResult(
 
 
 def feedback_on(*exercises, score=0.0, problems=()):
-    """Return feedback on a stage of one lesson, with these (result, points) of its exercises."""
+    """Return feedback on a stage with one lesson, given (result, points) of its exercises."""
     lesson = find_lesson("04_kd_tree")
     parts = tuple(
         ExerciseFeedback(
@@ -360,7 +360,7 @@ def feedback_on(*exercises, score=0.0, problems=()):
     )
 
 
-def test_a_stage_that_was_not_started_says_so_once_with_the_next_step():
+def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
     page = words(feedback_page(feedback_on((STUB, 0.0), (STUB, 0.0))))
     assert page.count("started") == 1
     assert "If you can still submit, replace raise NotImplementedError with your code" in page
@@ -370,12 +370,12 @@ def test_a_stage_that_was_not_started_says_so_once_with_the_next_step():
 
 
 @pytest.mark.parametrize("other", [(WRONG, 6.25), (STUB, 2.0)])
-def test_a_stage_with_an_answer_or_a_mark_by_hand_was_started(other):
+def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
     page = words(feedback_page(feedback_on((STUB, 0.0), other)))
     assert "No exercise of this stage" not in page and "insert is not started." in page
 
 
-def test_points_kept_for_one_slip_are_explained():
+def test_points_for_a_single_slip_are_explained():
     text = words(feedback_page(feedback_on((WRONG, 6.25))))
     kept = "1 of 18 checks pass. You still get 6.25 of 30 points, because one slip explains every"
     assert kept in text and "(+" not in text
@@ -431,7 +431,7 @@ def test_untrusted_text_is_escaped_and_nothing_is_fetched(pages):
 
 
 @pytest.mark.end_to_end
-def test_the_same_page_again(canvas_course, pages, tmp_path, monkeypatch):
+def test_pages_are_reproducible(canvas_course, pages, tmp_path, monkeypatch):
     write(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
     (path,) = (tmp_path / "again" / STAGE).iterdir()
     assert path.read_text("utf-8") == pages["bjorn"]
@@ -502,7 +502,7 @@ def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
 
 
 def parse_canvas(name):
-    """Return the (user, attachment) of a name as Canvas's ``abstract_assignment.rb`` reads it."""
+    """Return (user, attachment) from a file name, as in Canvas's ``abstract_assignment.rb``."""
     parts = [part for part in name.split("_") if part != "LATE"]
     user, attachment = [part for part in parts if re.fullmatch(r"\d+", part)][:2]
     return user, int(attachment)
@@ -513,7 +513,7 @@ def archive(path):
         return {name: opened.read(name) for name in opened.namelist()}
 
 
-def test_canvas_zip_has_feedback_on_each_attachment(canvas_course, tmp_path, monkeypatch):
+def test_the_canvas_zip_contains_feedback_on_each_attachment(canvas_course, tmp_path, monkeypatch):
     assert write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_canvas.zip")
     answered = {parse_canvas(name): name for name in files}
@@ -535,7 +535,7 @@ def test_canvas_zip_has_feedback_on_each_attachment(canvas_course, tmp_path, mon
     assert "<script" not in text and "<i>" not in text
 
 
-def test_html_in_a_notebook_is_one_block_of_markdown(canvas_course, tmp_path, monkeypatch):
+def test_html_in_a_notebook_is_a_single_markdown_block(canvas_course, tmp_path, monkeypatch):
     write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path))
     for content in archive(tmp_path / f"{STAGE}_canvas.zip").values():
         for cell in nbformat.reads(content.decode(), as_version=4).cells:
@@ -565,7 +565,7 @@ def test_a_student_who_submitted_a_zip_gets_a_zip(tmp_path, monkeypatch):
 
 
 def parse_moodle(name):
-    """Return the (participant, file) of a name as Moodle's ``importziplib.php`` reads it."""
+    """Return (participant, file) from a file name, as in Moodle's ``importziplib.php``."""
     full_name, number, kind, plugin, file = name.split("_", 4)
     assert (kind, plugin) == ("assignsubmission", "file") and full_name
     return number, file
@@ -581,7 +581,7 @@ def moodle_course(root, teams=(), who=None):
 
 
 @pytest.mark.end_to_end
-def test_moodle_zip_has_a_page_for_each_student(tmp_path, monkeypatch, capsys):
+def test_the_moodle_zip_contains_a_page_for_each_student(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course")
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_moodle.zip")
@@ -620,7 +620,7 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
 
 def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
     assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
-    # The numbers of Canvas look like those of Moodle.
+    # Canvas's numbers look like Moodle's.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
     assert "bjorn: their work was not collected from a Moodle zip" in capsys.readouterr().err
 

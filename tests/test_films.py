@@ -1,4 +1,4 @@
-"""Films are written to files, read again, and their frames counted."""
+"""Films are written to files and read again, and their frames are counted."""
 
 import gc
 
@@ -28,7 +28,7 @@ def box_of_everything(cloud):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("renderer", ["pyvista", "matplotlib"])
-def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
+def test_an_mp4_contains_a_picture_for_each_frame(tmp_path, frames, renderer):
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     if renderer == "pyvista" and opengl.problem():
         pytest.skip(opengl.problem())
@@ -78,14 +78,14 @@ def test_unknown_formats_and_empty_recordings_are_refused(tmp_path, frames):
         record([], tmp_path / "film.gif")
 
 
-def test_a_detector_that_fails_at_once_raises_and_leaves_no_file(tmp_path, frames):
+def test_a_detector_that_fails_immediately_raises_and_leaves_no_file(tmp_path, frames):
     with pytest.raises(ZeroDivisionError):
         record(frames, tmp_path / "film.gif", lambda cloud: 1 / 0, renderer="matplotlib")
     assert not list(tmp_path.iterdir())
 
 
 def test_ctrl_c_leaves_neither_a_file_nor_messages(tmp_path, capfd):
-    """A separate process writes an MP4; it once complained that its file had been deleted."""
+    """A separate process writes an MP4. It once complained that its file had been deleted."""
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
 
     def images():
@@ -121,7 +121,7 @@ def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
     assert "failed in 1 of them. The first failure: frame 2" in film.recap
 
 
-def test_the_caption_has_time_and_number(frames):
+def test_the_caption_contains_time_and_number(frames):
     sights = list(watch(frames, box_of_everything))
     assert sights[1].caption.startswith("frame 2 of 3 · 0.1 s · detected in ")
     assert sights[1].caption.endswith(" ms · 1 box")

@@ -1,4 +1,4 @@
-"""A forbidden module is refused to students, but not to the libraries that import it."""
+"""Students cannot import a forbidden module, but the libraries that need it still work."""
 
 import functools
 import json
@@ -17,8 +17,8 @@ from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
 
-# Import all public modules of some packages. For each that fails, record the exception and the
-# module that was missing in the end.
+# Imports all public modules of some packages. For each import that fails, it records the exception
+# and the module that was missing.
 SWEEP = '''
 import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 
@@ -49,7 +49,7 @@ def public_modules(tops):
             if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
                 yield found.name
 '''
-# The same in a notebook, in which modules may have been imported before.
+# The same code for a notebook, in which modules may already have been imported.
 IN_A_NOTEBOOK = (
     SWEEP
     + """
@@ -60,14 +60,14 @@ tops, without, forbidden, first = json.loads(sys.argv[1])
 for name in first:
     importlib.import_module(name)
 with BlockedModules(forbidden) as refusing:
-    told = failures(tops, without, refusing.hide)
+    failed = failures(tops, without, refusing.hide)
 left = [
     f"{name}.{inner}"
     for name, module in list(sys.modules.items())
     for inner, value in [("", module), *list(getattr(module, "__dict__", {}).items())]
     if isinstance(value, (StandIn, StandInModule))
 ]
-print(json.dumps([*told, left]))
+print(json.dumps([*failed, left]))
 """
 )
 
@@ -80,7 +80,7 @@ def import_names(packages):
 
 @functools.cache
 def in_the_sandbox(packages, without, forbidden, sandbox):
-    """Return the modules that cannot be imported in the sandbox, and the number of others."""
+    """Return the modules that cannot be imported in the sandbox, and the number of all others."""
     source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
     limits = Limits(call_seconds=100.0, total_seconds=200.0)
@@ -91,7 +91,7 @@ def in_the_sandbox(packages, without, forbidden, sandbox):
 
 @functools.cache
 def in_a_notebook(packages, without, forbidden, first=()):
-    """Return the same for a notebook while `check` runs; assert that no stand-in is left."""
+    """Return the same for a notebook while `check` runs, and assert that no stand-ins are left."""
     given = json.dumps([import_names(packages), without, forbidden, first])
     done = subprocess.run(
         [sys.executable, "-c", IN_A_NOTEBOOK, given],
@@ -107,7 +107,7 @@ def in_a_notebook(packages, without, forbidden, first=()):
 
 
 @pytest.mark.slow
-def test_everything_that_a_lesson_allows_can_be_imported(lesson, sandbox):
+def test_all_modules_that_a_lesson_allows_can_be_imported(lesson, sandbox):
     """The result is the same in the sandbox, in a checked notebook, and without rules."""
     forbidden = lesson.header.forbidden
     plain, count = in_a_notebook(PACKAGES, forbidden, ())
@@ -216,7 +216,7 @@ def test_modules_that_are_not_forbidden_are_unchanged():
         assert not refusing.hide()
 
 
-def test_a_stand_in_supports_the_uses_of_a_class():
+def test_a_stand_in_can_be_used_like_a_class():
     module = StandInModule("package.part", "package")
     tree = module.Tree
     assert module.Tree is tree and tree.__module__ == "package.part"
