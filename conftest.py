@@ -22,7 +22,7 @@ ENOUGH = 2**31  # bytes
 
 
 def pytest_configure(config):
-    """Put temporary files into memory, as gradebooks wait for the disk, and enable Ctrl-C.
+    """Put temporary files into memory, because gradebooks wait for the disk, and enable Ctrl-C.
 
     Some tests press Ctrl-C, which a process ignores if a script started it in the background.
     Hypothesis must not fail a test because the machine is busy.
@@ -48,30 +48,30 @@ def pytest_collection_finish(session):
 def one_cache_of_statements():
     """Share the SQL statements that SQLAlchemy has compiled among all gradebooks of a process.
 
-    SQLAlchemy caches them per engine, and each gradebook has an engine of its own.
+    SQLAlchemy caches them per engine, and each gradebook has its own engine.
     """
     create_engine, engines = nbgrader.api.create_engine, {}
 
-    def create_engine_that_shares(*arguments, **options):
+    def create_engine_with_shared_cache(*arguments, **options):
         engine = create_engine(*arguments, **options)
         first = engines.setdefault(engine.dialect.name, engine)
         engine.dialect = engine.pool._dialect = first.dialect
         engine._compiled_cache = first._compiled_cache
         return engine
 
-    nbgrader.api.create_engine = create_engine_that_shares
+    nbgrader.api.create_engine = create_engine_with_shared_cache
     yield
     nbgrader.api.create_engine = create_engine
 
 
 def pytest_unconfigure(config):
-    """List the reasons of skipped tests below the summary."""
+    """List below the summary what skipped tests need."""
     reporter = config.pluginmanager.getplugin("terminalreporter")
     if reporter is None:  # a worker of pytest-xdist
         return
     reasons = Counter(report.longrepr[2] for report in reporter.stats.get("skipped", ()))
     if reasons:
-        reporter.write_line("Skipped, each for want of:")
+        reporter.write_line("Skipped, because these are missing:")
     for reason, count in reasons.most_common():
         reporter.write_line(f"{count:6}  {reason.removeprefix('Skipped: ')}")
 
@@ -103,14 +103,14 @@ def real_clouds():
 
 
 @pytest.fixture(autouse=True)
-def no_figures_of_others():
+def no_earlier_figures():
     """Close the figures of earlier tests, as some tests count open figures."""
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
 
 
 @pytest.fixture(autouse=True)
-def recursion_limit_of_its_own():
+def unchanged_recursion_limit():
     """Restore the recursion limit, which stored answers run in this process may raise."""
     before = sys.getrecursionlimit()
     yield
@@ -305,7 +305,7 @@ TOGETHER = {
 }
 
 
-# Name of a lesson by its own name and by the name of each of its exercises.
+# The name of a lesson by its own name and by the names of its exercises.
 LESSONS = {
     key: lesson.name
     for lesson in every_lesson()
@@ -345,10 +345,10 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node, error):
-    """End the run when a process dies in a test, for example in one that hangs.
+    """End the run when a process dies in a test, for example because the test hangs.
 
-    pytest-xdist would give that test to the next process and lose that process as well, or wait
-    forever.
+    Otherwise pytest-xdist would give the test to the next process and also lose that process, or
+    wait forever.
     """
     if error:
         node.config.pluginmanager.getplugin("dsession").triggershutdown()
