@@ -159,7 +159,7 @@ A_FEW_OF_MANY = {
     "test_what_shows_students_words_is_asked_before_any_hidden_question": ("02", "08", "12"),
     "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k",),
     "test_connected_components_are_allowed_in_10": (),
-    "test_detector_of_the_lessons_own_functions_earns_everything": (),
+    "test_a_detector_made_of_the_lessons_functions_earns_everything": (),
     "test_messages_of_hidden_tests_hold_no_word_of_the_student": ("01", "08"),
     "test_a_local_cluster_of_processes": (),
     "test_unfit_workers_are_refused_and_named": (),

@@ -159,7 +159,7 @@ def test_a_mistake_that_a_cheap_answer_makes_says_so():
     assert {mistake_made for mistake_made, is_declared in named.items() if not is_declared} == set()
 
 
-def test_a_slip_in_what_an_exercise_is_about_keeps_less(sandbox):
+def test_a_slip_in_the_core_of_an_exercise_keeps_less(sandbox):
     """A horizontal distance ignores the height, so an answer that includes it misses the task."""
     lesson = lesson_of("horizontal_distance")
     answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"

@@ -692,7 +692,7 @@ def test_a_verdict_reports_a_proven_slip(proven, kept):
     assert (plain.score, plain.slip, plain.tests[3].message) == (2.5, None, "nor here")
 
 
-def test_a_slip_in_what_an_exercise_is_about_keeps_less():
+def test_a_slip_in_the_core_of_an_exercise_keeps_less():
     exercise = next(graded for graded in LINE.machine_graded if graded.name == "line_through")
     outcomes = outcomes_of("line_through", None, FAIL, FAIL, FAIL)
     run = RunResults(outcomes, mistakes={"line_through": slip(is_the_task=True)})

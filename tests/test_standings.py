@@ -183,7 +183,7 @@ def test_a_lesson_without_submissions_is_omitted(course):
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
 
 
-def test_times_and_late_penalties_of_a_stage(course):
+def test_a_stage_has_times_and_late_penalties(course):
     (course.root / "nbgrader_config.py").write_text(LATE)
     (course.root / "roster.csv").write_text(ROSTER)
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")
