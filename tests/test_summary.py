@@ -332,7 +332,7 @@ def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
     assert "`. Is every point visited twice? If" in shown and "never ends" not in shown
 
 
-def test_an_interrupt_passes_the_time_limit():
+def test_the_time_limit_does_not_suppress_an_interrupt():
     with pytest.raises(KeyboardInterrupt), limited(30):
         raise KeyboardInterrupt
 
