@@ -30,7 +30,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.site import runs, widget_states
 from grader.site.solution import as_notebook
 from tests.notebook_runs import errors_of, run
-from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
+from tests.test_requirements import distributions, normal, own_pins, third_party_imports
 
 pytestmark = pytest.mark.slow
 
@@ -105,7 +105,7 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
     assert pins.items() <= own_pins("requirements.txt").items()
     needed = {
         normal(distributions()[package][0])
-        for file, packages in strangers_by_file().items()
+        for file, packages in third_party_imports().items()
         if file.startswith("utils/")
         for package in packages
         if package in distributions()

@@ -151,9 +151,9 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
         f"{name} {format_points(points)}" for name, points in marks.lesson_points.items()
     )
     raise ExportError(
-        f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), and "
-        f"{title!r} is worth {format_points(most)} there. Change the points there and download the "
-        "file again, or let --scale convert each mark."
+        f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), "
+        f"and {title!r} is worth {format_points(most)} there. Change the points there and download "
+        "the file again, or let --scale convert each mark."
     )
 
 
