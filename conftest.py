@@ -182,7 +182,7 @@ A_FEW_OF_MANY = {
     "test_visible_checks_run_before_hidden_tests": ("02", "08", "12"),
     "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k",),
     "test_connected_components_are_allowed_in_10": (),
-    "test_detector_of_the_lessons_own_functions_earns_everything": (),
+    "test_a_detector_made_of_the_lessons_functions_earns_everything": (),
     "test_messages_of_hidden_tests_contain_no_words_of_the_student": ("01", "08"),
     "test_a_local_cluster_grades_with_processes": (),
     "test_unsuitable_workers_are_refused_and_named": (),

@@ -44,7 +44,9 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
             file = MATHJAX / path.removeprefix("/mathjax/")
             self.answer(file.read_bytes() if file.is_file() else b"")
         else:
-            self.server.asked.append((host, self.path))  # these may include Chromium's own requests
+            self.server.requests.append(
+                (host, self.path)
+            )  # these may include Chromium's own requests
             self.answer(b"")
 
     def answer(self, content):
@@ -91,7 +93,7 @@ def printed(page, folder):
 def seen(page, folder, elsewhere):
     """Return the page after its scripts have run, and the paths requested from other hosts."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
-    server.page, server.asked = page.encode(), []
+    server.page, server.requests = page.encode(), []
     threading.Thread(target=server.serve_forever, daemon=True).start()
     address = f"127.0.0.1:{server.server_port}"
     command = [
@@ -106,4 +108,4 @@ def seen(page, folder, elsewhere):
     finally:
         server.shutdown()
         server.server_close()
-    return done.stdout, [path for host, path in server.asked if host == elsewhere]
+    return done.stdout, [path for host, path in server.requests if host == elsewhere]

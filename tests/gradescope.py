@@ -177,9 +177,9 @@ def becomes_root():
                 for path in glob.glob(folder + "/*") if can(lambda: os.stat(path).st_mode & 0o4000)
                 and os.stat(path).st_mode & 0o4000]
     def through(program):
-        told = subprocess.run([program, "-c", "id -u"], capture_output=True, text=True, timeout=1,
+        output = subprocess.run([program, "-c", "id -u"], capture_output=True, text=True, timeout=1,
                               stdin=subprocess.DEVNULL).stdout
-        return told.strip() == "0"
+        return output.strip() == "0"
     return (can(lambda: os.setuid(0)) or can(lambda: os.setresuid(0, 0, 0))
             or can(lambda: os.chroot("/tmp")) or any(can(lambda: through(one)) for one in programs))
 
@@ -328,14 +328,14 @@ def main(place):
     check("an image is set up", True)
     submitted = submissions()
     calm = fill_in(find_lesson(SIX), {"filter_ground": CALM})
-    for kind, walls in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
+    for kind, sandbox in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
         for student, files in submitted.items():
             results, done, left = submit(place, image, files, kind)
             output = done.stdout + done.stderr
             name = f"in a container {kind}, {student}:"
             check(
-                f"{name} is judged in the sandbox {walls}",
-                f"Sandbox: {walls}" in done.stdout,
+                f"{name} is judged in the sandbox {sandbox}",
+                f"Sandbox: {sandbox}" in done.stdout,
                 output,
             )
             score = expected(
@@ -366,11 +366,11 @@ def main(place):
     return bool(FAILED)
 
 
-def expected(text, place, walls):
+def expected(text, place, sandbox):
     """Return the score of a lesson 06 notebook on this machine, or 0 without a notebook."""
     path = place / f"{SIX}.ipynb"
     path.write_text(text or "", "utf-8")
-    return judge(path, SEED, walls).score if text else 0.0
+    return judge(path, SEED, sandbox).score if text else 0.0
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ CALLS = 1000
 SECONDS = 0.5  # processor time for a check, in addition to four times that of a right answer
 AGES = 600  # seconds that a right answer may take
 SAMPLE = 6  # number of wrong answers to judge in the sandbox for each exercise
-MOST = 0.6  # of an exercise's points, for one edit
+MOST = 0.6  # largest share of an exercise's points that one edit may usually cost
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
 ANSWER = "<answer>"  # file name of an answer in tracebacks
@@ -493,12 +493,12 @@ def share_lost(mutant, sandbox):
     exercise = next(
         graded for graded in answer.lesson.machine_graded if graded.name == answer.exercise
     )
-    asked = run_program(
+    results = run_program(
         setting, program, lambda check: check.exercise == exercise.name, explain=True
     )
-    assert not asked.fault
-    slip = find_slips(setting, program, asked, {}).get(exercise.name)
-    return 1 - result_of(exercise, asked, None, slip).score / exercise.points
+    assert not results.fault
+    slip = find_slips(setting, program, results, {}).get(exercise.name)
+    return 1 - result_of(exercise, results, None, slip).score / exercise.points
 
 
 def main():

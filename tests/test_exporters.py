@@ -71,9 +71,9 @@ def results_of(person, scores, late=None, excused=(), penalty=0.0):
     return notebooks, stages
 
 
-def class_of(*results, people=(ADA, BO, CY, DEE), strangers=()):
+def class_of(*results, people=(ADA, BO, CY, DEE), unlisted=()):
     notebooks, stages = zip(*results, strict=True)
-    return ClassResults(tuple(people), sum(notebooks, []), sum(stages, []), tuple(strangers))
+    return ClassResults(tuple(people), sum(notebooks, []), sum(stages, []), tuple(unlisted))
 
 
 CLASS = class_of(
@@ -145,7 +145,7 @@ def test_unusual_names_do_not_shift_columns_or_become_formulas():
 
 
 def test_marks_of_students_who_are_not_on_the_roster_are_reported():
-    results = class_of(results_of(ADA, {SIX: 1.0}), people=(ADA,), strangers=("ghost",))
+    results = class_of(results_of(ADA, {SIX: 1.0}), people=(ADA,), unlisted=("ghost",))
     (note,) = table(results)[0].lost
     (other_note,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
     for sentence in (note, other_note):
@@ -163,7 +163,7 @@ def marks(assignment, results=CLASS, **order):
 def test_marks_of_a_stage_are_sums_minus_penalties():
     found, points = marks(THREE)
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
-    assert found.most == 50.0
+    assert found.max_points == 50.0
     assert "Without a mark, because they submitted nothing: cy." in found.notes
     zeros = f"Counted as 0, because nothing was submitted: {SIX} of dee; {SEVEN} of bo."
     assert zeros in found.notes

@@ -132,7 +132,7 @@ def test_solution_earns_everything_on_four_more_seeds(lesson, sandbox):
 
 
 @pytest.mark.slow
-def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_path):
+def test_a_detector_made_of_the_lessons_functions_earns_everything(sandbox, tmp_path):
     cells = []
     for name, functions in EARLIER.items():
         statements, _ = slicing.parse_notebook([find_lesson(name).source.read_text("utf-8")])
@@ -194,7 +194,7 @@ def test_changed_notebooks_are_not_as_released(change):
     assert not preflight._is_as_released(lesson, change([*released]))
 
 
-def test_enough_variants(lesson):
+def test_every_exercise_has_enough_variants(lesson):
     for exercise in lesson.exercises:
         if not exercise.by_hand:
             right = [variant.right for variant in answers_to(exercise.name)]

@@ -202,7 +202,7 @@ def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, san
     assert not drive_with(sandbox, returning("[]"), seconds=0.5).stopped
 
 
-def test_the_message_on_an_unreadable_notebook_does_not_quote_it():
+def test_the_message_about_an_unreadable_notebook_does_not_quote_it():
     submitted_files = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
     driven = drives.drive_one(submitted_files, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
@@ -376,7 +376,7 @@ def test_ctrl_c_keeps_finished_drives(course, jobs, sandbox):
     assert finished == 5 and len(jobs) == 24 - 5
 
 
-def test_a_damaged_file_is_driven_again(course, jobs, sandbox):
+def test_a_drive_with_a_damaged_file_is_repeated(course, jobs, sandbox):
     drive_the_class(course[0], sandbox)
     file = next(course[0].verdicts.glob("ada/*/.league/street_1.json"))
     for text in ("", "{}", "[]", "null", '{"street": 1}'):

@@ -63,14 +63,14 @@ WRONG = CheckFailed(
 
 
 @pytest.mark.parametrize("check, open_to_all", [(HIDDEN, True), (HIDDEN, False), (SHOWN, False)])
-def test_messages_on_hidden_tests_have_no_numbers_and_no_answer(check, open_to_all):
+def test_messages_about_hidden_tests_have_no_numbers_and_no_answer(check, open_to_all):
     assert message_lines(check, WRONG, open_to_all) == [
         "… of … rows are wrong: row …",
         f"Hint: {check.hint}",
     ]
 
 
-def test_messages_on_visible_checks_have_counts_but_no_answer():
+def test_messages_about_visible_checks_have_counts_but_no_answer():
     """An answer to a visible check may contain the input of a hidden test."""
     assert message_lines(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
     secret = CheckFailed("2 of 5 are wrong, by 0.6763 and 67, 8; then 6, 7 and 63", yours="6763")
@@ -123,7 +123,7 @@ def raised(kind="ValueError", message="a secret 17", **more):
     return StudentError("f", kind, message, **fields)
 
 
-def test_the_message_on_an_exception_quotes_only_the_notebook():
+def test_the_message_about_an_exception_quotes_only_the_notebook():
     shown = shareable_failure(Outcome(SHOWN, raised()), True)
     assert isinstance(shown, Raised)
     assert shown.message == "f raised ValueError (code cell 3, line 2: `x = y[0]`)."
@@ -217,7 +217,7 @@ def test_long_lines_are_cut():
     assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
 
 
-def test_a_message_without_a_known_place():
+def test_a_message_may_have_no_place():
     error = raised("NameError", MISSING, line="", place=None)
     assert sentence_on(error) == "f raised NameError."
     assert sentence_on_cell(error) == "A cell failed: NameError."
@@ -321,7 +321,7 @@ def test_numbers_that_depend_on_the_cloud_are_removed(message, kind):
     assert without_numbers(message) == kind
 
 
-def test_fixed_numbers_stay_in_messages_on_hidden_tests():
+def test_fixed_numbers_stay_in_messages_about_hidden_tests():
     text = fixed("Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur") + f" {17} times, not 1."
     failure = CheckFailed(text)
     plain = "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur 17 times, not 1."

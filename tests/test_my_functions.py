@@ -154,7 +154,7 @@ def test_missing_and_damaged_notebooks_are_named(folder):
             load_my_functions("c.ipynb")
 
 
-def test_byte_order_mark_and_lists_of_lines(folder):
+def test_notebooks_with_a_byte_order_mark_or_lists_of_lines_are_read(folder):
     path = folder / "a.ipynb"
     path.write_bytes(
         b"\xef\xbb\xbf"

@@ -38,7 +38,7 @@ def test_voxel_grid_drops_points_with_invalid_coordinates(ground, columns):
     assert ground.voxel_grid(cloud).tolist() == [[1.0] * columns]
 
 
-def test_voxel_grid_of_the_whole_scan(ground):
+def test_voxel_grid_works_on_the_whole_scan(ground):
     cloud = samples.course_cloud()
     thinned = ground.voxel_grid(cloud, 0.2)
     cells = {tuple(cell) for cell in np.floor(cloud[:, :3] / 0.2).astype(int).tolist()}

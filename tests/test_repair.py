@@ -182,7 +182,7 @@ def test_a_random_answer_earns_no_more_than_its_wrong_half(sandbox, otherwise):
     assert coin <= wrong <= 3.0 < right == 5.0
 
 
-def test_no_repair_is_searched_for_a_stub(sandbox, monkeypatch):
+def test_stubs_are_not_repaired(sandbox, monkeypatch):
     searched = []
     monkeypatch.setattr(repair, "find_repair", lambda *about: searched.append(about[2]))
     text = LINE.released.read_bytes()

@@ -81,9 +81,9 @@ STANDINGS = {
 }
 
 
-def class_of(results, stages=(), strangers=(), people=None):
+def class_of(results, stages=(), unlisted=(), people=None):
     people = people or tuple(dict.fromkeys(Person(result.student) for result in results))
-    return ClassResults(people, tuple(results), tuple(stages), strangers)
+    return ClassResults(people, tuple(results), tuple(stages), unlisted)
 
 
 @pytest.mark.parametrize("kind", STANDINGS)
@@ -131,7 +131,7 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
 
 
 def test_without_a_roster_the_page_says_that_it_lists_only_submissions(tmp_path):
-    results = class_of([result("ada", MARKED, 1.0)], strangers=("zoe",))
+    results = class_of([result("ada", MARKED, 1.0)], unlisted=("zoe",))
     note = "There is no roster.csv, so only students with a submission are listed."
     assert note in report(tmp_path, [], results)
     (tmp_path / "roster.csv").write_text("id\nada\n")

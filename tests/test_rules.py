@@ -82,7 +82,7 @@ def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
     assert "def ransac_line" not in programs[0].given.source
 
 
-def test_a_right_helper_excuses_no_later_error(monkeypatch):
+def test_a_right_helper_does_not_excuse_a_later_error(monkeypatch):
     outcomes = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", False, True)]
     uses = {"ransac_line": ("line_through",)}
     assert follow(monkeypatch, uses, outcomes, ALL_PASS) == ({}, [])

@@ -99,7 +99,7 @@ def test_labels_of_clusters_are_single_linkage(columns, dtype):
     assert len(pairs) == labels.max() == expected.max()
 
 
-def test_one_point_is_a_cluster_and_no_points_are_no_cluster():
+def test_one_point_is_one_cluster_and_an_empty_cloud_has_none():
     lonely = np.array([[0.0, 0, 0], [9, 9, 9], [0, 0.2, 0.1]])
     assert samples.cluster_labels(lonely, 0.5).tolist() == [1, 2, 1]
     for columns in (3, 4):
@@ -120,7 +120,7 @@ def test_no_two_points_remain_at_the_threshold(columns):
     assert 20 < goes.sum() < 200 and np.array_equal(kept, cloud[~goes])
 
 
-def test_the_margin_is_a_millimetre_unless_said_otherwise():
+def test_the_default_margin_is_a_millimetre():
     line = np.array([[0.0, 0, 0], [0.7009, 0, 0], [0, 0.7011, 0], [0, 0, 0.6991], [-0.6989, 0, 0]])
     assert samples.without_ties(line, 0.7).tolist() == line[[0, 2, 4]].tolist()
     assert samples.without_ties(line[:0], 0.7).shape == (0, 3)

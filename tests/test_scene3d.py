@@ -429,7 +429,7 @@ print(scene.picture(size=(64, 64)).shape, scene.picture("FPS", size=(64, 64)).sh
 """
 
 
-def test_importing_utils_stays_light():
+def test_importing_utils_loads_no_heavy_package():
     heavy = "[name for name in sys.modules if name.split('.')[0] in {}]"
     program = (
         f"import sys, utils; print({heavy.format(('pyvista', 'vtkmodules', 'matplotlib'))}); "

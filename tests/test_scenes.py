@@ -261,7 +261,7 @@ def test_the_lesson_cloud_is_small_and_its_truth_has_a_row_per_line(taught):
     assert_allclose(cloud[:, :3], taught.cloud[:, :3], atol=0.00151)
 
 
-def test_the_lesson_cloud_teaches_what_the_lessons_need(taught):
+def test_the_lesson_cloud_has_the_properties_that_the_lessons_need(taught):
     cloud, classes = taught.cloud, np.array(CLASSES)[taught.scan.classes]
     distance = np.hypot(cloud[:, 0], cloud[:, 1])
     assert 105_000 < len(cloud) < 128_000

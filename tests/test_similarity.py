@@ -13,7 +13,7 @@ from grader.classroom.similarity.answers import (
     answers_in,
     kept_answers,
     read_notebook_parts,
-    taught_answers,
+    suggested_answers,
 )
 from grader.classroom.similarity.comparison import compare
 from grader.classroom.similarity.page import percent, write_similarity
@@ -44,7 +44,7 @@ def written(exercise, right=None):
 
 
 def compared(exercise, answers, kept=()):
-    return compare(exercise, answers, kept, taught_answers(lesson_of(exercise))[exercise])
+    return compare(exercise, answers, kept, suggested_answers(lesson_of(exercise))[exercise])
 
 
 def names_of(comparison):

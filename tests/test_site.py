@@ -167,7 +167,7 @@ def values_of(sliders):
     return [values for _, values in widget_states.positions(sliders)]
 
 
-def test_positions_are_values_of_the_slider_with_its_own_first():
+def test_positions_are_values_of_the_slider_with_its_initial_value_first():
     slider = ipywidgets.FloatSlider(value=0.5, min=0.1, max=2.5, step=0.1)
     threshold = [values["threshold"] for values in values_of({"threshold": slider})]
     assert threshold[0] == 0.5 and threshold[1] == 0.1 and threshold[-1] == 2.5

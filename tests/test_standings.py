@@ -93,7 +93,7 @@ def test_without_a_roster_the_class_is_everyone_who_submitted(course):
         ("bob", "06"): (MISSING, None),
         ("bob", "07"): (MARKED, 20.5),
     }
-    assert results.strangers == ()
+    assert results.unlisted == ()
 
 
 def test_with_a_roster_the_class_is_the_roster_in_its_order(course):
@@ -128,7 +128,7 @@ def test_with_a_roster_the_class_is_the_roster_in_its_order(course):
 def test_students_missing_from_the_roster_are_listed_separately(course):
     (course.root / "roster.csv").write_text("id\nbob\n")
     results = class_results(course)
-    assert results.strangers == ("ada",)
+    assert results.unlisted == ("ada",)
     assert {notebook.student for notebook in (*results.notebooks, *results.stages)} == {"bob"}
 
 
@@ -183,7 +183,7 @@ def test_a_lesson_without_submissions_is_omitted(course):
     assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
 
 
-def test_times_and_late_penalties_of_a_stage(course):
+def test_a_stage_has_times_and_late_penalties(course):
     (course.root / "nbgrader_config.py").write_text(LATE)
     (course.root / "roster.csv").write_text(ROSTER)
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")

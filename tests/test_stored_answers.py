@@ -76,7 +76,7 @@ def test_renamed_labels_are_stored_as_pairs():
     assert np.array_equal(encoding.decode(stored, (labels,), {}), renamed)
 
 
-def test_a_deep_tree_comes_back():
+def test_a_deep_tree_is_restored():
     root = node = Node(0.0)
     for depth in range(5000):
         node.below.append(Node(depth / 2))
@@ -89,7 +89,7 @@ def test_a_deep_tree_comes_back():
     assert encoding.key_of((root,), {}) != encoding.key_of((root.below[0],), {})
 
 
-def test_a_frozen_class_comes_back():
+def test_an_object_of_a_frozen_class_is_restored():
     pair = encoding.decode(encoding.encode([Pair(np.ones(3), "b")]), (), {"Pair": Pair})[0]
     assert pair.second == "b" and pair.first.tolist() == [1, 1, 1]
 

@@ -70,7 +70,7 @@ def test_errors_name_the_method(student):
         tree.balance()
 
 
-def test_an_object_is_gone_with_its_process(student):
+def test_an_object_is_lost_with_its_process(student):
     tree = student.KdTree()
     with pytest.raises(StudentStopped, match="os._exit"):
         tree.die()
@@ -201,7 +201,7 @@ class Odd:
 @pytest.mark.parametrize(
     "kind", ["plain", "many", "large", "own size", "no text", "no dictionary", "lists"]
 )
-def test_odd_attributes_next_to_a_requested_one_do_no_harm(sandbox, kind):
+def test_unusual_attributes_next_to_a_requested_one_are_harmless(sandbox, kind):
     with StudentProxy(Program((ODD,), ("Odd",)), sandbox) as proxy:
         odd = proxy.Odd(kind)
         assert (odd.first, odd.computed, odd.class_wide, odd.first) == (1, 2, 5, 1)

@@ -195,7 +195,7 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
     assert "IndexError" in shown and "squared" not in shown
 
 
-def test_a_function_that_changes_its_arguments_changes_no_case(exercise):
+def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
     mistakes("double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x)
 
     def double(x):
@@ -257,7 +257,7 @@ STRANGE = (
 
 
 @pytest.mark.parametrize("number", range(len(STRANGE)))
-def test_strange_answers_do_no_harm_and_have_no_known_cause(lesson, number):
+def test_unusual_answers_are_harmless_and_have_no_known_cause(lesson, number):
     for one in lesson.machine_graded:
         core.checks_of(one.name)
 
@@ -332,7 +332,7 @@ def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
     assert "`. Is every point visited twice? If" in shown and "never ends" not in shown
 
 
-def test_an_interrupt_passes_the_time_limit():
+def test_the_time_limit_does_not_suppress_an_interrupt():
     with pytest.raises(KeyboardInterrupt), limited(30):
         raise KeyboardInterrupt
 

@@ -100,7 +100,7 @@ def test_a_valid_verdict_is_not_starved_and_immutable():
     ],
 )
 @pytest.mark.parametrize("score", [0.0, 1.5])
-def test_the_sentence_on_a_slip_has_its_place_and_its_score(before, shown, score):
+def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, shown, score):
     slip = Slip(3, 7, before, "keep = z >= level", score)
     where = f"One change in code cell 3, line 7 (`{shown}`) makes everything here right."
     assert slip.sentence.startswith(where)

@@ -103,7 +103,7 @@ def test_a_right_notebook_runs_once_and_earns_everything(judge_with, monkeypatch
     assert len(runs.names) == 4
 
 
-def test_the_program_has_what_its_lesson_allows():
+def test_the_program_has_the_rules_of_its_lesson():
     for lesson in (FILTER, find_lesson("05_euclidean_clustering")):
         program = judging.program_for(lesson, ("x = 1",), {"helper": "y = 2"})
         header = lesson.header

@@ -151,7 +151,7 @@ def test_other_objects_arrive_as_the_name_of_their_type(value, name):
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
 
 
-def test_deep_and_endless_nesting_ends():
+def test_deep_and_endless_nesting_is_replaced_with_a_text():
     endless = []
     endless.append(endless)
     assert "deeply nested" in str(there_and_back(endless))

@@ -74,7 +74,7 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
     Parameters
     ----------
     verdicts : sequence of Verdict
-        Verdicts on one lesson.
+        Verdicts for one lesson.
     """
     # The key is the name, because two checks may have the same title.
     outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}

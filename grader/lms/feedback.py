@@ -166,10 +166,10 @@ class FeedbackWriter:
             if (not wanted or person.id in wanted) and self._has_submitted(person.id)
         ]
 
-    def strangers(self) -> tuple[str, ...]:
+    def unlisted(self) -> tuple[str, ...]:
         """Return the IDs that have marks in this stage but are not on the roster."""
         with_marks = {student for student, _, _ in self._cells.marks}
-        return tuple(id for id in self._results.strangers if id in with_marks)
+        return tuple(id for id in self._results.unlisted if id in with_marks)
 
     def feedback(self, person: Person) -> Feedback:
         """Collect all feedback for one student.

@@ -183,7 +183,7 @@ def write_feedback(
     writer = FeedbackWriter(course, stage)
     people = writer.people(students)
     all_feedback, pages = [], []
-    skipped = [f"{id}: has marks but is not on the roster" for id in writer.strangers()]
+    skipped = [f"{id}: has marks but is not on the roster" for id in writer.unlisted()]
     for done, person in enumerate(people, start=1):
         try:
             feedback = writer.feedback(person)

@@ -34,7 +34,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 
 def unlisted_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each student with marks who is not on the roster."""
-    for student in results.strangers:
+    for student in results.unlisted:
         yield (
             f"{student!r} has marks in the gradebook and is not on the roster, so tables and "
             "exports omit them. Add a line to roster.csv, or remove the marks: "

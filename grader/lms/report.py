@@ -134,7 +134,7 @@ def write_report(
         warning=warning,
         table=table,
         namesakes=_namesakes(results),
-        strangers=results.strangers,
+        strangers=results.unlisted,
         has_roster=read_roster(course) is not None,
         **sections,
         overview=overview_of(results, table, {name: len(rows) for name, rows in sections.items()}),

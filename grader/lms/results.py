@@ -106,14 +106,14 @@ class ClassResults:
         One result for each student and lesson, in this order.
     stages : tuple of StageResult
         One result for each student and stage.
-    strangers : tuple of str
+    unlisted : tuple of str
         IDs with marks in the gradebook that are not on the roster. They have no results here.
     """
 
     people: tuple[Person, ...]
     notebooks: tuple[NotebookResult, ...]
     stages: tuple[StageResult, ...]
-    strangers: tuple[str, ...] = ()
+    unlisted: tuple[str, ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
         """Return a student's result in a lesson, or None if no student submitted the lesson."""

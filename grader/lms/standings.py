@@ -43,7 +43,7 @@ def class_results(course: Course) -> ClassResults:
     entered = {(row.student, row.lesson): row for row in rows}
     existing = {pair for pair, row in entered.items() if _has_work(course, row)}
     lessons = [find_lesson(name) for name in sorted({name for _, name in {*existing, *submitted}})]
-    worth = _worth(lessons, rows)
+    max_scores = _max_scores(lessons, rows)
     people = roster.people if roster else _without_roster(in_gradebook, {*entered, *submitted})
     notebooks, stages = [], []
     for person in people:
@@ -54,7 +54,7 @@ def class_results(course: Course) -> ClassResults:
                 pair = (person.id, lesson.name)
                 row = entered[pair] if pair in existing else None
                 standing = EXCUSED if excused else _standing(row, pair in submitted)
-                results.append(_notebook(person, lesson, standing, row, worth[lesson.name]))
+                results.append(_notebook(person, lesson, standing, row, max_scores[lesson.name]))
             files = [
                 submitted[pair]
                 for result in results
@@ -70,8 +70,8 @@ def class_results(course: Course) -> ClassResults:
             )
             notebooks += results
             stages.append(_stage(course, results, row, files, deadlines))
-    strangers = {row.student for row in rows} - {person.id for person in people}
-    return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(strangers)))
+    unlisted = {row.student for row in rows} - {person.id for person in people}
+    return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(unlisted)))
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:
@@ -83,7 +83,7 @@ def _has_work(course: Course, row: GradebookRow) -> bool:
     return row.score > 0 or row.has_mark_by_hand or copy.is_file()
 
 
-def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
+def _max_scores(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
     """Return the maximum score of each lesson, from the gradebook or otherwise the release."""
     released = {
         lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
@@ -107,7 +107,7 @@ def _standing(row: GradebookRow | None, is_submitted: bool) -> str:
 
 
 def _notebook(
-    person: Person, lesson: Lesson, standing: str, row: GradebookRow | None, worth: float
+    person: Person, lesson: Lesson, standing: str, row: GradebookRow | None, max_score: float
 ) -> NotebookResult:
     return NotebookResult(
         person.id,
@@ -115,7 +115,7 @@ def _notebook(
         lesson.name,
         standing,
         row.score if row else None,
-        worth,
+        max_score,
         row.penalty if row else 0.0,
     )
 

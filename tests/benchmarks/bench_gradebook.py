@@ -56,13 +56,13 @@ def seconds(function, *arguments):
 
 def measure(name, course, verdicts, students, step):
     """Enter `step` students at a time and print how long each step takes."""
-    judged, told = [], lambda *news: None
+    judged, ignore = [], lambda *news: None
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]
         judged += submit(course, verdicts, names)
-        before = seconds(enter_verdicts, course, judged[: -step * len(verdicts)], [STAGE], told)
-        both = seconds(enter_verdicts, course, judged, [STAGE], told)
-        again = seconds(enter_verdicts, course, judged, [STAGE], told)
+        before = seconds(enter_verdicts, course, judged[: -step * len(verdicts)], [STAGE], ignore)
+        both = seconds(enter_verdicts, course, judged, [STAGE], ignore)
+        again = seconds(enter_verdicts, course, judged, [STAGE], ignore)
         count = len(judged) // len(verdicts)
         print(
             f"{name:12} {count:9,} {1000 * (both - before) / step:22.0f} "

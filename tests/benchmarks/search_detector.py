@@ -62,7 +62,9 @@ class Setting:
 
 
 TODAY = Setting()
-FINER = Setting(least=30, voxel=0.1)  # an object keeps three times as many points
+FINER = Setting(
+    least=30, voxel=0.1
+)  # with finer voxels, an object keeps three times as many points
 # Values are drawn uniformly on a logarithmic scale between these limits.
 RANGES = {
     "threshold": (0.25, 1.0),

@@ -135,7 +135,7 @@ def _by_owner(
             for (other_archive, other_owner), other_ids in ids_by_owner.items()
             if other_archive == archive and set(ids) & set(other_ids)
         ]
-        question = owners.doubt(owner, ids, [rival for rival in rivals if rival != owner])
+        question = owners.question_about(owner, ids, [rival for rival in rivals if rival != owner])
         if question:
             report.add_question(owner.label, question)
         if len(rivals) == 1 or all(map(owners.is_answered, rivals)):

@@ -94,7 +94,7 @@ class Owners:
         except UnknownOwner:
             return False
 
-    def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
+    def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if it is doubtful who an owner is; otherwise an empty text.
 
         Canvas labels the work of a group with the group's name and the number of one member.

@@ -220,7 +220,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
 
 
 @functools.cache
-def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
+def suggested_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     """Return for each exercise the answers that the lesson suggests, by its solution and hints."""
     solved, _ = answers_in([lesson.text], lesson)
     found = {}

@@ -79,7 +79,7 @@ def compare(
     exercise: str,
     answers: Mapping[str, ComparedAnswer],
     kept: Sequence[ComparedAnswer] = (),
-    taught: Iterable[ComparedAnswer] = (),
+    suggested: Iterable[ComparedAnswer] = (),
 ) -> Comparison:
     """Compare all answers to an exercise with each other.
 
@@ -90,12 +90,12 @@ def compare(
         By student.
     kept : sequence of ComparedAnswer
         Right answers that are kept with the course. Each counts as the work of a further author.
-    taught : iterable of ComparedAnswer
+    suggested : iterable of ComparedAnswer
         Answers that the lesson suggests.
     """
     documents = {student: Document(answer) for student, answer in answers.items()}
     kept_documents = [Document(answer) for answer in kept]
-    weights = Weights([*documents.values(), *kept_documents], map(Document, taught))
+    weights = Weights([*documents.values(), *kept_documents], map(Document, suggested))
     least_bits = LEAST_BITS + math.log2(max(1, math.comb(len(documents), 2)))
     shares = {
         (one, other): weights.share(documents[one], documents[other])

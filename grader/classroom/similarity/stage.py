@@ -12,7 +12,7 @@ from grader.classroom.similarity.answers import (
     NotebookParts,
     kept_answers,
     read_notebook_parts,
-    taught_answers,
+    suggested_answers,
 )
 from grader.classroom.similarity.comparison import Comparison, Pair, compare
 from grader.classroom.submissions import Submission, find_submissions
@@ -146,8 +146,8 @@ def _comparisons(
     for lesson in (lesson for lesson in all_lessons() if lesson.stage == stage):
         for name in (exercise.name for exercise in lesson.machine_graded):
             if name in written:
-                kept, taught = kept_answers(lesson)[name], taught_answers(lesson)[name]
-                yield compare(name, written[name], kept, taught)
+                kept, suggested = kept_answers(lesson)[name], suggested_answers(lesson)[name]
+                yield compare(name, written[name], kept, suggested)
 
 
 def _same_files(read: Iterable[tuple[Submission, str, NotebookParts]]) -> Iterable[SameFile]:

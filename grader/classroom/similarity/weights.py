@@ -62,12 +62,12 @@ class Weights:
     ----------
     documents : sequence of Document
         All answers that are compared with each other.
-    taught : iterable of Document
+    suggested : iterable of Document
         Answers that the lesson suggests, whose pieces weigh nothing.
     """
 
-    def __init__(self, documents: Sequence[Document], taught: Iterable[Document]) -> None:
-        self._taught = frozenset().union(*(document.pieces for document in taught))
+    def __init__(self, documents: Sequence[Document], suggested: Iterable[Document]) -> None:
+        self._suggested = frozenset().union(*(document.pieces for document in suggested))
         self._step_counts = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
         others = max(0, len(documents) - 2)  # without the two compared answers
@@ -80,7 +80,7 @@ class Weights:
         }
 
     def _bits(self, piece: Piece, holders: int, others: int) -> float:
-        if piece in self._taught or holders > LARGEST_RARE_SHARE * others:
+        if piece in self._suggested or holders > LARGEST_RARE_SHARE * others:
             return 0.0
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 
@@ -106,7 +106,7 @@ class Weights:
         """Return the number of common statements that no third answer has."""
         steps = (one.steps[index] for index in one.steps_like(other))
         return sum(
-            self._step_counts[step] == 1 + (step in other.steps) and not step <= self._taught
+            self._step_counts[step] == 1 + (step in other.steps) and not step <= self._suggested
             for step in steps
         )
 

@@ -40,7 +40,7 @@ class Marks:
     ----------
     assignment : str
         Name of a stage or lesson.
-    worth : dict of str to float
+    lesson_points : dict of str to float
         Points of each lesson in the assignment.
     marks : tuple of Mark
     without : dict of str to tuple of grader.course.roster.Person
@@ -50,16 +50,16 @@ class Marks:
     """
 
     assignment: str
-    worth: dict[str, float]
+    lesson_points: dict[str, float]
     marks: tuple[Mark, ...]
     without: dict[str, tuple[Person, ...]]
     lost: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
-    def most(self) -> float:
+    def max_points(self) -> float:
         """Maximum number of points in the assignment."""
-        return sum(self.worth.values())
+        return sum(self.lesson_points.values())
 
     @property
     def people(self) -> tuple[Person, ...]:

@@ -75,14 +75,14 @@ def fill_column(
         Takes a row and its points. Returns the reason why the LMS would reject the points; empty
         if it accepts them.
     """
-    joined = match_rows([place.owner for place in places], marks.people)
+    matches = match_rows([place.owner for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
     lost, replaced = [], []
     for mark in marks.marks:
         points = mark.points * column.factor
-        place = joined.rows.get(mark.person.id)
+        place = matches.rows.get(mark.person.id)
         reason = (
-            joined.doubts.get(mark.person.id, "the file has no row for them")
+            matches.doubts.get(mark.person.id, "the file has no row for them")
             if place is None
             else refusal(places[place].row, points)
         )
@@ -96,7 +96,7 @@ def fill_column(
     placed = len(rows)
     unexcused = []
     for person in marks.without[EXCUSED] if column.excused else ():
-        place = joined.rows.get(person.id)
+        place = matches.rows.get(person.id)
         if place is None:
             continue
         row = places[place].row
@@ -111,20 +111,20 @@ def fill_column(
         person.id: person.display_name
         for people in marks.without.values()
         for person in people
-        if person.id not in joined.rows
+        if person.id not in matches.rows
     }
     notes = (
         *marks.notes,
         list_sentence("Marks in the file that are replaced", replaced),
         list_sentence("Excused, so no mark is written", unexcused),
-        list_sentence("Matched only by name", joined.by_name),
-        list_sentence("Under another name in the file", joined.renamed),
-        list_sentence("In the file but not on the roster", joined.strangers),
+        list_sentence("Matched only by name", matches.by_name),
+        list_sentence("Under another name in the file", matches.renamed),
+        list_sentence("In the file but not on the roster", matches.unknown_rows),
         list_sentence(
             "On the roster but not in the file",
-            [name for id, name in absent.items() if id not in joined.doubts],
+            [name for id, name in absent.items() if id not in matches.doubts],
         ),
-        *(f"{name}: {joined.doubts[id]}." for id, name in absent.items() if id in joined.doubts),
+        *(f"{name}: {matches.doubts[id]}." for id, name in absent.items() if id in matches.doubts),
     )
     in_order = tuple(rows[place] for place in sorted(rows))
     return FilledColumn(in_order, placed, (*marks.lost, *lost), tuple(filter(None, notes)))
@@ -140,18 +140,20 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     """
     if not most:
         raise ExportError(
-            f"The platform has no maximum for {title!r}. Set {format_points(marks.most)}"
+            f"The platform has no maximum for {title!r}. Set {format_points(marks.max_points)}"
             " points there, and download the file again."
         )
-    if abs(most - marks.most) < TOLERANCE:
+    if abs(most - marks.max_points) < TOLERANCE:
         return 1.0
     if scale:
-        return most / marks.most
-    worth = ", ".join(f"{name} {format_points(points)}" for name, points in marks.worth.items())
+        return most / marks.max_points
+    lessons = ", ".join(
+        f"{name} {format_points(points)}" for name, points in marks.lesson_points.items()
+    )
     raise ExportError(
-        f"{marks.assignment} is worth {format_points(marks.most)} points here ({worth}), and "
-        f"{title!r} is worth {format_points(most)} there. Change the points there and download the "
-        "file again, or let --scale convert each mark."
+        f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), "
+        f"and {title!r} is worth {format_points(most)} there. Change the points there and download "
+        "the file again, or let --scale convert each mark."
     )
 
 

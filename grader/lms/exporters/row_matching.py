@@ -47,7 +47,7 @@ class RowMatches:
     ----------
     rows : dict of str to int
         Index of the row by student ID.
-    strangers : tuple of str
+    unknown_rows : tuple of str
         Labels of the rows without a matching student.
     doubts : dict of str to str
         By student ID, the reason why a student has no row although some rows may match.
@@ -58,7 +58,7 @@ class RowMatches:
     """
 
     rows: dict[str, int]
-    strangers: tuple[str, ...]
+    unknown_rows: tuple[str, ...]
     doubts: dict[str, str]
     by_name: tuple[str, ...]
     renamed: tuple[str, ...]
@@ -96,14 +96,14 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
             if person.id not in matched:
                 reason = f"{row.label} has the number {row.lms_id} instead of {person.lms_id}"
                 doubts.setdefault(person.id, reason)
-    strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
+    unknown_rows = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
         f"{rows[matched[person.id]].label} for {person.display_name}"
         for person in people
         if person.id in matched and not _name_may_match(rows[matched[person.id]].name, person)
     )
     by_name = [rows[place].label for place in by_name]
-    return RowMatches(matched, strangers, doubts, tuple(by_name), renamed)
+    return RowMatches(matched, unknown_rows, doubts, tuple(by_name), renamed)
 
 
 def _passes(
