@@ -6,6 +6,7 @@ sandbox, each function gets copies of its arguments.
 
 import math
 from itertools import zip_longest
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import find_lesson, load_reference
 from grader.judging.runner import run_checks
 from tests.course_lessons import COURSE
-from tests.students import StandIn, student_with
+from tests.students import student_with
 from utils.checks.lesson_12.match_boxes import cubes
 
 SEED = 7
@@ -483,7 +484,7 @@ def lost(variant_of, name, lesson_name):
     exec(variant.source.replace(ANOTHER_CELL, ""), space)
     lesson = find_lesson(lesson_name)
     answers = {exercise.name: space[exercise.name] for exercise in lesson.machine_graded}
-    student = StandIn(**answers)
+    student = SimpleNamespace(**answers, exercise="", close=lambda: None)
     return [
         outcome.check.name
         for outcome in run_checks(lesson, student, SEED)

@@ -17,7 +17,6 @@ from grader.course.paths import PROJECT
 from grader.judging.messages import message_of, shareable
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
-from tests.students import StandIn
 from utils.checks import CheckFailed, check, checks_of, core
 from utils.checks.assertions import (
     as_array,
@@ -521,7 +520,7 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
         for name, function in functions.items():  # the lesson's class looks them up there
             monkeypatch.setitem(vars(reference), name, function)
         functions["KdTree"] = reference.KdTree
-    student = StandIn(**functions)
+    student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     faults = {
         test.check.name: f"{type(test.failure).__name__}: {test.failure}"
         for test in run_checks(lesson, student, 3)
@@ -589,7 +588,11 @@ def test_a_huge_answer_is_refused_quickly(name):
 def test_only_a_few_huge_answers_are_checked():
     """Each huge answer takes the judge several seconds to read."""
     huge, calls = [0] * 1_100_000, []
-    student = StandIn(filter_clusters=lambda *arguments, **keywords: calls.append(1) or huge)
+    student = SimpleNamespace(
+        filter_clusters=lambda *arguments, **keywords: calls.append(1) or huge,
+        exercise="",
+        close=lambda: None,
+    )
     lesson = next(lesson for lesson in all_lessons() if lesson.number == "09")
     outcomes = run_checks(lesson, student, 1)
     not_tried = [outcome for outcome in outcomes if "Not tried: 5 answers" in str(outcome.failure)]
@@ -669,7 +672,7 @@ def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
     if "KdTree" in lesson.names:
         functions["KdTree"] = huge_answers("search", WEIRD[name])
         functions["KdTree"].plant = lambda self, *table: None
-    student = StandIn(**functions)
+    student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     for outcome in run_checks(lesson, student, 3):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome

@@ -268,7 +268,7 @@ def test_withdrawn_work_is_removed_but_manual_marks_remain(course, sandbox, caps
     assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
     assert not (course.autograded / "bob" / LESSON.stage).exists()
     assert grade(course, sandbox) == commands.FAULT
-    assert "marks or comments of a grader" in capsys.readouterr().err
+    assert "grader's marks or comments" in capsys.readouterr().err
     assert mark_of(course, "erin") == (8, False)
 
 

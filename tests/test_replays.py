@@ -175,7 +175,7 @@ def test_rounds_show_the_samples_of_the_generator():
 WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
-        "labels from 0": ("Point 0 gets label 0", "from 1 to 5"),
+        "labels from 0": ("Point 0 gets label 0", "be 1 to 5"),
         "compares the squared distance with the threshold": (
             "Point 6 is visited",
             "8 and 6 have the same",
@@ -194,7 +194,7 @@ WRONG = {
             "Point 11 gets label 4",
             "point 10 has 6",
         ),
-        "increases the counter at every point": ("Point 6 gets label 7", "from 1 to 5"),
+        "increases the counter at every point": ("Point 6 gets label 7", "be 1 to 5"),
         "returns after the first cluster": ("Point 5 is visited", "got no label"),
         "distances without an axis": ("Point 2 gets label 3", "point 0 has 1"),
         "distances along the wrong axis": ("Point 0 gets label 1", "raised ValueError"),

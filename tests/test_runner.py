@@ -64,18 +64,12 @@ class RecordingStudent(SimpleNamespace):
     """A student whose functions record their calls."""
 
     def __init__(self):
-        super().__init__(exercise="", calls=[], closed=0, failed=[])
+        super().__init__(exercise="", calls=[], closed=0)
 
     def __getattr__(self, name):
         if name not in "fg":
             raise AttributeError(name)
         return lambda *arguments: self.calls.append((self.exercise, name, *arguments))
-
-    def begin_check(self, exercise):
-        self.exercise = exercise
-
-    def note_failed_check(self):
-        self.failed.append(self.exercise)
 
     def close(self):
         self.closed += 1
@@ -119,7 +113,6 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
     assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
-    assert student.failed == ["f", "f"]
 
 
 def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
@@ -459,7 +452,7 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
 @pytest.fixture
 def run_once(monkeypatch):
     """Return a function that calls `run_program` with given outcomes, and a record of the calls."""
-    seen = SimpleNamespace(looked=[], closed=[], failed=[])
+    seen = SimpleNamespace(looked=[], closed=[])
 
     class FakeStudent(SimpleNamespace):
         def __enter__(self):
@@ -467,12 +460,6 @@ def run_once(monkeypatch):
 
         def __exit__(self, *error):
             seen.closed.append(error[0])
-
-        def begin_check(self, exercise):
-            self.exercise = exercise
-
-        def note_failed_check(self):
-            seen.failed.append(self.exercise)
 
         def __getattr__(self, name):
             return f"the student's {name}"
@@ -513,7 +500,6 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
-    assert seen.failed == ["f", "h"]
     assert (results.problems, results.uses, results.starved) == (("a cell",), {"f": ("g",)}, True)
     assert results.fault == "" and seen.closed == [None]
     assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]

@@ -74,7 +74,7 @@ def student_requirements() -> str:
     """Return the part of ``requirements.txt`` that students need to open and run a notebook."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
-    return f"-c constraints.txt\n\n{required_for('What a notebook needs')}{''.join(programs)}"
+    return f"-c constraints.txt\n\n{required_for('For the notebooks')}{''.join(programs)}"
 
 
 def required_for(heading: str) -> str:

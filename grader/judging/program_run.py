@@ -94,14 +94,17 @@ def run_program(
     ------
     grader.sandbox.SandboxUnavailable
     """
-    with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
+    budget = setting.budget or Budget(setting.limits or Limits())
+    with StudentProxy(program, setting.sandbox, setting.limits, budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
-            outcomes = run_checks(setting.lesson, student, setting.seed, selected, keep_going)
+            outcomes = run_checks(
+                setting.lesson, student, setting.seed, selected, keep_going, budget
+            )
         except JudgeFault as error:
             fault = str(error)
         if explain:
-            mistakes = _mistakes(outcomes, student)
+            mistakes = _mistakes(outcomes, student, budget)
         observed = (tuple(student.problems), student.uses, student.starved)
         return RunResults(tuple(outcomes), *observed, mistakes, fault)
 
@@ -114,13 +117,15 @@ def untouched_results(lesson: Lesson) -> RunResults:
         return RunResults((), fault=str(error))
 
 
-def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, Mistake]:
+def _mistakes(
+    outcomes: Iterable[Outcome], student: StudentProxy, budget: Budget
+) -> dict[str, Mistake]:
     """Return the mistake that explains the answers to each exercise, by the exercise's name."""
     found = {}
     for outcome in outcomes:
         exercise = outcome.check.exercise
         if isinstance(outcome.failure, CheckFailed) and exercise not in found:
-            student.begin_check(exercise)
+            student.exercise, seconds = exercise, budget.seconds
             found[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
-            student.note_failed_check()
+            budget.add_failed_seconds(exercise, seconds - budget.seconds)
     return {exercise: mistake for exercise, mistake in found.items() if mistake}

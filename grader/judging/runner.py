@@ -28,6 +28,7 @@ from grader.judging.hidden_tests import check_of
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
+from grader.sandbox.time_budget import Budget
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import object_to_diagnose
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
@@ -80,8 +81,10 @@ class _Runner:
         seed: int,
         selected: Callable[[Check], bool],
         keep_going: bool = True,
+        budget: Budget | None = None,
     ) -> None:
         self.proxy, self.course_seed, self.selected = student, seed, selected
+        self.budget = budget
         self.continues, self.keep_going = True, keep_going
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
@@ -103,8 +106,7 @@ class _Runner:
     @contextlib.contextmanager
     def under_test(self, check: Check) -> Iterator[None]:
         """Set the exercise under test, and limit the processor time of the judge itself."""
-        exercise = check.exercise
-        self.proxy.begin_check(exercise)
+        self.proxy.exercise = exercise = check.exercise
         if not self.continues:
             raise StudentStopped("Not tried: another check has failed.")
         if self.too_large[exercise] >= MOST_TOO_LARGE:
@@ -118,12 +120,14 @@ class _Runner:
                 "answer needs."
             )
         begin = time.process_time()
+        charged = (
+            self.budget.charge_if_failed(exercise) if self.budget else contextlib.nullcontext()
+        )
         try:
-            with _limited_cpu_time(SECONDS_OF_A_TEST):
+            with charged, _limited_cpu_time(SECONDS_OF_A_TEST):
                 yield
         except Exception:
             self.own_seconds[exercise] += time.process_time() - begin
-            self.proxy.note_failed_check()
             raise
 
     def record(self, check: Check, error: Exception | None) -> None:
@@ -260,6 +264,7 @@ def run_checks(
     seed: int,
     selected: Callable[[Check], bool] = every_check,
     keep_going: bool = True,
+    budget: Budget | None = None,
 ) -> list[Outcome]:
     """Run the checks of a lesson.
 
@@ -276,6 +281,8 @@ def run_checks(
         Takes a check and returns whether to run it.
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
+    budget : grader.sandbox.time_budget.Budget, optional
+        The student's. The time of failed checks is counted there as that of failed calls.
 
     Returns
     -------
@@ -290,7 +297,7 @@ def run_checks(
     KeyboardInterrupt
         Pytest catches it, so it is raised again here.
     """
-    return _run(lesson, _Runner(student, seed, selected, keep_going))
+    return _run(lesson, _Runner(student, seed, selected, keep_going, budget))
 
 
 @functools.cache

@@ -73,7 +73,7 @@ class WorkerProcess:
     def stop(self) -> int | None:
         """Kill the worker and everything that it started; return its exit code if known."""
         self._stopped.set()
-        had_to_be_killed = not self.has_ended(0)
+        had_to_be_killed = self.process.returncode is None and not self.has_ended(0)
         # No other code waits for this process, so the kernel has not reused its ID yet.
         with self._signals:
             code = _kill(self.process)

@@ -160,7 +160,6 @@ class StudentProxy:
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
         self._meter: Meter | None = None  # while a call is timed
-        self._at_begin = (self._budget.seconds, 0.0)
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -176,20 +175,6 @@ class StudentProxy:
         if name.startswith("_") or name not in self._program.names:
             raise AttributeError(name)
         return RemoteFunction(self, name)
-
-    def begin_check(self, exercise: str) -> None:
-        """Attribute the next calls to a check of an exercise."""
-        self.exercise = exercise
-        self._at_begin = self._budget.seconds, self._budget.failed_seconds.get(exercise, 0.0)
-
-    def note_failed_check(self) -> None:
-        """Count all time since `begin_check` as time of failed calls, because the check failed.
-
-        A wrong function that is slow therefore gets no more time than one that hangs.
-        """
-        seconds, failed = self._at_begin
-        used, known = seconds - self._budget.seconds, self._budget.failed_seconds
-        known[self.exercise] = max(failed + used, known.get(self.exercise, 0.0))
 
     def start(self) -> None:
         """Start a worker, and run the cells that the functions need."""

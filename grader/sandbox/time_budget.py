@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 import time
+from collections.abc import Iterator
 
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
@@ -43,6 +45,20 @@ class Budget:
         self.failed_seconds: dict[str, float] = {}
         self.timeouts: dict[str, str] = {}
         self.cells_finish = True
+
+    @contextlib.contextmanager
+    def charge_if_failed(self, what: str) -> Iterator[None]:
+        """Count all seconds used in the context as those of failed calls if it raises.
+
+        So a wrong function that is slow gets no more time than one that hangs.
+        """
+        seconds, failed = self.seconds, self.failed_seconds.get(what, 0.0)
+        try:
+            yield
+        except Exception:
+            failed += seconds - self.seconds
+            self.failed_seconds[what] = max(failed, self.failed_seconds.get(what, 0.0))
+            raise
 
     def add_failed_seconds(self, what: str, seconds: float) -> None:
         """Record the seconds of a call that raised or had to be stopped."""

@@ -24,7 +24,7 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
     seed : int
         Secret seed of the course.
     """
-    needed = required_for("What a notebook needs") + required_for("Grading")
+    needed = required_for("For the notebooks") + required_for("For grading")
     return make_zip(
         {
             **{name: (HERE / name).read_bytes() for name in PROGRAMS},

@@ -243,7 +243,7 @@ def test_lost_returns(student, seed):
 @hidden(
     "detect_obstacles",
     weight=11,
-    title="Ignores single returns in the air, such as raindrops",
+    title="Ignores raindrops in other streets",
     hint="filter_clusters returns new labels, without the clusters of a few points. Fit boxes to "
     "these labels.",
 )
