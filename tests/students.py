@@ -7,19 +7,19 @@ from grader.judging.judge import given_code
 from utils.notebooks import slicing
 
 
-def walled(function):
+def with_copies(function):
     """Wrap a function as for the judge, so that it gets copies of its arguments."""
 
-    def ask(*arguments, **keywords):
+    def call(*arguments, **keywords):
         given, named = copy.deepcopy((arguments, keywords))
         return function(*given, **named)
 
-    return ask
+    return call
 
 
 def student_with(lesson, answers):
     """Return a stand-in for a `StudentProxy` whose notebook contains some answers."""
-    names = {name: walled(function) for name, function in answers.items()}
+    names = {name: with_copies(function) for name, function in answers.items()}
     if "KdTree" in lesson.names:
         space = dict(answers)
         exec(given_code(lesson), space)

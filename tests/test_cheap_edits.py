@@ -17,7 +17,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from tests import test_cheap_answers
-from tests.students import student_with, walled
+from tests.students import student_with, with_copies
 from utils.checks import checks_of
 from utils.checks.diagnosis import diagnose
 from utils.notebooks import slicing
@@ -92,14 +92,14 @@ def repairing_edits(exercise, function):
         lesson,
         {graded.name: test_cheap_answers.nothing for graded in lesson.machine_graded},
     )
-    setattr(student, exercise, walled(function))
+    setattr(student, exercise, with_copies(function))
     outcomes = run_checks(
         lesson, student, test_cheap_answers.SEED, lambda check: check.exercise == exercise
     )
     failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
     for text, changed in edited(function):
-        setattr(student, exercise, walled(changed))
+        setattr(student, exercise, with_copies(changed))
         shown = visible_calls(student, failed)
         if not all(map(passes, shown)):
             continue

@@ -7,7 +7,7 @@ import pytest
 
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
-from tests.continuation_runs import evening, evenings, right_answers
+from tests.lesson_runs import right_answers, run_cells, runs_with_answers
 from utils import lent
 from utils.lent.rerun import key_of_cell, plan
 
@@ -79,7 +79,7 @@ def run_story(monkeypatch, tmp_path, *sources):
         hide_course_frames()
         lent.lend_answers("99")
 
-    ran = evening([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
+    ran = run_cells([SETUP, DEFINE_FOUND, *(CELLS.get(code, code) for code in sources)], begin)[2:]
     assert not [text for cell in ran for text in cell.tracebacks if "/utils/" in text]
     return ran
 
@@ -94,7 +94,7 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
     assert look.errors == ["TypeError: unsupported operand type(s) for +: 'NoneType' and 'int'"]
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
-    assert use.said == [
+    assert use.displayed == [
         f"{TWICE} Yours is back when it passes, or when you run its own cell again."
     ]
 
@@ -102,7 +102,7 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
 def test_later_cells_show_one_short_line(run):
     ran = run("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
     assert [cell.printed for cell in ran[5:]] == ["", "call 7\n", "found 4\n", "loop 4\n"]
-    assert [cell.said for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
+    assert [cell.displayed for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
 
 
 def test_random_numbers_are_repeated(run):
@@ -127,19 +127,19 @@ def test_a_students_cell_uses_the_students_function(run):
 
 def test_a_students_cell_says_which_names_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
-    assert ran[-2].said == [
+    assert ran[-2].displayed == [
         "top was made with the course's answer for largest. Run the cell that makes it again, and "
         "it is made with yours."
     ]
-    assert ran[-1].said[0].startswith("mine was made with the course's answer for largest.")
+    assert ran[-1].displayed[0].startswith("mine was made with the course's answer for largest.")
 
 
 def test_a_passed_check_restores_the_students_function(run):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
     ran = run("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
-    assert ran[6].said == ["largest has passed: from here on, the cells have yours again."]
+    assert ran[6].displayed == ["largest has passed: from here on, the cells have yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
-    assert not [cell for cell in ran[7:] if cell.said]
+    assert not [cell for cell in ran[7:] if cell.displayed]
 
 
 def test_a_check_uses_the_students_helper(run):
@@ -151,7 +151,7 @@ def test_a_check_uses_the_students_helper(run):
 
 def test_data_that_a_function_changed_is_restored(run):
     ran = run("data", SPOILS, "look", "check", "first")
-    assert ran[-1].printed == "first 3\n" and ran[-1].said == [
+    assert ran[-1].printed == "first 3\n" and ran[-1].displayed == [
         "largest has not passed its check: this cell goes on with its original input, "
         "computed again."
     ]
@@ -167,7 +167,7 @@ def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run):
     own_cell = "print('mine', largest([5]))"
     ran = run("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
-    assert (ran[6].printed, ran[6].said, ran[6].errors) == ("mine None\n", [], [])
+    assert (ran[6].printed, ran[6].displayed, ran[6].errors) == ("mine None\n", [], [])
     assert ran[7].errors == ["ChecksFailed: one check failed"]  # largest is written but wrong
 
 
@@ -178,13 +178,13 @@ def test_a_slider_that_fails_runs_with_the_courses_answer(run):
 
 def test_a_right_answer_is_not_replaced(run):
     ran = run("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
-    assert all(cell.succeeded and not cell.said for cell in ran)
+    assert all(cell.succeeded and not cell.displayed for cell in ran)
 
 
 def test_a_hanging_function_is_replaced_before_the_next_cell(run):
     loop = "def largest(values):\n    raise SystemExit('it would not come back')"
     use = run("data", loop, "look", "stopped", "use")[-1]
-    assert (use.printed, use.said) == ("use 6\n", [TWICE])
+    assert (use.printed, use.displayed) == ("use 6\n", [TWICE])
 
 
 def test_tracebacks_have_frames_of_the_notebook_only(run):
@@ -231,7 +231,7 @@ FIRST = {"08_bounding_boxes": "get_bounding_boxes", "02_ransac_line": "line_thro
 @pytest.mark.parametrize("name", FIRST)
 def test_a_right_answer_to_a_lesson_shows_no_banner(name):
     lesson, exercise = find_lesson(name), FIRST[name]
-    (cells,) = evenings(lesson, exercise, [right_answers(lesson)[exercise]])
+    (cells,) = runs_with_answers(lesson, exercise, [right_answers(lesson)[exercise]])
     assert not [cell for cell in cells if cell.errors or cell.banners]
 
 
@@ -245,7 +245,9 @@ def test_every_cell_below_a_wrong_answer_runs_to_the_end(lesson):
         wrong = [answer for answer in answers_to(exercise.name) if not answer.right]
         wrong = random.Random(exercise.name).sample(wrong, 2)
         for answer, cells in zip(
-            wrong, evenings(lesson, exercise.name, [answer.source for answer in wrong]), strict=True
+            wrong,
+            runs_with_answers(lesson, exercise.name, [answer.source for answer in wrong]),
+            strict=True,
         ):
             first = next(n for n, cell in enumerate(cells) if cell.grade_id.startswith("test_"))
             for cell in cells:

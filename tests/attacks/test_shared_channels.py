@@ -41,7 +41,7 @@ def page(number):
     return kept[memory].ctypes.data
 
 def out_of_memory(number):
-    call(221, 223, opened(number), 0, 0, 4)  # posix_fadvise: I shall not need it
+    call(221, 223, opened(number), 0, 0, 4)  # posix_fadvise: POSIX_FADV_DONTNEED
 
 def read(number):
     os.pread(opened(number), 4096, 0)

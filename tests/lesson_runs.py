@@ -1,4 +1,4 @@
-"""Run a whole lesson as a student would: every cell despite failures, with recorded results."""
+"""Run a whole lesson like a student, cell by cell despite failures, and record the results."""
 
 import contextlib
 import io
@@ -24,7 +24,7 @@ class Cell:
     grade_id: str = ""
     errors: list = field(default_factory=list)
     tracebacks: list = field(default_factory=list)
-    said: list = field(default_factory=list)
+    displayed: list = field(default_factory=list)
     printed: str = ""
     succeeded: bool = False
 
@@ -35,12 +35,12 @@ class Cell:
 
     @property
     def banners(self):
-        """Messages about using the course's answer or the student's own again."""
-        return [text for text in self.said if re.search("course's answer|yours again", text)]
+        """Messages that a cell uses the course's answer, or the student's own again."""
+        return [text for text in self.displayed if re.search("course's answer|yours again", text)]
 
 
 def right_answers(lesson):
-    """Return an answer with full points to each exercise of a lesson."""
+    """Return a right answer to each exercise of a lesson."""
     found = {}
     for exercise in lesson.machine_graded:
         rights = [answer for answer in answers_to(exercise.name) if answer.right]
@@ -50,28 +50,28 @@ def right_answers(lesson):
     return found
 
 
-def evenings(lesson, exercise, sources):
-    """Run a notebook once with each answer to an exercise, and right answers elsewhere.
+def runs_with_answers(lesson, exercise, sources):
+    """Run a notebook once with each answer to an exercise, and with right answers to all others.
 
     Yields
     ------
     list of Cell
-        The cells from the answer's cell on. The cells above it run only once, and each answer
+        The cells from the one with the answer. The cells above it run only once, and each run
         continues in a copy of that process.
     """
-    return map(pickle.loads, _apart(_each, lesson, exercise, list(sources)))
+    return map(pickle.loads, _in_fork(_run_each_answer, lesson, exercise, list(sources)))
 
 
-def _each(lesson, exercise, sources):
+def _run_each_answer(lesson, exercise, sources):
     shell = _shell(lesson.released.parent)
     for cell in _cells(lesson, exercise, "")[0]:
         _run(shell, cell)
         assert cell.succeeded or cell.checks, cell  # optional exercises have no answer to check
     for source in sources:
-        yield from _apart(_evening, shell, _cells(lesson, exercise, source)[1])
+        yield from _in_fork(_run_cells, shell, _cells(lesson, exercise, source)[1])
 
 
-def evening(sources, begin):
+def run_cells(sources, begin):
     """Run some cells in a new notebook and return them with their results.
 
     Parameters
@@ -84,18 +84,18 @@ def evening(sources, begin):
     def work():
         shell = _shell(os.getcwd())
         begin(shell)
-        yield from _evening(shell, [Cell(source) for source in sources])
+        yield from _run_cells(shell, [Cell(source) for source in sources])
 
-    return pickle.loads(next(_apart(work)))
+    return pickle.loads(next(_in_fork(work)))
 
 
-def _evening(shell, cells):
+def _run_cells(shell, cells):
     for cell in cells:
         _run(shell, cell)
     yield pickle.dumps(cells)
 
 
-def _apart(work, *arguments):
+def _in_fork(work, *arguments):
     """Run a generator of bytes in a fork of this process and yield the bytes here."""
     read_end, write_end = os.pipe()
     child = os.fork()
@@ -122,7 +122,7 @@ def _apart(work, *arguments):
 
 
 def _cells(lesson, exercise, source):
-    """Return the code cells above an answer, and the code cells from the answer on."""
+    """Return the code cells above an answer, and the code cells starting with the answer."""
     answers = right_answers(lesson) | ({exercise: source} if source else {})
     cells = [
         Cell("".join(cell["source"]), cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
@@ -171,5 +171,7 @@ def _run(shell, cell):
     shell.display_pub.clear_output = clear
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
         cell.succeeded = shell.run_cell(cell.source, store_history=False).success
-    cell.said = [str(output["data"].get("text/plain", "")) for output in shell.display_pub.outputs]
+    cell.displayed = [
+        str(output["data"].get("text/plain", "")) for output in shell.display_pub.outputs
+    ]
     cell.printed = printed.getvalue()
