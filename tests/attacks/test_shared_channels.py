@@ -199,7 +199,7 @@ def test_no_bits_reach_another_notebook(way, simultaneous):
 
 
 def test_processes_of_one_notebook_can_still_use_locks():
-    """Locks of one notebook are in shared pages, like the files that two notebooks share."""
+    """The sandbox disables futexes in shared pages, so the locks of a notebook poll instead."""
     source = """
 import multiprocessing
 def slow(number):
