@@ -11,7 +11,7 @@ import pytest
 
 from grader import cli
 from grader.authoring import skeleton
-from grader.authoring.trial import broken_claims
+from grader.authoring.trial import wrong_notes
 from grader.course.kept_answers import KeptAnswer
 from grader.course.paths import PROJECT
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
@@ -35,8 +35,8 @@ def verdict_on(*failed, cause="", score=0.0):
 
 
 def test_true_notes_are_not_reported():
-    assert broken_claims(RIGHT, verdict_on(score=4.0)) == []
-    assert broken_claims(WRONG, verdict_on("sorts", "test_a[1]")) == []
+    assert wrong_notes(RIGHT, verdict_on(score=4.0)) == []
+    assert wrong_notes(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_true_notes_are_not_reported():
     ],
 )
 def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
-    (sentence,) = broken_claims(answer, verdict)
+    (sentence,) = wrong_notes(answer, verdict)
     assert says in sentence
 
 

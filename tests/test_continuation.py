@@ -7,7 +7,7 @@ import pytest
 
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
-from tests.continuation_runs import right_answers, run_cells, runs_with_answers
+from tests.lesson_runs import right_answers, run_cells, runs_with_answers
 from utils import lent
 from utils.lent.rerun import key_of_cell, plan
 
@@ -94,7 +94,7 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
     assert look.errors == ["TypeError: unsupported operand type(s) for +: 'NoneType' and 'int'"]
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
-    assert use.said == [
+    assert use.displayed == [
         f"{TWICE} Yours is used again when it passes, or when you run its cell again."
     ]
 
@@ -102,7 +102,7 @@ def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
 def test_later_cells_show_one_short_line(run):
     ran = run("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
     assert [cell.printed for cell in ran[5:]] == ["", "call 7\n", "found 4\n", "loop 4\n"]
-    assert [cell.said for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
+    assert [cell.displayed for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
 
 
 def test_random_numbers_are_repeated(run):
@@ -127,19 +127,21 @@ def test_a_students_cell_uses_the_students_function(run):
 
 def test_a_students_cell_says_which_names_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
-    assert ran[-2].said == [
+    assert ran[-2].displayed == [
         "top was computed with the course's answer for largest. To compute it with yours, run the "
         "cell that makes it again."
     ]
-    assert ran[-1].said[0].startswith("mine was computed with the course's answer for largest.")
+    assert (
+        ran[-1].displayed[0].startswith("mine was computed with the course's answer for largest.")
+    )
 
 
 def test_a_passed_check_restores_the_students_function(run):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
     ran = run("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
-    assert ran[6].said == ["largest has passed, so the following cells use yours again."]
+    assert ran[6].displayed == ["largest has passed, so the following cells use yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
-    assert not [cell for cell in ran[7:] if cell.said]
+    assert not [cell for cell in ran[7:] if cell.displayed]
 
 
 def test_a_check_uses_the_students_helper(run):
@@ -151,7 +153,7 @@ def test_a_check_uses_the_students_helper(run):
 
 def test_data_that_a_function_changed_is_restored(run):
     ran = run("data", SPOILS, "look", "check", "first")
-    assert ran[-1].printed == "first 3\n" and ran[-1].said == [
+    assert ran[-1].printed == "first 3\n" and ran[-1].displayed == [
         "largest has not passed its check, so this cell continues with its original input, "
         "which was computed again."
     ]
@@ -167,7 +169,7 @@ def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run):
     own_cell = "print('mine', largest([5]))"
     ran = run("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
-    assert (ran[6].printed, ran[6].said, ran[6].errors) == ("mine None\n", [], [])
+    assert (ran[6].printed, ran[6].displayed, ran[6].errors) == ("mine None\n", [], [])
     assert ran[7].errors == ["ChecksFailed: one check failed"]  # largest is written but wrong
 
 
@@ -178,13 +180,13 @@ def test_a_slider_that_fails_runs_with_the_courses_answer(run):
 
 def test_a_right_answer_is_not_replaced(run):
     ran = run("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
-    assert all(cell.succeeded and not cell.said for cell in ran)
+    assert all(cell.succeeded and not cell.displayed for cell in ran)
 
 
 def test_a_hanging_function_is_replaced_before_the_next_cell(run):
     loop = "def largest(values):\n    raise SystemExit('it would not come back')"
     use = run("data", loop, "look", "stopped", "use")[-1]
-    assert (use.printed, use.said) == ("use 6\n", [TWICE])
+    assert (use.printed, use.displayed) == ("use 6\n", [TWICE])
 
 
 def test_tracebacks_have_frames_of_the_notebook_only(run):

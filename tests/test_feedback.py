@@ -102,7 +102,7 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
         "12 more cannot be tested before this is right.": 12,
         "2 more fail in the same way.": 2,
     }
-    assert folded.groups[-1].titles == ("Right elsewhere (2 times)",)
+    assert folded.groups[-1].titles == ("Is correct elsewhere (2 times)",)
     assert folded.in_words == "1 of 18 checks pass" and folded.started
 
 

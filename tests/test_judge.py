@@ -11,7 +11,7 @@ import sys
 import matplotlib.pyplot as plt
 import pytest
 
-from grader.authoring.trial import broken_claims
+from grader.authoring.trial import wrong_notes
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
@@ -231,7 +231,7 @@ def notebook_of(lesson, variants, folder):
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # without slips, only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
-    broken = {answer.name: broken_claims(answer, verdict) for answer in variants}
+    broken = {answer.name: wrong_notes(answer, verdict) for answer in variants}
     assert broken == {answer.name: [] for answer in variants}
 
 

@@ -183,7 +183,7 @@ def _answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) -> Iterator[F
             path = Path(folder) / f"{lesson.name}.ipynb"
             path.write_text(fill_in(lesson, {exercise.name: answer.source}), "utf-8")
             verdict = judge(path, SEEDS[0], sandbox)
-        broken = broken_claims(answer, verdict)
+        broken = wrong_notes(answer, verdict)
         (result,) = (one for one in verdict.exercises if one.name == exercise.name)
         kind = "right" if answer.right else "wrong"
         earned = f"{exercise.name}, {kind}: {answer.name}: {result.score:g} of {result.max_score:g}"
@@ -195,7 +195,7 @@ def _kept(exercise: str, lesson: Lesson) -> tuple[KeptAnswer, ...]:
     return answers_to(exercise) if is_there else ()
 
 
-def broken_claims(answer: KeptAnswer, verdict: Verdict) -> list[str]:
+def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     """Compare the notes of a kept answer with a verdict on it.
 
     Parameters
@@ -213,10 +213,10 @@ def broken_claims(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     failed = {test.name: test.message for test in result.tests if not test.passed}
     if answer.right:
         return [] if result.score == result.max_score else [f"It loses {_names(failed)}."]
-    return [*_broken_losses(answer, result, failed), *_broken_words(answer, result, verdict)]
+    return [*_wrong_losses(answer, result, failed), *_wrong_quotes(answer, result, verdict)]
 
 
-def _broken_losses(
+def _wrong_losses(
     answer: KeptAnswer, result: ExerciseResult, failed: dict[str, str]
 ) -> Iterator[str]:
     if not answer.loses:
@@ -232,7 +232,7 @@ def _broken_losses(
         yield "It earns all points, although it is wrong."
 
 
-def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
+def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message says {answer.says!r}. The messages are: {_quoted(result)}"

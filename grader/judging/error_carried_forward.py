@@ -110,8 +110,8 @@ def carry_forward(
 def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outcome) -> Outcome:
     """Return the outcome that counts for a check.
 
-    If a process had to be stopped, there was no answer. Such a run does not turn a pass into a
-    failure, and does not count as a second failure of a wrong answer either.
+    If a run with the student's helpers was stopped, it gave no answer. If the check passed in the
+    first run, it still passes. If the check failed, a stop is not a second failure.
 
     Parameters
     ----------

@@ -26,12 +26,12 @@ SANDBOXES: dict[str, Sandbox] = {
 }
 
 
-def choose_sandbox(wish: str = AUTO) -> Sandbox:
+def choose_sandbox(name: str = AUTO) -> Sandbox:
     """Return the requested sandbox, after checking that it works on this machine.
 
     Parameters
     ----------
-    wish : str
+    name : str
         A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If the sandbox
         does not work, no other sandbox is tried.
 
@@ -40,7 +40,7 @@ def choose_sandbox(wish: str = AUTO) -> Sandbox:
     SandboxUnavailable
         If the sandbox cannot be built. The message says how to fix that.
     """
-    if wish == AUTO:
-        wish = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)
-    SANDBOXES[wish].available()
-    return SANDBOXES[wish]
+    if name == AUTO:
+        name = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)
+    SANDBOXES[name].available()
+    return SANDBOXES[name]

@@ -120,11 +120,11 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
         sources[name] = page_of(lesson, solved, links, pictures)
         notebook = make_standalone(lesson.released.read_bytes())
         check_no_leaks(lesson, notebook)
-        sources[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
+        sources[f"extra/notebooks/{lesson.name}.ipynb"] = notebook
     sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     # Without this file, GitHub Pages leaves out files that begin with `_`.
-    sources["beside/.nojekyll"] = b""
+    sources["extra/.nojekyll"] = b""
     return sources | pictures.files | mathjax.files()
 
 

@@ -42,7 +42,7 @@ def settings() -> dict[str, object]:
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},
         "html_static_path": ["_static"],
-        "html_extra_path": ["beside"],
+        "html_extra_path": ["extra"],
         "html_css_files": ["site.css"],
         "html_js_files": [("site.js", {"defer": "defer"})],
         "html_copy_source": False,

@@ -171,7 +171,7 @@ def test_the_judge_never_blocks_in_a_read_or_write():
         worker.stop()
 
 
-def test_a_call_that_is_not_read_stops_the_student():
+def test_a_request_that_is_not_read_stops_the_student():
     source = """
 import os, threading
 def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()

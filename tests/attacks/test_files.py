@@ -407,7 +407,7 @@ def test_a_path_as_a_student_name_is_refused(course, filter_lesson):
     submitted = Submission("../x", filter_lesson, outside / f"{filter_lesson.name}.ipynb").read(
         course
     )
-    assert not submitted.data and "another folder" in submitted.complaint
+    assert not submitted.data and "a linked folder" in submitted.complaint
 
 
 def test_pipes_next_to_the_notebook_are_ignored(course, filter_lesson):

@@ -41,7 +41,7 @@ def page(number):
     return kept[memory].ctypes.data
 
 def out_of_memory(number):
-    call(221, 223, opened(number), 0, 0, 4)  # posix_fadvise: I shall not need it
+    call(221, 223, opened(number), 0, 0, 4)  # posix_fadvise: POSIX_FADV_DONTNEED
 
 def read(number):
     os.pread(opened(number), 4096, 0)
@@ -199,7 +199,7 @@ def test_no_bits_reach_another_notebook(way, simultaneous):
 
 
 def test_processes_of_one_notebook_can_still_use_locks():
-    """Locks of one notebook are in shared pages, like the files that two notebooks share."""
+    """The sandbox disables futexes in shared pages, so the locks of a notebook poll instead."""
     source = """
 import multiprocessing
 def slow(number):

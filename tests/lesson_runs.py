@@ -1,4 +1,4 @@
-"""Run a whole lesson as a student would: every cell despite failures, with recorded results."""
+"""Run a whole lesson like a student, cell by cell despite failures, and record the results."""
 
 import contextlib
 import io
@@ -24,7 +24,7 @@ class Cell:
     grade_id: str = ""
     errors: list = field(default_factory=list)
     tracebacks: list = field(default_factory=list)
-    said: list = field(default_factory=list)
+    displayed: list = field(default_factory=list)
     printed: str = ""
     succeeded: bool = False
 
@@ -40,7 +40,7 @@ class Cell:
 
 
 def right_answers(lesson):
-    """Return an answer with full points to each exercise of a lesson."""
+    """Return a right answer to each exercise of a lesson."""
     found = {}
     for exercise in lesson.machine_graded:
         rights = [answer for answer in answers_to(exercise.name) if answer.right]
@@ -171,5 +171,7 @@ def _run(shell, cell):
     shell.display_pub.clear_output = clear
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
         cell.succeeded = shell.run_cell(cell.source, store_history=False).success
-    cell.said = [str(output["data"].get("text/plain", "")) for output in shell.display_pub.outputs]
+    cell.displayed = [
+        str(output["data"].get("text/plain", "")) for output in shell.display_pub.outputs
+    ]
     cell.printed = printed.getvalue()
