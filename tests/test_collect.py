@@ -1180,7 +1180,7 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
-    assert "with the student's other files is more than" in texts["ada/1.zip"]
+    assert "is, with the student's other files, more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]

@@ -32,7 +32,7 @@ from utils.checks.run_cache import once
 LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
 HANGS = StudentError("line_through", TOOK_TOO_LONG)
-HANDED_IN, REPAIRED = Program(("a",), ()), Program(("b",), ())
+SUBMITTED, REPAIRED = Program(("a",), ()), Program(("b",), ())
 SETTING = Setting(LINE, 1, None)
 PLACES = ("1, line 3", "2")
 RAISED = [StudentError("f", "ValueError", place=f"code cell {place}") for place in PLACES]
@@ -70,8 +70,8 @@ def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(tried):
     run = RunResults(
         (*outcomes_of("line_through", None, FAIL, FAIL), *outcomes_of("ransac_line", None))
     )
-    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {}
-    assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
+    assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {}
+    assert tried == [(SUBMITTED, "line_through", ["line_through 1", "line_through 2"])]
 
 
 def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
@@ -79,12 +79,12 @@ def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
     carried = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
     }
-    repair.find_slips(SETTING, HANDED_IN, run, carried)
+    repair.find_slips(SETTING, SUBMITTED, run, carried)
     assert tried == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
     right = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
     }
-    repair.find_slips(SETTING, HANDED_IN, run, right)
+    repair.find_slips(SETTING, SUBMITTED, run, right)
     assert len(tried) == 1
 
 
@@ -92,11 +92,11 @@ def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
 def test_stubs_and_forbidden_imports_are_not_tried(tried, name):
     stub = StudentError("line_through", name)
     repair.find_slips(
-        SETTING, HANDED_IN, RunResults(outcomes_of("line_through", None, stub, FAIL)), {}
+        SETTING, SUBMITTED, RunResults(outcomes_of("line_through", None, stub, FAIL)), {}
     )
     assert tried == []
     wrong = StudentError("line_through", "KeyError")
-    repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
+    repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
     assert len(tried) == 1
 
 
@@ -110,13 +110,13 @@ def test_some_mistakes_are_slips_only_if_an_edit_proves_them(tried, monkeypatch,
     named, cheap = slip(), slip(**{kind: True})
     outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
-    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"ransac_line": named}
+    assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {"ransac_line": named}
     assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
 
 
 def test_a_course_may_switch_slips_off(tried, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
-    repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes_of("line_through", FAIL)), {})
+    repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes_of("line_through", FAIL)), {})
     assert tried == []
 
 
@@ -131,21 +131,21 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
     named, other = slip(), slip()
     outcomes = (*outcomes_of("line_through", FAIL, None, FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
-    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"line_through": named}
+    assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {"line_through": named}
     assert calls == [
-        (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
-        (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
+        (SETTING, SUBMITTED, "line_through", {"line_through 0", "line_through 2"}),
+        (SETTING, SUBMITTED, "ransac_line", {"ransac_line 0"}),
     ]
     # Answers that a function gives with a wrong helper do not explain its answers with a right one.
     carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
-    assert repair.find_slips(SETTING, HANDED_IN, run, carried) == {}
+    assert repair.find_slips(SETTING, SUBMITTED, run, carried) == {}
 
 
 def test_an_edit_is_preferred_to_a_named_mistake(monkeypatch):
     found = repair.Repair(1, 2, "a", "b")
     monkeypatch.setattr(repair, "find_repair", lambda *about: found)
     run = RunResults(outcomes_of("line_through", FAIL), mistakes={"line_through": slip()})
-    assert repair.find_slips(SETTING, HANDED_IN, run, {}) == {"line_through": found}
+    assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {"line_through": found}
     assert repair.Repair.__dataclass_params__.frozen
 
 
@@ -244,7 +244,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
         found = []
-        for edit in repair._passing_edits(setting, HANDED_IN, "line_through", failed, likeliest):
+        for edit in repair._passing_edits(setting, SUBMITTED, "line_through", failed, likeliest):
             found.append(edit)
             meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -257,7 +257,7 @@ def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
     student = EditedStudent(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
     assert passing(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
-    assert (student.program, student.counted_as) == (HANDED_IN, "line_through")
+    assert (student.program, student.counted_as) == (SUBMITTED, "line_through")
     # Calls that hang with an edit must not count against the answer without the edit.
     assert student.exercise not in ("line_through", "")
     assert passing(EditedStudent(["xy", "x", ""]), shown="") == [1]
@@ -340,7 +340,7 @@ def test_only_three_passing_edits_are_judged(passing):
 
 def test_an_unchanged_released_cell_is_not_edited(passing, monkeypatch):
     given = next(cell for cell in cells_as_released(LINE) if cell.kind == "code")
-    monkeypatch.setitem(globals(), "HANDED_IN", Program((given.source, "x = 1"), ()))
+    monkeypatch.setitem(globals(), "SUBMITTED", Program((given.source, "x = 1"), ()))
     student = EditedStudent(["abxy", "", "", ""])
     student.edits = [(cell, number, number, "") for number, cell in enumerate((1, 2, 1))]
     assert passing(student) == [1] and student.tried == 1
@@ -385,7 +385,7 @@ def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
     monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
     for passed in (1, 2):
         outcomes = outcomes_of("line_through", *[None] * passed, FAIL)
-        repair.find_slips(SETTING, HANDED_IN, RunResults(outcomes), {})
+        repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes), {})
     assert given == [repair.LIKELIEST_EDITS, 0]
 
 
@@ -436,10 +436,10 @@ def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
     run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
     setting = Setting(LINE, 1, None, None, budget)
-    repair.find_slips(setting, HANDED_IN, run, {})
+    repair.find_slips(setting, SUBMITTED, run, {})
     assert len(tried) == 1
     budget.cells_finish = False
-    assert repair.find_slips(setting, HANDED_IN, run, {}) == {} and len(tried) == 1
+    assert repair.find_slips(setting, SUBMITTED, run, {}) == {} and len(tried) == 1
 
 
 def test_a_notebook_that_does_not_start_has_no_edits(passing):
@@ -579,7 +579,7 @@ def explains(monkeypatch):
         monkeypatch.setattr(mistake_diagnosis, "_solution", lambda *about: "the solution")
         checks = frozenset(CHECKS[number] for number in lost)
         name = "".join(["line", "_through"])
-        found = mistake_diagnosis.explains(SETTING, HANDED_IN, name, slip(), checks)
+        found = mistake_diagnosis.explains(SETTING, SUBMITTED, name, slip(), checks)
         assert type(found) is bool
         return found
 

@@ -281,7 +281,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
     entry = StageEntry("ada", FILTER.stage, ((submission, verdict),))
-    known = known_time(entry.places(course)).replace(hour=hour)
+    known = known_time(entry.folders(course)).replace(hour=hour)
     book = SimpleNamespace(
         find_submission=lambda stage, student: SimpleNamespace(
             timestamp=known,

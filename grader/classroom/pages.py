@@ -42,5 +42,5 @@ def coded(text: str) -> Markup:
 
 
 def printable(student: str) -> str:
-    """Return a student's name as valid Unicode, because the name of a folder may not be."""
+    """Return a student's name as valid Unicode, because a folder's name may contain other bytes."""
     return student.encode("utf-8", "replace").decode()

@@ -23,10 +23,10 @@ def write_draft(
     """Write the copies, the judged modules and all other submitted files to a draft folder."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
-    for place in entry.places(course):
-        for path in _other_files(place):
+    for submitted in entry.folders(course):
+        for path in _other_files(submitted):
             with contextlib.suppress(UnreadableNotebook):
-                _write(read_file(path), draft / path.relative_to(place))
+                _write(read_file(path), draft / path.relative_to(submitted))
     for path, source in modules.items():
         _write(source, draft / path)
     for name, notebook in copies.items():
@@ -41,8 +41,8 @@ def _write(content: bytes, path: Path) -> None:
     path.write_bytes(content)
 
 
-def _other_files(place: Path) -> Iterator[Path]:
-    for folder, folders, files in os.walk(place):
+def _other_files(root: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(root):
         folders[:] = [name for name in folders if not name.startswith((".", "__"))]
         for name in files:
             path = Path(folder) / name
@@ -52,7 +52,7 @@ def _other_files(place: Path) -> Iterator[Path]:
 
 
 def replace_folder(draft: Path, folder: Path) -> None:
-    """Replace a folder by a complete draft of it."""
+    """Replace a folder with a complete draft of it."""
     old = folder.with_name(f".{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     with contextlib.suppress(FileNotFoundError):

@@ -36,7 +36,7 @@ def differences(
     except MissingEntry:
         return [f"{entry.name}: it is not in the gradebook"]
     sentences = []
-    if submission.timestamp != known_time(entry.places(course)):
+    if submission.timestamp != known_time(entry.folders(course)):
         sentences.append(f"{entry.name}: the gradebook has a different submission time")
     if submission.extension != extension_of(course, submission, deadlines):
         sentences.append(f"{entry.name}: the gradebook has a different extension")

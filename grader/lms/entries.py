@@ -24,10 +24,10 @@ class StageEntry:
         """Student and stage, for messages."""
         return f"{self.student}, {self.stage}"
 
-    def places(self, course: Course) -> tuple[Path, ...]:
+    def folders(self, course: Course) -> tuple[Path, ...]:
         """Return the submission folders; several if the student's ID is spelt in several ways."""
-        places = {submission.stage_folder(course) for submission, _ in self.judged}
-        return tuple(sorted(places))
+        folders = {submission.stage_folder(course) for submission, _ in self.judged}
+        return tuple(sorted(folders))
 
 
 def group_entries(

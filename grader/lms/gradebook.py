@@ -41,8 +41,8 @@ def open_gradebook(course: Course) -> Gradebook:
     except SQLAlchemyError as error:
         reason = str(error).splitlines()[0].rstrip(".")
         raise GradebookUnavailable(
-            f"The gradebook cannot be opened: {reason}. Correct its address "
-            "c.CourseDirectory.db_url in nbgrader_config.py."
+            f"The gradebook cannot be opened: {reason}. Correct its address, "
+            "c.CourseDirectory.db_url, in nbgrader_config.py."
         ) from error
 
 

@@ -146,7 +146,7 @@ def _enter_one(
     with _one_transaction(book):
         book.update_or_create_student(entry.student)
         submission = book.update_or_create_submission(
-            entry.stage, entry.student, timestamp=known_time(entry.places(course))
+            entry.stage, entry.student, timestamp=known_time(entry.folders(course))
         )
         set_extension(course, submission, deadlines)
         for notebook in submission.notebooks:

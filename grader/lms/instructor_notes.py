@@ -17,7 +17,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{label}: {stage.undecided}, so late or on time is undecided. Write the time "
+                f"{label}: {stage.undecided}, so lateness is undecided. Write the time "
                 "into timestamp.txt in that folder, such as 2026-11-22 18:30:00 UTC, and run "
                 "grade again."
             )

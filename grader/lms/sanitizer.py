@@ -2,8 +2,8 @@
 
 Formgrader, feedback pages and the report convert Markdown to HTML, and keep any HTML in it. A
 zero-width space disarms everything that could become a tag, the address of a script or a command of
-MathJax. Text, code and formulas still look as they were typed. This does not need a Markdown
-parser, because each of these programs uses a different one.
+MathJax. Text, code and formulas still look as they were typed. This does not use a Markdown
+parser, because each of these programs has a different one.
 """
 
 from __future__ import annotations

@@ -18,12 +18,12 @@ class SubmissionTimeUnknown(Exception):
     """The submission time is unknown; `str()` is the reason."""
 
 
-def submission_time(places: Iterable[Path]) -> datetime | None:
+def submission_time(folders: Iterable[Path]) -> datetime | None:
     """Return the time when a student's work for a stage was submitted.
 
     Parameters
     ----------
-    places : iterable of Path
+    folders : iterable of Path
         Folders that contain the work. The latest of their times counts.
 
     Returns
@@ -37,23 +37,23 @@ def submission_time(places: Iterable[Path]) -> datetime | None:
         If a folder's time cannot be read, or if the collected work is marked late or has no time in
         the table of times. Times of other folders do not change this.
     """
-    times = [_time(place) for place in sorted(places)]
+    times = [_time(folder) for folder in sorted(folders)]
     return max((time for time in times if time), default=None)
 
 
-def known_time(places: Iterable[Path]) -> datetime | None:
+def known_time(folders: Iterable[Path]) -> datetime | None:
     """Return the submission time as nbgrader stores it, naive in UTC; None if it is unknown."""
     try:
-        time = submission_time(places)
+        time = submission_time(folders)
     except SubmissionTimeUnknown:
         return None
     return time and time.replace(tzinfo=None)
 
 
-def _time(place: Path) -> datetime | None:
-    path = place / "timestamp.txt"
+def _time(folder: Path) -> datetime | None:
+    path = folder / "timestamp.txt"
     if not path.is_file():
-        if reason := reason_without_time(place):
+        if reason := reason_without_time(folder):
             raise SubmissionTimeUnknown(reason)
         return None
     try:

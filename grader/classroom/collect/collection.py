@@ -119,7 +119,7 @@ def _by_owner(
     ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
         is_unnamed = owner.label in (archive.name, archive.stem)  # outside the students' folders
-        if is_unnamed and all(_is_useless(file) for _, file in files):
+        if is_unnamed and all(_is_irrelevant(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
         try:
@@ -161,6 +161,6 @@ def _files(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
 
 
-def _is_useless(submitted: SubmittedFile) -> bool:
+def _is_irrelevant(submitted: SubmittedFile) -> bool:
     name = submitted.path[-1]
     return not submitted.remark and kind_of(name) == OTHER

@@ -52,7 +52,7 @@ class UnpackedFile:
     content : grader.classroom.contents.Content
         Only for notebooks.
     complaint : str
-        Why the file cannot be read, as a sentence that the file's name begins.
+        Why the file cannot be read: the rest of a sentence that begins with the file's name.
     """
 
     path: tuple[str, ...]

@@ -21,7 +21,7 @@ class Question:
     name : str
         Name of a file or of its owner.
     text : str
-        The problem and what to do, as a sentence that `name` begins.
+        The problem and what to do: the rest of a sentence that begins with `name`.
     """
 
     name: str
@@ -45,7 +45,7 @@ class CollectionReport:
     questions, remarks : list of Question
         Questions that need an answer, and remarks that do not.
     ignored : collections.Counter
-        How often each name of a file occurs that no lesson needs.
+        The names of files that no lesson needs, each with its count.
     late : list of str
         Students whose work the learning platform marks late without a time.
     undecided : dict of str to str

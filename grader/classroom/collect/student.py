@@ -98,7 +98,8 @@ class StudentCollector:
             unpacked_files = unpack_file(one.entry, one.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                text = f"with the student's other files is {TOO_MUCH_OF_A_STUDENT}. Ask for less"
+                total = f"is, with the student's other files, {TOO_MUCH_OF_A_STUDENT}"
+                text = f"{total}. Ask for smaller files"
                 self._add_problem(one.name, text, lesson_by_name(one.path[-1]))
                 continue
             for unpacked in unpacked_files:

@@ -164,7 +164,7 @@ def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
         text = "{}-{:>02}-{:>02} {}".format(*chinese.groups())
     if _ISO.fullmatch(text):
         try:
-            return _aware(datetime.fromisoformat(text.replace(" UTC", "+00:00")), zone)
+            return _with_zone(datetime.fromisoformat(text.replace(" UTC", "+00:00")), zone)
         except ValueError:
             return None
     folded = _folded(text)
@@ -184,7 +184,7 @@ def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
         when = datetime(int(year[0]), month, int(days[0]), hour, int(clock[2]), int(clock[3] or 0))
     except ValueError:
         return None
-    return _aware(when, zone)
+    return _with_zone(when, zone)
 
 
 def _month(text: str, language: str) -> int | None:
@@ -209,7 +209,7 @@ def _half_of_day(text: str) -> str:
     return f"{match[1]}m" if match else ""
 
 
-def _aware(when: datetime, zone: tzinfo | None) -> datetime:
+def _with_zone(when: datetime, zone: tzinfo | None) -> datetime:
     if when.tzinfo:
         return when
     return when.replace(tzinfo=zone) if zone else when.astimezone()

@@ -1,4 +1,4 @@
-"""Read untrusted zips: check the sizes that they claim, and never write to the names in them.
+"""Read untrusted zips: check the sizes that they claim, and never use their names as paths.
 
 Only the roster and the lessons of the course decide where a file is written.
 """
@@ -21,7 +21,7 @@ from grader.intake.notebook import LARGEST_FILE
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
 MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
-# A notebook full of zeros is compressed 150 times, a zip bomb a thousand times.
+# A notebook full of zeros is compressed to a 150th of its size, and a zip bomb to a thousandth.
 MOST_COMPRESSION = 300
 _SMALL_FILE = 2**20
 _DAMAGE = (

@@ -104,7 +104,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     in_class, kept = pair.others
     kept_text = f" and {kept} right answers of the course" if kept else ""
     yield (
-        f"{pair.exclusive} of these steps occur only in these two answers, and not in the "
+        f"{pair.exclusive} of these steps occur only in these two answers, and in none of the "
         f"{in_class} other answers in this class{kept_text}. The two answers have "
         f"{percent(pair.share)} of their unusual code in common. With any other student, one of "
         f"them has at most {percent(pair.nearest[0])} in common"

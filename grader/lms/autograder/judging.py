@@ -87,10 +87,10 @@ def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedS
     """
     lessons = assigned_lessons(source)
     seed = course_seed(Course(source / "course"))
-    with tempfile.TemporaryDirectory() as folder:
-        course = Course(Path(folder))
-        place = course.submitted / PLACEHOLDER_STUDENT / lessons[0].stage
-        shutil.copytree(submitted, place, symlinks=True, ignore=_special_files)
+    with tempfile.TemporaryDirectory() as temporary:
+        course = Course(Path(temporary))
+        folder = course.submitted / PLACEHOLDER_STUDENT / lessons[0].stage
+        shutil.copytree(submitted, folder, symlinks=True, ignore=_special_files)
         submissions = {
             submission.lesson: submission
             for submission in find_submissions(course, [lessons[0].stage])
@@ -98,7 +98,7 @@ def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedS
         judged = tuple(
             _judge(course, lesson, submissions.get(lesson), seed, sandbox) for lesson in lessons
         )
-        return JudgedSubmission(judged, tuple(_explain_unjudged(place, lessons)))
+        return JudgedSubmission(judged, tuple(_explain_unjudged(folder, lessons)))
 
 
 def _special_files(folder: str, names: list[str]) -> list[str]:
@@ -130,13 +130,13 @@ def _notes(submitted_files: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
         return (str(error),)
 
 
-def _explain_unjudged(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
+def _explain_unjudged(folder: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
     """Yield sentences for the student about files that were not judged."""
-    for folder, folders, names in os.walk(place):
+    for root, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         for name in sorted(name for name in names if not name.startswith(".")):
             is_notebook = Path(name).suffix.lower() == ".ipynb"
-            lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(folder, name)))
+            lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(root, name)))
             if lesson and not is_notebook:
                 yield f"{name} is not a notebook. Submit {lesson.name}.ipynb, as Jupyter saves it."
             elif lesson and lesson not in lessons:

@@ -92,7 +92,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
         if len(row) > width and any(row[width:]):
             raise ExportError(
                 f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, and the "
-                f"head {width}. Download the file again."
+                f"header {width}. Download the file again."
             )
     head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
     line_end = "\r\n" if "\r\n" in text else "\n"
