@@ -670,6 +670,7 @@ mistakes(
         "cloud puts all numbers into one long row.",
         lambda right, cloud: cloud.reshape(-1),
         "np.isfinite and .all(axis=1) make a mask with one entry per row.",
+        is_cheap=True,
     ),
     *(
         Mistake(

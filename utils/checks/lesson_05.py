@@ -372,6 +372,7 @@ mistakes(
         "labels.",
         _in_one_pass,
         "Complete one cluster, with a queue, before you begin the next.",
+        is_cheap=True,
     ),
     Mistake(
         "Only the cluster of the first point is labelled; all other points keep the label 0.",

@@ -709,6 +709,7 @@ mistakes(
         "points in the cell.",
         lambda right, cloud, size: right[:, :3] // size,
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
+        is_cheap=True,
     ),
     Mistake(
         "Coordinates are rounded towards zero, so the two cells next to zero are merged.",

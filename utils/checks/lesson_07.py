@@ -666,21 +666,25 @@ mistakes(
         "Only y is compared, with its sign, so everything on the right stays.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 1], distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
+        is_cheap=True,
     ),
     Mistake(
         "Only |y| is compared, so points straight ahead or behind stay, however far away they are.",
         lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 1]), distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
+        is_cheap=True,
     ),
     Mistake(
         "Only x is compared, with its sign, so everything behind us stays.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 0], distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
+        is_cheap=True,
     ),
     Mistake(
         "Only |x| is compared, so points to the left or right stay, however far away they are.",
         lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 0]), distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
+        is_cheap=True,
     ),
     Mistake(
         "The limit is fixed at 10 m; `distance` is ignored.",
@@ -820,11 +824,13 @@ mistakes(
         "Only minimum is compared, so points beyond maximum stay.",
         lambda right, cloud, low, high: _rows_inside(cloud, low, np.full(3, 1e3)),
         "Combine both comparisons with &.",
+        is_cheap=True,
     ),
     Mistake(
         "Only maximum is compared, so points below minimum stay.",
         lambda right, cloud, low, high: _rows_inside(cloud, np.full(3, -1e3), high),
         "Combine both comparisons with &.",
+        is_cheap=True,
     ),
     Mistake(
         "The lesson's own region is always used; minimum and maximum are ignored.",
@@ -899,11 +905,13 @@ mistakes(
         "Only minimum is compared, so points beyond maximum are removed as well.",
         lambda right, cloud, low, high: _rows_outside(cloud, low, np.full(3, 1e3)),
         "Combine both comparisons with &.",
+        is_cheap=True,
     ),
     Mistake(
         "Only maximum is compared, so points below minimum are removed as well.",
         lambda right, cloud, low, high: _rows_outside(cloud, np.full(3, -1e3), high),
         "Combine both comparisons with &.",
+        is_cheap=True,
     ),
     Mistake(
         "Everything is removed: every point counts as inside.",

@@ -466,6 +466,7 @@ mistakes(
         "label should be compared.",
         lambda right, labels, minimum: np.where(labels < minimum, 0, labels),
         "np.unique(cluster_labels, return_counts=True) counts the points of each label.",
+        is_cheap=True,
     ),
     Mistake(
         "The large clusters are removed and the small ones stay.",

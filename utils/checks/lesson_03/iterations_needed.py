@@ -281,6 +281,7 @@ mistakes(
         "the confidence.",
         lambda right, ratio, size, confidence: math.ceil(1 / ratio**size),
         "Solve 1 - (1 - w^s)^N >= confidence for N.",
+        is_cheap=True,
     ),
     # One confidence is below 0.5. There, confusing confidence with 1 - confidence gives too many
     # samples instead of too few.

@@ -529,6 +529,7 @@ mistakes(
             diagonal=(0, 1),
         ),
         "Compare with max_distance, and cross out the row and the column of each pair.",
+        is_cheap=True,
     ),
     Mistake(
         "Each previous box takes the nearest current box, however far it is, because max_distance "
