@@ -713,7 +713,7 @@ def test_a_changed_number_is_shown_as_a_number():
 
     with pytest.raises(CheckFailed) as failed:
         assert_untouched(clear_in_place, np.array([4, 2, 3]))
-    assert failed.value.yours == "afterwards row 1 is 0"
+    assert failed.value.yours == "after the call, row 1 is 0"
     assert failed.value.expected == "as before, 2"
 
 
@@ -777,9 +777,9 @@ def test_equal_texts_are_left_out():
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ((row for row in CLOUD), "a generator, expected rows: wrap it in list"),
-        (map(list, CLOUD), "a map, expected rows: wrap it in list"),
-        ((CLOUD[0], 1.5), "a pair, expected rows"),
+        ((row for row in CLOUD), "a generator instead of rows. Convert it with list"),
+        (map(list, CLOUD), "a map instead of rows. Convert it with list"),
+        ((CLOUD[0], 1.5), "a pair instead of rows"),
         (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),
