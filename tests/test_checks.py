@@ -714,7 +714,7 @@ def test_a_changed_number_is_shown_as_a_number():
     with pytest.raises(CheckFailed) as failed:
         assert_untouched(clear_in_place, np.array([4, 2, 3]))
     assert failed.value.yours == "after the call, row 1 is 0"
-    assert failed.value.expected == "as before, 2"
+    assert failed.value.expected == "as before the call: 2"
 
 
 @pytest.mark.parametrize("shape", [(0, 5), (0, 0)])
