@@ -713,8 +713,8 @@ def test_a_number_that_was_changed_is_shown_as_a_number():
 
     with pytest.raises(CheckFailed) as failed:
         assert_untouched(clear_in_place, np.array([4, 2, 3]))
-    assert failed.value.yours == "afterwards row 1 is 0"
-    assert failed.value.expected == "as before, 2"
+    assert failed.value.yours == "after the call, row 1 is 0"
+    assert failed.value.expected == "as before the call: 2"
 
 
 @pytest.mark.parametrize("shape", [(0, 5), (0, 0)])
@@ -777,9 +777,9 @@ def test_texts_that_do_not_differ_are_left_out():
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ((row for row in CLOUD), "a generator, expected rows: wrap it in list"),
-        (map(list, CLOUD), "a map, expected rows: wrap it in list"),
-        ((CLOUD[0], 1.5), "a pair, expected rows"),
+        ((row for row in CLOUD), "a generator instead of rows"),
+        (map(list, CLOUD), "a map instead of rows"),
+        ((CLOUD[0], 1.5), "a pair instead of rows"),
         (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),

@@ -175,7 +175,7 @@ def test_rounds_show_the_samples_of_the_generator():
 WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
-        "labels from 0": ("Point 0 gets label 0", "from 1 to 5"),
+        "labels from 0": ("Point 0 gets label 0", "should be 1 to 5"),
         "squared distance against plain threshold": ("Point 6 is visited", "8 and 6 have the same"),
         "plain distance against squared threshold": (
             "Point 3 is visited",
@@ -188,7 +188,7 @@ WRONG = {
         "everything is one cluster": ("Labels of points", "no chain of steps"),
         "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
         "each point as somebody before it": ("Point 11 gets label 4", "point 10 has 6"),
-        "the counter goes up at every point": ("Point 6 gets label 7", "from 1 to 5"),
+        "the counter goes up at every point": ("Point 6 gets label 7", "should be 1 to 5"),
         "returns after the first cluster": ("Point 5 is visited", "got no label"),
         "distances without an axis": ("Point 2 gets label 3", "point 0 has 1"),
         "distances along the wrong axis": ("Point 0 gets label 1", "raised ValueError"),

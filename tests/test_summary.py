@@ -229,7 +229,7 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
     for one in lesson.machine_graded:
         core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
-        if known is None or known.ask is not diagnosis._called:
+        if known is None or known.call is not diagnosis._plain_call:
             continue  # only kept answers test mistakes that have their own calls
         for mistake in known.mistakes:
 
