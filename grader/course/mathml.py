@@ -29,7 +29,7 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 """
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
-# Environments that latex2mathml knows only under another name than MathJax.
+# Environments that MathJax and latex2mathml know by different names.
 ENVIRONMENT_ALIASES = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""

@@ -193,7 +193,7 @@ def _column(cell: str) -> str:
 def _check(person: Person, location: str) -> None:
     if not person.id:
         raise RosterError(
-            f"{location}: the id is missing. Add it: it is the name of the folder in submitted/."
+            f"{location}: the id is missing. Add the name of the folder in submitted/."
         )
     if person.id.startswith(".") or "/" in person.id or not person.id.isprintable():
         raise RosterError(
