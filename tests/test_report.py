@@ -283,7 +283,7 @@ def test_discrimination_is_the_correlation_with_the_other_checks(number):
     else:
         assert first.discrimination == pytest.approx(np.corrcoef(other_scores, passes)[0, 1])
         assert 0.1 < first.discrimination < 0.95
-    assert other.discrimination is None, "all pass it"
+    assert other.discrimination is None, "all students pass it"
 
 
 def test_two_checks_with_the_same_title_are_two_items():
@@ -315,7 +315,7 @@ def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
     ]
     page = report(tmp_path, verdicts)
     (same,) = re.findall(r">Identical files</h2>.*?</tbody>", page, re.DOTALL)
-    assert same.count("<tr>") == 2, "the heading, and one row"
+    assert same.count("<tr>") == 2, "the heading and one row"
     assert "<td>ada, bo</td>" in same and SEVEN.name not in same
 
 
@@ -347,7 +347,9 @@ def test_only_the_reports_own_script_runs(tmp_path):
     assert not re.search(r"<img|alert\(1\)</script>", page)
     (allowed,) = re.findall(r"script-src 'sha256-([^']+)'", page)
     assert allowed == base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), "needs nothing"
+    assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), (
+        "the page needs no other file"
+    )
 
 
 # Texts that identify a student or that a student wrote; the page without names has none of them.
@@ -413,7 +415,7 @@ def test_the_page_without_names_contains_no_personal_data(tmp_path):
         left=[(Path(secret["filename"]), secret["reasontext"])],
     )
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
-    assert "whostudent0x0" in named and "messagetext" in named, "which the other page has"
+    assert "whostudent0x0" in named and "messagetext" in named, "the page with names contains it"
     assert not [word for word in SECRET if word in page]
     assert "2031" not in page and "<script" not in page
     assert "Mean 20.0" in page and "Keeps it" in page and "3 of 6" in page
