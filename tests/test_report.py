@@ -38,7 +38,7 @@ from grader.lms.results import (
     StageResult,
 )
 from tests import prerequisites
-from tests.browser import BROWSER, PDF_TO_TEXT, printed, seen
+from tests.browser import BROWSER, PDF_TO_TEXT, printed_lines, rendered_page
 
 SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
 STAGE = SIX.stage
@@ -455,7 +455,7 @@ def test_sorting_and_searching_students_needs_no_network(tmp_path):
     page = page.replace(policy, "").replace(
         "</body>", f'<script type="module">{using}</script></body>'
     )
-    shown, requested = seen(page, tmp_path / "browser", "elsewhere")
+    shown, requested = rendered_page(page, tmp_path / "browser", "elsewhere")
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
     assert requested == []
@@ -472,7 +472,7 @@ def test_no_printed_page_ends_with_a_heading(tmp_path):
         f"<details><summary>Heading of a fold</summary>{table.format(rows * (3 + n % 5))}</details>"
         for n in range(90)
     )
-    sheets = printed(page.replace("</body>", f"{sections}</body>"), tmp_path / "paper")
+    sheets = printed_lines(page.replace("</body>", f"{sections}</body>"), tmp_path / "paper")
     last = [[line for line in sheet if line.strip()][-1] for sheet in sheets]
     assert len(sheets) > 15
     assert [line for line in last if re.search("Heading|What", line)] == []
