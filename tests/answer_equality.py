@@ -155,7 +155,7 @@ def is_filled(points, rectangle):
     return True
 
 
-def fitted(answer, expected, points, max_iterations, distance_tolerance, rng=None):
+def fitted_models(answer, expected, points, max_iterations, distance_tolerance, rng=None):
     """Accept any normalised model with its own inliers; None agrees only with None.
 
     The random draws decide which model is found. One sample too many, as in
@@ -175,7 +175,7 @@ def fitted(answer, expected, points, max_iterations, distance_tolerance, rng=Non
     )
 
 
-def balanced(answer, expected, points):
+def balanced_orders(answer, expected, points):
     """Accept an order with each row once in which every part starts with its lower median.
 
     If points share a coordinate, several orders are right, and any of them is accepted.
@@ -204,7 +204,7 @@ def numbers(answer, expected):
     return all(never) or arrays(answer, expected)
 
 
-def found(answer, expected, tree, target, tolerance):
+def found_indices(answer, expected, tree, target, tolerance):
     """Compare indices in any order; accept any indices in a tree that insertion cannot build.
 
     Some checks attach points in wrong places to see how far a search goes. If an answer goes
@@ -258,12 +258,12 @@ BY_EXERCISE = {
     "get_bounding_boxes": corners,
 }
 WITH_THE_ARGUMENTS = {
-    "search": found,
-    "median_order": balanced,
+    "search": found_indices,
+    "median_order": balanced_orders,
     "principal_axes": axes,
     "get_oriented_boxes": upright_boxes,
-    "ransac_line": fitted,
-    "ransac_plane": fitted,
+    "ransac_line": fitted_models,
+    "ransac_plane": fitted_models,
 }
 
 

@@ -69,7 +69,7 @@ def page_of(texts, entry):
     return page
 
 
-def printed(page, folder):
+def printed_lines(page, folder):
     """Print a page and return the lines on each sheet, which Poppler's `pdftotext` extracts."""
     folder.mkdir()
     (folder / "page.html").write_text(page, "utf-8")
@@ -90,7 +90,7 @@ def printed(page, folder):
     return [sheet.split("\n") for sheet in text.split("\f")[:-1]]
 
 
-def seen(page, folder, elsewhere):
+def rendered_page(page, folder, elsewhere):
     """Return the page after its scripts have run, and the paths requested from other hosts."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
     server.page, server.requests = page.encode(), []

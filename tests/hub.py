@@ -218,9 +218,9 @@ class UserSession:
     def assignments(self):
         """Open nbgrader's list of assignments."""
         self.choose("Nbgrader", "Assignment List")
-        self.listed("released", "")
+        self.wait_until_listed("released", "")
 
-    def listed(self, kind, words):
+    def wait_until_listed(self, kind, words):
         """Wait until a section of the list shows a text."""
         selector = f"#{kind}_assignments_list"
         self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
@@ -232,9 +232,9 @@ class UserSession:
     def notebook(self, path):
         """Open a notebook and wait until its kernel is idle."""
         self.open(f"/user/{self.name}/lab/tree/{path}", until=".jp-Notebook .jp-CodeCell")
-        self.idle()
+        self.wait_until_idle()
 
-    def idle(self):
+    def wait_until_idle(self):
         """Wait until the kernel is idle and no cell is queued."""
         prompts = "return [...document.querySelectorAll('.jp-InputPrompt')].map(p => p.innerText)"
         state = ".jp-Notebook-ExecutionIndicator"
@@ -267,7 +267,7 @@ class UserSession:
         keys.key_down(Keys.CONTROL).send_keys("a").key_up(Keys.CONTROL).perform()
         self.browser.execute_cdp_cmd("Input.insertText", {"text": source})
 
-    def saved(self, path, words):
+    def save_and_wait(self, path, words):
         """Save, and wait until the file contains all the words."""
         self.choose("File", "Save Notebook")
         file = Path(f"/home/{self.name}") / path
@@ -291,16 +291,16 @@ def work(session, written):
     """Fetch the stage, run the first cell, write the answers, run all cells and submit."""
     path = f"{STAGE}/{LESSON}.ipynb"
     session.assignments()
-    session.listed("released", STAGE)
+    session.wait_until_listed("released", STAGE)
     session.press("released", "Fetch")
-    session.listed("fetched", STAGE)
+    session.wait_until_listed("fetched", STAGE)
     session.picture("fetched")
     session.notebook(path)
     session.cell("Run this cell first").click()
     session.choose("Run", "Run Selected Cell")
     message = "Everything this notebook needs is here."
     session.wait(lambda: message in session.text(".jp-Notebook .jp-OutputArea"), message)
-    session.idle()
+    session.wait_until_idle()
     session.picture("first_cell")
     for name, source in written.items():
         session.write(f"def {name}(", source)
@@ -309,23 +309,23 @@ def work(session, written):
         session.wait(
             lambda: session.browser.find_elements(By.CSS_SELECTOR, ".jp-OutputArea img"), "a plot"
         )
-        session.idle()
+        session.wait_until_idle()
         session.cell(f"check({EXERCISES[0]})")
         session.picture("checked")
     written_last = [source.splitlines()[-1].strip() for source in written.values()]
-    session.saved(path, (message, *written_last))
+    session.save_and_wait(path, (message, *written_last))
     session.assignments()
     session.press("fetched", "Submit")
-    session.listed("submitted", STAGE)
+    session.wait_until_listed("submitted", STAGE)
     session.picture("submitted")
 
 
 def look_at_feedback(session):
     """Fetch the feedback from the list, open the lesson's page and return its text."""
     session.assignments()
-    session.listed("submitted", STAGE)
+    session.wait_until_listed("submitted", STAGE)
     session.press("submitted", "Fetch Feedback")
-    session.listed("submitted", "(view feedback)")
+    session.wait_until_listed("submitted", "(view feedback)")
     session.picture("feedback_listed")
     pages = list(Path(f"/home/{session.name}/{STAGE}/feedback").glob(f"*/{LESSON}.html"))
     assert len(pages) == 1, pages
@@ -335,7 +335,7 @@ def look_at_feedback(session):
     return session.text("body")
 
 
-def test_permissions():
+def check_permissions():
     """Assert that the instructor can read secret files and a student cannot."""
     secret = [
         f"cat {COURSE}/.course_seed",
@@ -387,7 +387,7 @@ def run_scenario(pictures):
         with session("ben") as ben:
             work(ben, {})
         run_as("instructor", steps["Collect"])
-        test_permissions()
+        check_permissions()
         found = scores()
         assert found["ada", LESSON] == POINTS, found
         assert found["ben", LESSON] == 0, found

@@ -144,7 +144,7 @@ def test_missing_and_damaged_notebooks_are_named(folder):
         load_my_functions("09_filter_cluster.ipynb")
     with pytest.raises(FileNotFoundError, match="give its path") as caught:
         load_my_functions("nothing.ipynb")
-    assert "Did you mean" not in str(caught.value), "no name is close"
+    assert "Did you mean" not in str(caught.value), "no name is similar"
     (folder / "README.md").write_text("# A text")
     with pytest.raises(ValueError, match=r"README\.md is not a notebook. Name a file that ends in"):
         load_my_functions("README.md")

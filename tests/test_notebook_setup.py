@@ -9,7 +9,7 @@ import pytest
 from nbconvert.exporters import HTMLExporter
 from nbformat.v4 import new_code_cell, new_output
 
-from tests.browser import BROWSER, seen
+from tests.browser import BROWSER, rendered_page
 from tests.prerequisites import CHROMIUM
 from utils.notebook_setup import STYLE
 
@@ -35,7 +35,7 @@ def test_an_exported_page_folds_cells_and_wraps_lines(tmp_path):
         ]
     )
     page = HTMLExporter().from_notebook_node(notebook)[0].replace("</body>", f"{MEASURE}</body>")
-    measured = re.search(r'data-measured="([^"]*)"', seen(page, tmp_path, "")[0])[1]
+    measured = re.search(r'data-measured="([^"]*)"', rendered_page(page, tmp_path, "")[0])[1]
     (line, _), (wrapped, beyond), (open_, _), (folded, _) = json.loads(unescape(measured))
     assert wrapped > 2 * line and beyond <= 0
     assert open_ > 20 * line and folded < 2 * line

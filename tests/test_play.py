@@ -100,7 +100,9 @@ def test_a_notebook_provides_the_detector(notebook, capsys):
     notebook.detect_obstacles = lambda cloud: seen.append(len(cloud)) or np.empty((0, 8, 3))
     arguments = ["highway", "--frames", "2", "--detector", "mine.ipynb", "--record", "film.gif"]
     assert play.main([*arguments, *SMALL]) == 0
-    assert len(seen) == 3, "the first frame twice: loading libraries is not detecting"
+    assert len(seen) == 3, (
+        "the first frame runs twice, because loading libraries is not part of detection"
+    )
     assert "0 boxes per frame; detection took" in capsys.readouterr().out
 
 

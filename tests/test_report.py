@@ -38,7 +38,7 @@ from grader.lms.results import (
     StageResult,
 )
 from tests import prerequisites
-from tests.browser import BROWSER, PDF_TO_TEXT, printed, seen
+from tests.browser import BROWSER, PDF_TO_TEXT, printed_lines, rendered_page
 
 SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
 STAGE = SIX.stage
@@ -283,7 +283,7 @@ def test_discrimination_is_the_correlation_with_the_other_checks(number):
     else:
         assert first.discrimination == pytest.approx(np.corrcoef(other_scores, passes)[0, 1])
         assert 0.1 < first.discrimination < 0.95
-    assert other.discrimination is None, "all pass it"
+    assert other.discrimination is None, "all students pass it"
 
 
 def test_two_checks_with_the_same_title_are_two_items():
@@ -315,7 +315,7 @@ def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
     ]
     page = report(tmp_path, verdicts)
     (same,) = re.findall(r">Identical files</h2>.*?</tbody>", page, re.DOTALL)
-    assert same.count("<tr>") == 2, "the heading, and one row"
+    assert same.count("<tr>") == 2, "the heading and one row"
     assert "<td>ada, bo</td>" in same and SEVEN.name not in same
 
 
@@ -347,7 +347,9 @@ def test_only_the_reports_own_script_runs(tmp_path):
     assert not re.search(r"<img|alert\(1\)</script>", page)
     (allowed,) = re.findall(r"script-src 'sha256-([^']+)'", page)
     assert allowed == base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), "needs nothing"
+    assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), (
+        "the page needs no other file"
+    )
 
 
 # Texts that identify a student or that a student wrote; the page without names has none of them.
@@ -413,7 +415,7 @@ def test_the_page_without_names_contains_no_personal_data(tmp_path):
         left=[(Path(secret["filename"]), secret["reasontext"])],
     )
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
-    assert "whostudent0x0" in named and "messagetext" in named, "which the other page has"
+    assert "whostudent0x0" in named and "messagetext" in named, "the page with names contains it"
     assert not [word for word in SECRET if word in page]
     assert "2031" not in page and "<script" not in page
     assert "Mean 20.0" in page and "Keeps it" in page and "3 of 6" in page
@@ -453,7 +455,7 @@ def test_sorting_and_searching_students_needs_no_network(tmp_path):
     page = page.replace(policy, "").replace(
         "</body>", f'<script type="module">{using}</script></body>'
     )
-    shown, requested = seen(page, tmp_path / "browser", "elsewhere")
+    shown, requested = rendered_page(page, tmp_path / "browser", "elsewhere")
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
     assert requested == []
@@ -470,7 +472,7 @@ def test_no_printed_page_ends_with_a_heading(tmp_path):
         f"<details><summary>Heading of a fold</summary>{table.format(rows * (3 + n % 5))}</details>"
         for n in range(90)
     )
-    sheets = printed(page.replace("</body>", f"{sections}</body>"), tmp_path / "paper")
+    sheets = printed_lines(page.replace("</body>", f"{sections}</body>"), tmp_path / "paper")
     last = [[line for line in sheet if line.strip()][-1] for sheet in sheets]
     assert len(sheets) > 15
     assert [line for line in last if re.search("Heading|What", line)] == []

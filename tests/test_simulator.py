@@ -237,7 +237,7 @@ def test_every_return_of_an_exact_scan_is_on_its_ray_and_a_surface():
     assert_allclose(swept.cloud[ground, 2], -1.73, atol=2e-6)
     assert_array_equal(swept.objects[ground], 0)
     keys = swept.beams.astype(int) * EXACT.firings + firings
-    assert np.all(np.diff(keys) > 0), "beam by beam, each in the order of its azimuth"
+    assert np.all(np.diff(keys) > 0), "beam by beam, in the order of azimuths"
     assert swept.times.min() >= 0 and swept.times.max() < 1 / EXACT.rotation_rate
 
 

@@ -265,7 +265,7 @@ def test_a_guide_links_to_pages_to_files_or_to_nothing():
     assert "(canvas_and_moodle.md)" in here
     assert "[late.py](" not in here and "late.py" in here
     assert "[late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
-    assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is left alone"
+    assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is not changed"
 
 
 @pytest.mark.slow
@@ -405,7 +405,9 @@ def test_a_lesson_that_did_not_run_has_a_page_without_outputs(site):
     assert "def snuggest_turn" in text_of(site / lesson.stage / f"{lesson.name}.html")
     assert "cell_input" in page and "cell_output" not in page
     front_page = (site / "index.html").read_text("utf-8")
-    assert front_page.count(f'href="{lesson.stage}/{lesson.name}.html"') >= 2, "a card, a contents"
+    assert front_page.count(f'href="{lesson.stage}/{lesson.name}.html"') >= 2, (
+        "a card and an entry in the contents"
+    )
 
 
 @pytest.mark.slow

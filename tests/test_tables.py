@@ -24,7 +24,7 @@ def test_a_notebook_gets_an_html_table(monkeypatch):
     (data,) = shown
     page = data["text/html"]
     assert [page.count(tag) for tag in ("<tr>", "<th ", "<td ")] == [2, 2, 4]
-    assert "></th>" not in page, "an empty heading is none"
+    assert "></th>" not in page, "an empty heading is not a heading cell"
     assert "a &lt; b &amp; c" in page and "&lt;b&gt;" in page and "<b>" not in page
     assert "a wall       7" in data["text/plain"]
 

@@ -90,17 +90,19 @@ def print_table(title: str, rows: list[list[str]], last: str) -> None:
         print(f"| {' | '.join(cells)} |")
 
 
-def compare(ways: dict, name: str, cloud: np.ndarray, ours: str, truth: np.ndarray | None) -> dict:
+def compare(
+    implementations: dict, name: str, cloud: np.ndarray, ours: str, truth: np.ndarray | None
+) -> dict:
     """Time all implementations on a cloud, print a table and return a record for the JSON file."""
-    results = race(ways, cloud)
+    results = race(implementations, cloud)
     rows, record = [], {}
-    for way, result in results.items():
+    for implementation, result in results.items():
         if truth is None:
             right = str(len(result.answer))
         else:
             right = "right" if same_partition(result.answer, truth) else "WRONG"
-        rows.append(row(way, result, results[ours], right))
-        record[way] = {
+        rows.append(row(implementation, result, results[ours], right))
+        record[implementation] = {
             "seconds": result.seconds[~np.isnan(result.seconds)].tolist(),
             "bytes": result.memory,
             "answer": right,
@@ -108,7 +110,7 @@ def compare(ways: dict, name: str, cloud: np.ndarray, ours: str, truth: np.ndarr
         }
     last = "boxes" if truth is None else "partition"
     print_table(f"**{name}**, {len(cloud):,} points, {ROUNDS} rounds", rows, last)
-    return {"points": len(cloud), "ways": record}
+    return {"points": len(cloud), "implementations": record}
 
 
 def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
@@ -121,16 +123,16 @@ def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
 def scale(scan: np.ndarray) -> dict[str, dict]:
     """Time each implementation on growing clouds until it is too slow; print and return times."""
     found: dict[str, dict] = {}
-    ways = dict(CLUSTERING)
+    implementations = dict(CLUSTERING)
     for size in SIZES:
-        results = race(ways, turns_side_by_side(scan, size), memory=False)
+        results = race(implementations, turns_side_by_side(scan, size), memory=False)
         for name, result in results.items():
             series = found.setdefault(name, {"points": [], "seconds": []})
             series["points"].append(size)
             series["seconds"].append(result.least)
-        ways = {
-            name: way
-            for name, way in ways.items()
+        implementations = {
+            name: implementation
+            for name, implementation in implementations.items()
             if name in results and 4 * results[name].median < PATIENCE
         }
     print("\n**Growing clouds**: whole turns side by side, times in seconds, fitted exponent\n")
@@ -143,11 +145,18 @@ def scale(scan: np.ndarray) -> dict[str, dict]:
 
 def draw_bars(name: str, measured: dict, scale: str, axes) -> None:
     """Draw the shortest time of each implementation on one cloud as bars."""
-    least = {way: 1000 * min(found["seconds"]) for way, found in measured["ways"].items()}
+    least = {
+        implementation: 1000 * min(found["seconds"])
+        for implementation, found in measured["implementations"].items()
+    }
     ordered = sorted(least, key=least.get, reverse=True)
-    colours = ["#0072B2" if way.startswith("ours") else "#BBBBBB" for way in ordered]
-    drawn = axes.barh(ordered, [least[way] for way in ordered], color=colours)
-    axes.bar_label(drawn, [f"{least[way]:,.0f} ms" for way in ordered], padding=3)
+    colours = [
+        "#0072B2" if implementation.startswith("ours") else "#BBBBBB" for implementation in ordered
+    ]
+    drawn = axes.barh(ordered, [least[implementation] for implementation in ordered], color=colours)
+    axes.bar_label(
+        drawn, [f"{least[implementation]:,.0f} ms" for implementation in ordered], padding=3
+    )
     axes.set(xscale=scale, xlabel="ms", title=name)
     axes.margins(x=0.2)
     axes.spines[["top", "right"]].set_visible(False)
@@ -169,8 +178,8 @@ def draw(record: dict, path: Path) -> None:
     name, first = next(iter(record["clustering"].items()))
     draw_bars(f"Clusters of {first['points']:,} points ({name})", first, "log", axes["clusters"])
     draw_bars("From that scan to boxes", record["detector"][name], "linear", axes["boxes"])
-    for number, (way, series) in enumerate(record["scaling"].items()):
-        label = f"{way}: n^{series['exponent']:.2f}"
+    for number, (implementation, series) in enumerate(record["scaling"].items()):
+        label = f"{implementation}: n^{series['exponent']:.2f}"
         style = {"marker": "os^vD<>P"[number % 8], "color": COLOURS[number % 8]}
         axes["growth"].loglog(series["points"], series["seconds"], label=label, **style)
     axes["growth"].set(xlabel="points", ylabel="s", title="Turns of the scanner, side by side")

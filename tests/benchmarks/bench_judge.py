@@ -110,7 +110,7 @@ def megabytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def time_ours(lessons, folder):
+def time_judge(lessons, folder):
     """Return the `Times` of the judge from a cold start."""
     course, seen, memory = make_course(folder / "ours", STUDENTS, lessons), {}, []
     sandbox = choose_sandbox()
@@ -131,7 +131,7 @@ def time_ours(lessons, folder):
     end = time.perf_counter()
     return Times(
         min(min(times) for times in seen.values()) - begin,
-        {lesson.name: steady(times) for lesson, times in seen.items()},
+        {lesson.name: seconds_between_verdicts(times) for lesson, times in seen.items()},
         middle - begin,
         end - middle,
         len(judged),
@@ -139,7 +139,7 @@ def time_ours(lessons, folder):
     )
 
 
-def steady(times):
+def seconds_between_verdicts(times):
     """Return the mean seconds between verdicts in the middle half, which excludes start-up."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
@@ -177,7 +177,7 @@ def assert_full_marks(root, stage, notebooks):
             assert all(mark.auto_score == mark.max_score for mark in marks), notebook
 
 
-def time_theirs(lessons, folder, students):
+def time_nbgrader(lessons, folder, students):
     """Return the seconds that plain nbgrader takes if its gradebook already has the stage."""
     stage, course = lessons[0].stage, make_course(folder, students, lessons)
     with open_gradebook(course) as book:
@@ -215,9 +215,9 @@ def race(lessons):
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as place:
             place = Path(place).resolve()
-            one = time_theirs(lessons, place / "one", 1)
+            one = time_nbgrader(lessons, place / "one", 1)
             ours = time_grade(lessons, place / "ours")
-            two = time_theirs(lessons, place / "two", 2)
+            two = time_nbgrader(lessons, place / "two", 2)
         found.append(((two - one) / len(lessons), ours / (STUDENTS * len(lessons))))
         starts.append(2 * one - two)
     return np.array(found), np.array(starts)
@@ -241,7 +241,7 @@ def main(wanted):
             f"{FIRST_EDITION:.0f} s, {FIRST_EDITION / mine:.1f} times as long."
         )
         with tempfile.TemporaryDirectory() as folder:
-            ours = time_ours(lessons, Path(folder).resolve())
+            ours = time_judge(lessons, Path(folder).resolve())
         print(
             f"  {ours.notebooks} notebooks: the first judged after {ours.first:.1f} s, all after "
             f"{ours.judging:.1f} s, entered in {ours.entering:.1f} s; memory "

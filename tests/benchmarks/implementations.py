@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from grader.course.lessons import load_reference
-from tests.benchmarks.racing import Missing, Way
+from tests.benchmarks.racing import Implementation, Missing
 
 RADIUS = 0.5
 PCL_SOURCE = Path(__file__).with_name("pcl_peer.cpp")
@@ -35,14 +35,14 @@ if os.environ.get("PEERS"):
     sys.path.append(os.environ["PEERS"])
 
 
-def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
-    """Turn a function of a cloud into a `Way`."""
+def _called(function: Callable[[np.ndarray], np.ndarray]) -> Implementation:
+    """Turn a function of a cloud into a `Implementation`."""
 
     @functools.wraps(function)
-    def way(cloud: np.ndarray) -> Callable[[], np.ndarray]:
+    def implementation(cloud: np.ndarray) -> Callable[[], np.ndarray]:
         return functools.partial(function, cloud)
 
-    return way
+    return implementation
 
 
 def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
@@ -130,7 +130,7 @@ def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
     return PclPeer("detect", cloud)
 
 
-CLUSTERING: dict[str, Way] = {
+CLUSTERING: dict[str, Implementation] = {
     "ours, Numba": by_numba,
     "ours, full speed": full_speed,
     "ours, taught": taught,
@@ -140,7 +140,11 @@ CLUSTERING: dict[str, Way] = {
     "scikit-learn": scikit_learn,
     "SciPy, all pairs": all_pairs,
 }
-DETECTORS: dict[str, Way] = {"ours, Numba": detect_by_numba, "ours": detect, "PCL": detect_by_pcl}
+DETECTORS: dict[str, Implementation] = {
+    "ours, Numba": detect_by_numba,
+    "ours": detect,
+    "PCL": detect_by_pcl,
+}
 
 
 class PclPeer:

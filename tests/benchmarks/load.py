@@ -80,10 +80,10 @@ def judge_under_load(load, course, sandbox):
 def main(count=NOTEBOOKS):
     """Measure in a temporary course and return the exit status."""
     with tempfile.TemporaryDirectory() as folder:
-        return try_loads(Course(Path(folder).resolve()), count)
+        return measure_loads(Course(Path(folder).resolve()), count)
 
 
-def try_loads(course, count):
+def measure_loads(course, count):
     """Judge under each load, print a row for each and the lost points; return the exit status."""
     sandbox, lost, twice = choose_sandbox(), [], []
     submit(course, count)

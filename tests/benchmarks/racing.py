@@ -20,7 +20,7 @@ ROUNDS = int(os.environ.get("ROUNDS", 9))
 PATIENCE = float(os.environ.get("PATIENCE", 20))
 
 # A function from a cloud to a callable that does the work once and returns the answer.
-Way = Callable[[np.ndarray], Callable[[], np.ndarray]]
+Implementation = Callable[[np.ndarray], Callable[[], np.ndarray]]
 
 
 class Missing(Exception):
@@ -61,12 +61,14 @@ class Result:
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 
 
-def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[str, Result]:
+def race(
+    implementations: dict[str, Implementation], cloud: np.ndarray, memory: bool = True
+) -> dict[str, Result]:
     """Run all installed implementations on a cloud, in turn.
 
     Parameters
     ----------
-    ways : dict of str to callable
+    implementations : dict of str to callable
     cloud : ndarray, shape (n, 3)
     memory : bool
         Whether to also measure memory, in a separate process for each implementation.
@@ -77,9 +79,9 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
         Results of the installed implementations; a line is printed for each missing one.
     """
     ready, answers = {}, {}
-    for name, way in ways.items():
+    for name, implementation in implementations.items():
         try:
-            work = way(cloud)
+            work = implementation(cloud)
             answers[name] = work()  # imports, compiles, warms up
             ready[name] = work
         except (ImportError, Missing) as reason:
@@ -94,23 +96,25 @@ def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[s
                 seconds[name][number] = time.perf_counter() - begin
     return {
         name: Result(
-            seconds[name], answers[name], peak_of(ways[name], cloud) if memory else float("nan")
+            seconds[name],
+            answers[name],
+            peak_of(implementations[name], cloud) if memory else float("nan"),
         )
         for name in ready
     }
 
 
-def peak_of(way: Way, cloud: np.ndarray) -> float:
+def peak_of(implementation: Implementation, cloud: np.ndarray) -> float:
     """Return the additional bytes that a second call needs at its peak, in a separate process."""
     if not Path("/proc/self/clear_refs").exists():
         return float("nan")
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_peak, (way, cloud))
+        return pool.apply(_peak, (implementation, cloud))
 
 
-def _peak(way: Way, cloud: np.ndarray) -> float:
-    way(cloud[:: len(cloud) // 1000 + 1])()
-    work = way(cloud)
+def _peak(implementation: Implementation, cloud: np.ndarray) -> float:
+    implementation(cloud[:: len(cloud) // 1000 + 1])()
+    work = implementation(cloud)
     process = getattr(work, "process", "self")
     before = _resident(process, "VmRSS")
     Path(f"/proc/{process}/clear_refs").write_text("5")  # resets VmHWM, the peak
