@@ -36,7 +36,7 @@ class Cell:
     @property
     def banners(self):
         """Messages about switching to the course's answer, or back to the student's own."""
-        return [text for text in self.said if re.search("course's answer|yours again", text)]
+        return [text for text in self.displayed if re.search("course's answer|yours again", text)]
 
 
 def right_answers(lesson):

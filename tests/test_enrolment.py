@@ -145,7 +145,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
-    assert sentence.endswith("belongs to yan (Yan Yip) in addition to the folder of that name.")
+    assert sentence.endswith("belongs to yan (Yan Yip) in addition to 'yan'.")
     before = inode(course, "yan")
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert inode(course, "yan") == before

@@ -525,7 +525,7 @@ def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandb
     course, _, _ = three_lessons
     Dying.left = 2
     with pytest.raises(
-        rehearsals.RehearsalFailed, match="07_filter_by_distance:\nThe process that"
+        rehearsals.RehearsalFailed, match="07_filter_by_distance:\nThe judging process ended"
     ):
         judge_three(course, sandbox, Dying)
 
@@ -785,7 +785,7 @@ def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
     assert verdicts["ada"].score == 30
     for name in ("thief", "twin"):
         assert verdicts[name].score == 0
-        assert "link to another folder" in verdicts[name].problems[0]
+        assert "in a linked folder" in verdicts[name].problems[0]
 
 
 def test_verdict_files_have_ordinary_permissions(course, sandbox):
@@ -821,7 +821,7 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
         "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
         "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
         "it is a zip: run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
-        "--stage stage3_obstacles --who 'my work=ada', and delete it",
+        "--stage stage3_obstacles --who 'my work=ada', and delete the zip",
         "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
         "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",
     }

@@ -317,7 +317,10 @@ def set_time(submission):
         (change_score(1e-9), None),
         (change_worth(0.01), "test_voxel_grid is worth 20.01 points, not 20.0"),
         (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
-        (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the late penalty differs"),
+        (
+            set_penalty(0.01),
+            f"ada, {STAGE}, {GROUND.name}: the gradebook has a different late penalty",
+        ),
         (set_penalty(0.0), None),
         (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],

@@ -164,7 +164,9 @@ def test_different_marks_of_team_members_are_an_error(course, run):
     anna, bo = results((ANNA,)), results((BO,), score=20.0)
     both = (getattr(anna, kind) + getattr(bo, kind) for kind in ("people", "notebooks", "stages"))
     differing = gradescope(ExportOptions(course, ClassResults(*both), STAGE))
-    assert "differ, and the submission is one" in run(differing, "bo", "anna@x.edu bo@x.edu")
+    assert "submitted together but have different marks" in run(
+        differing, "bo", "anna@x.edu bo@x.edu"
+    )
 
 
 def test_two_students_with_one_address_are_named_and_get_no_mark(course):

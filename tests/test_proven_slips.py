@@ -511,7 +511,7 @@ RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failu
 def test_the_first_edit_that_loses_nothing_is_the_repair(judged_as):
     found, runs = judged_as(RIGHT)
     assert found == repair.Repair(2, 2, "second\nthird", "fixed")
-    cells_after = ("import numpy", "first\nmended\nfourth", "fifth\nsixth")
+    cells_after = ("import numpy", "first\nfixed\nfourth", "fifth\nsixth")
     assert runs == [(cells_after, ["line_through"])]
     found, runs = judged_as(WRONG, RIGHT)
     assert found == repair.Repair(2, 1, "first", "1st\nhalf")

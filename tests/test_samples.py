@@ -33,7 +33,7 @@ def test_an_oracle_runs_once_for_each_content(counted):
     doubled, calls = counted
     cloud = np.arange(12.0).reshape(4, 3)
     first = doubled(cloud, 0.5)
-    assert np.array_equal(first, 2 * cloud) and doubled.__doc__ == "Twice as much."
+    assert np.array_equal(first, 2 * cloud) and doubled.__doc__ == "Return twice the cloud."
     assert doubled(cloud.copy(), 0.5) is first is doubled(np.asfortranarray(cloud), 0.5)
     assert len(calls) == 1
     with pytest.raises(ValueError, match="read-only"):

@@ -19,7 +19,7 @@ from grader.intake.reader_process import run_in_child
 from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
-# Real answers are far below both limits, and nobody could compare longer ones by eye.
+# Real answers are far below both limits, and a person could not compare longer ones by eye.
 MOST_STEPS = 1000
 MOST_CHARACTERS = 50_000
 
