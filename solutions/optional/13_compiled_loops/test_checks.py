@@ -124,7 +124,7 @@ def test_compiled_functions_are_checked_as_python(numba, monkeypatch, capsys):
         check(function)
     shown = capsys.readouterr().out
     assert "did not return within 0.2 s: does each round of the loop go on" in shown
-    assert not ready(function) and "root_of has not passed" in capsys.readouterr().out
+    assert not ready(function) and "until root_of passes its checks" in capsys.readouterr().out
 
 
 def test_compiled_helpers_are_checked_as_python(numba):
@@ -143,7 +143,7 @@ def test_a_wrong_helper_is_named(numba, capsys):
         exec(f"@njit\n{variant.source}", names)
     with pytest.raises(ChecksFailed):
         check(names["unite"])
-    assert "root_of, which this calls, does not pass its own checks" in capsys.readouterr().out
+    assert "root_of, which this function calls, fails its own checks" in capsys.readouterr().out
 
 
 def complains(*arguments):
@@ -194,12 +194,12 @@ def test_a_cell_waits_until_its_function_has_passed(capsys):
         check(stub)
     capsys.readouterr()
     assert not ready(stub)
-    message = "snuggest_turn is not written yet: this cell waits for it."
+    message = "This cell waits until snuggest_turn is written."
     assert message in capsys.readouterr().out
     for function in (function_of("snuggest_turn", right), function_of("snuggest_turn", right)):
         assert not ready(function)
         assert (
-            "has not passed its check, or not without a note: this cell waits"
+            "This cell waits until snuggest_turn passes its checks without a note."
             in capsys.readouterr().out
         )
         check(function)

@@ -85,7 +85,9 @@ def test_the_second_puzzle_and_its_table():
         describe_step(space["better"].root, visited, step, space["target"], space["radius"])
         for step in range(1, 5)
     ]
-    assert texts[0].startswith("node 3 cuts x at 3, the box reaches from -7 to 1: left searched, ")
+    assert texts[0].startswith(
+        "node 3 cuts x at 3, and the box reaches from -7 to 1: left searched, "
+    )
     assert "right pruned; 10.0 m away: far" in texts[0]
     table = "# | 3, cuts x at 3 | -7 to 1 | yes | **no: three nodes pruned** | far |"
     assert table in prose()
