@@ -198,7 +198,10 @@ def test_a_cell_waits_until_its_function_has_passed(capsys):
     assert message in capsys.readouterr().out
     for function in (function_of("snuggest_turn", right), function_of("snuggest_turn", right)):
         assert not ready(function)
-        assert "until snuggest_turn passes its checks without a note" in capsys.readouterr().out
+        assert (
+            "This cell waits until snuggest_turn passes its checks without a note."
+            in capsys.readouterr().out
+        )
         check(function)
         capsys.readouterr()
         assert ready(function) and not capsys.readouterr().out
