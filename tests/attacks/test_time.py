@@ -5,9 +5,10 @@ import time
 
 import pytest
 
+from grader.classroom import pool
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.judging import judge, repair
+from grader.judging import judge, repair, runner
 from grader.sandbox import Limits
 from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -251,6 +252,9 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
     assert (repair.LEAST_CPU_SECONDS, repair.MOST_CPU_SECONDS) == (2, 16)
     assert f"The search for an edit tries the {repair.LIKELIEST_EDITS} likeliest edits" in threats
     assert "first two seconds of processor time. It ends after 16 seconds" in threats
+    assert f"together may take {runner.SECONDS_OF_A_TEST:.0f} seconds" in threats
+    assert f"process may allocate {pool.MEMORY // 2**30} GiB" in threats
+    assert "used up its first 10 seconds, the search ends after two" in threats
 
 
 SLEEPY = {
