@@ -189,7 +189,7 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--standalone",
         action="store_true",
-        help="write one notebook per lesson instead, which needs no other file, for Colab",
+        help="instead write one notebook per lesson that needs no other file, as for Colab",
     )
     kind.add_argument(
         "--solutions",
@@ -370,7 +370,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
     export.add_argument(
         "--column",
         metavar="TITLE",
-        help="title of the column to fill in, if it contains neither the stage nor the lesson",
+        help="title of the column to fill in; needed if it does not contain the stage or lesson",
     )
     export.add_argument(
         "--scale",

@@ -45,7 +45,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """Return the blocks of shell commands on the page by their first words."""
+    """Return the blocks of shell commands on the page, by the comment that opens each."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
     return {start: "#" + rest for start, rest in found}

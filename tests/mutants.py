@@ -321,7 +321,7 @@ class MutantRunner:
         return True
 
     def _in_a_fork(self, items: list[pytest.Item]) -> dict[str, Run]:
-        """Run the tests on the unchanged modules, with which all of them must pass."""
+        """Run the tests on the unchanged modules; all of them must pass."""
         path = Path(self.folder, "runs")
         process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:

@@ -30,7 +30,7 @@ _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
 # Prices of slips
 
-This page lists what likely slips cost in each exercise. A slip is one small change of the
+This page lists what likely slips cost in each exercise. A slip is one small change to the
 lesson's own solution.
 
 - *By the checks* is the share of the exercise's points that its checks earn.

@@ -1,4 +1,4 @@
-"""The choice of a bubblewrap for the sandbox, and the message if none works."""
+"""Choosing a bubblewrap program for the sandbox, and the message if none works."""
 
 import os
 import shutil

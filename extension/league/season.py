@@ -1,4 +1,7 @@
-"""Drive a class through all streets, in parallel. Finished drives are stored and not repeated."""
+"""Drive all students' detectors through all streets, in parallel.
+
+Finished drives are stored and not repeated.
+"""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
 
 
 def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[SampleStudent]:
-    """Yield `count` students: most with right or wrong answers, and a few special cases."""
+    """Yield `count` students: mostly ordinary ones, and a few special cases."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )

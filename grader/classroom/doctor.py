@@ -169,7 +169,7 @@ def _solutions(
     return Finding(
         "oracles",
         True,
-        f"the solutions of {len(all_lessons())} lessons earn all points with this seed",
+        f"the solutions to {len(all_lessons())} lessons earn full marks with this seed",
     )
 
 

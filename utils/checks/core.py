@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from utils.checks.code_slips import code_slip
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
-from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
+from utils.checks.failures import CheckFailed, NotStarted, Raised, Stopped, UnusableModule
 from utils.checks.import_guard import BlockedModules
 from utils.checks.limits import TimeUp, limited
 from utils.checks.line_hint import find_line_hint
@@ -221,7 +221,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     mistake = wrong_helper = hint = slip = None
     # A function that exceeded its time would do so again. Stubs and refusals need no diagnosis.
     if failed and not any(
-        isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
+        isinstance(outcome.failure, NotStarted | UnusableModule | Stopped) for outcome in failed
     ):
         mistake, wrong_helper = _mistake(exercise, function), _find_wrong_helper(exercise, function)
         if not (mistake or wrong_helper):
@@ -272,7 +272,7 @@ def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> lis
         while outcomes is None:
             outcomes = _run_each(checks, function, table, blocked)
     failures = [outcome.failure for outcome in outcomes]
-    refused = next((failure for failure in failures if isinstance(failure, Refused)), None)
+    refused = next((failure for failure in failures if isinstance(failure, UnusableModule)), None)
     return [Outcome(checks[0], refused)] if refused else outcomes
 
 
@@ -291,22 +291,22 @@ def _run_each(
             if blocked.hide():
                 return None
             table.show(outcomes)
-            if isinstance(outcomes[-1].failure, Stopped | NotStarted | Refused):
+            if isinstance(outcomes[-1].failure, Stopped | NotStarted | UnusableModule):
                 break
     return outcomes
 
 
-def _refusal(exercise: str, modules: list[str]) -> Refused:
+def _refusal(exercise: str, modules: list[str]) -> UnusableModule:
     names = " and ".join(modules)
-    return Refused(
+    return UnusableModule(
         f"{exercise} uses {names}, which is not allowed in this lesson: it does the exercise for "
         "you. The judge gives no points for such an answer."
     )
 
 
-def _unavailable(exercise: str, modules: list[str]) -> Refused:
+def _unavailable(exercise: str, modules: list[str]) -> UnusableModule:
     names = " and ".join(modules)
-    return Refused(f"{exercise} uses {names}, but {ABSENT}.")
+    return UnusableModule(f"{exercise} uses {names}, but {ABSENT}.")
 
 
 def _mistake(exercise: str, function: Callable) -> Mistake | None:

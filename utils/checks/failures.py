@@ -176,7 +176,7 @@ class Stopped(CheckFailed):
         return "stopped", self._reason
 
 
-class Refused(CheckFailed):
+class UnusableModule(CheckFailed):
     """The function uses a module that the lesson forbids."""
 
     @property

@@ -139,7 +139,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     "2 m, a cyclist and the car next to them become one cluster.",
     hint="Two points are close if their distance in metres is below the parameter threshold.",
 )
-def follows_the_threshold(euclidean_clustering: Callable) -> None:
+def uses_the_threshold(euclidean_clustering: Callable) -> None:
     # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins the points of more rows.
     rows = np.arange(4)[:, None] * 9.0 + np.outer([0.2, 0.45, 0.6, 0.9], [0, 1, 2])
     cloud = np.outer(rows.ravel(), [1.0, 0.0, 0.0])

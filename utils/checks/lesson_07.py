@@ -178,7 +178,7 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
 
 
 @once
-def require_near_points(filter_by_distance: Callable) -> None:
+def require_near_points_kept(filter_by_distance: Callable) -> None:
     """Assert that near points stay and far ones are removed; raise `NotYet` if not."""
     with needs("near points stay and far points are removed"):
         assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
@@ -221,7 +221,7 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
     hint="x is negative behind the car and y is negative on its right. Squaring removes the sign.",
 )
 def works_in_all_directions(filter_by_distance: Callable) -> None:
-    require_near_points(filter_by_distance)
+    require_near_points_kept(filter_by_distance)
     cloud, near = marked("-6 2 +; -14 1 -; -3 -6 +; 3 -13 -; 2 -7 +; -11 -12 -", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
@@ -234,7 +234,7 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
     hint="Use Pythagoras: neither the larger of |x| and |y| nor their sum is the distance.",
 )
 def keeps_a_circle(filter_by_distance: Callable) -> None:
-    require_near_points(filter_by_distance)
+    require_near_points_kept(filter_by_distance)
     cloud, near = marked("8 8 -; 6.5 6.5 +; 9.5 5 -; 9 3 +", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
@@ -248,7 +248,7 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
-    require_near_points(filter_by_distance)
+    require_near_points_kept(filter_by_distance)
     cloud, near = marked("11 1 0 0.1 -; 6 2 9 0.1 +; 4 3 -12 0.1 +; 13 2 -0.2 0.1 -")
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
@@ -262,7 +262,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     hint="Compute the distance from columns 0 and 1 only.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
-    require_near_points(filter_by_distance)
+    require_near_points_kept(filter_by_distance)
     cloud, near = marked("6 0.5 0.2 255 +; 12 0.5 0.2 0 -; 2 7 0.2 40 +; 11 6 0.2 3 -")
     try:
         assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
@@ -292,7 +292,7 @@ _NEAR_CASE = Case(
     {"cloud": _SCATTERED, "distance": 10.0},
     expected=_NEAR,
     compare=assert_points_left,
-    precondition=require_near_points,
+    precondition=require_near_points_kept,
 )
 
 

@@ -77,7 +77,8 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
         with archive.open(member) as stream:
             shape, by_column, kind = _read_header(stream)
             wanted = _checked_size(shape, kind, member.file_size - stream.tell(), name)
-            values = np.frombuffer(stream.read(wanted + 1), kind)  # + 1 to reach the checksum
+            # One byte more, so that zipfile reads to the end and verifies the checksum.
+            values = np.frombuffer(stream.read(wanted + 1), kind)
     except CloudFileError:
         raise
     except Exception as error:  # damaged data raise errors of zlib, lzma, struct, tokenizer ...

@@ -125,7 +125,7 @@ def drive(
     clock: Callable | None = None,
     sensor: Sensor = SCANNER,
 ) -> Drive:
-    """Drive through a street with the boxes of a detector.
+    """Drive down a street, guided by the boxes of a detector.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def drive(
 
 @dataclass(frozen=True, eq=False)
 class _DetectorAnswer:
-    """Boxes of a scan, the moment at which they are available, and the car's place at the scan."""
+    """The boxes of a scan, the time when they are ready, and the car's position at the scan."""
 
     scan: int
     ready: int

@@ -1,4 +1,4 @@
-"""Right kd-trees: build them from points, list their nodes, and find the regions of the nodes."""
+"""Reference kd-trees: build from points, list their nodes, and find the regions of the nodes."""
 
 import operator
 from collections.abc import Callable, Sequence

@@ -106,11 +106,11 @@ class Scene:
         cloud : (n, 3) or (n, 4) array_like of float
             In metres. Rows with a non-finite coordinate are left out.
         values : (n,) array_like of float, optional
-            Values that the colours show; by default the height.
+            Values to colour the points by; the height by default.
         colour : str, optional
             One colour for all points, such as "#0072B2".
         size : float, optional
-            Width of a dot in pixels; by default smaller for more points.
+            Width of a dot in pixels; by default, it shrinks as the number of points grows.
         layer : str
             Name of a layer, such as "data_points" or "filtered_cloud".
         name : str

@@ -217,7 +217,7 @@ def score_card(
 
 @dataclass(frozen=True, eq=False)
 class _ScoredFrame:
-    """Scores of a frame: hits (3, M) of its true boxes, with their distances and hidden shares."""
+    """The scores of a frame: hits (3, M) on its true boxes, their distances and hidden shares."""
 
     hits: np.ndarray
     found: int

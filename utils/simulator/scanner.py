@@ -135,7 +135,7 @@ def _smallest(values: np.ndarray, count: int) -> np.ndarray:
 
 
 def _sources(world: World, sensor: Sensor) -> Iterator[tuple[str, int, Solid]]:
-    """Yield class, identity and solid of everything except the ground, in sensor coordinates.
+    """Yield the class, ID and solid of every object except the ground, in sensor coordinates.
 
     Obstacles beyond the maximum range, with a margin for noise, are omitted.
     """

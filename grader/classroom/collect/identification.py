@@ -48,7 +48,7 @@ def lesson_of(
         if named in existing and is_placed(inside, file):
             return inside
         raise Contradiction(
-            f"is named {named.name}, but its content is {inside.name}. Open it, and add "
+            f"is named {named.name}, but contains lesson {inside.name}. Open it, and add "
             f"{lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
             (named, inside),
         )
@@ -57,7 +57,7 @@ def lesson_of(
     if found is None:
         complaint = file.unpacked.complaint
         reason = complaint or "has no lesson in its name or in its content"
-        raise Unrecognised(f"{reason}. If it belongs to one, add {lesson_option(file, 'NN')}")
+        raise Unrecognised(f"{reason}. If it belongs to a lesson, add {lesson_option(file, 'NN')}")
     return found
 
 

@@ -222,7 +222,7 @@ class Owners:
                 f"write {owner.lms_id} into the student's line of roster.csv, column lms_id, or "
             )
         elif owner.logins or owner.guesses:
-            remedy = "write the login into the student's line of roster.csv, column github, or "
+            remedy = "enter the login in the github column of the student's line in roster.csv, or "
         elif owner.participant and not self._worksheet.rows:
             remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (

@@ -94,7 +94,7 @@ class Record:
         ]
         untimed = [name for name, origin in present.items() if not origin.when]
         if times and untimed:
-            return None, f"the time of {min(untimed)} is unknown"
+            return None, f"the submission time of {min(untimed)} is unknown"
         return max(map(datetime.fromisoformat, times), default=None), ""
 
 

@@ -245,7 +245,12 @@ def _submission_time(
     if times:
         return max(times), ""
     if rows:
-        return None, f"the table of times has {rows[0].time_text or 'nothing'!r} instead of a time"
+        text = rows[0].time_text
+        return None, (
+            f"the table of submission times has {text!r} instead of a time"
+            if text
+            else "the table of submission times has no time for this student"
+        )
     # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
         return None, ""

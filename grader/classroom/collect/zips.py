@@ -39,7 +39,7 @@ _JUNK = ("__MACOSX", "__pycache__")
 
 
 def clean_path(name: str) -> tuple[str, ...]:
-    """Return the folders and the name of a file, without drive letters, roots, ``..`` and NUL."""
+    """Return the folders and the name of a file, without drive letters, roots, ``..`` or NUL."""
     text = unicodedata.normalize("NFC", name.replace("\\", "/").replace("\0", ""))
     parts = [part for part in text.split("/") if part.strip(". ")]
     if parts and len(parts[0]) == 2 and parts[0].endswith(":"):

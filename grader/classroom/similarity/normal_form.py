@@ -51,7 +51,7 @@ def steps_of(
     ----------
     node : ast.stmt
     known : dict of str to str
-        Full names of the names that the author did not choose: modules and given functions.
+        Qualified names of what the author did not name: modules and given functions.
     parameters : sequence of str
         Names of the function's parameters; each is replaced by its position.
     """

@@ -119,5 +119,5 @@ def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
     if one.code == other.code:
         return "The two answers differ only in comments and layout."
     if [step.words for step in one.steps] == [step.words for step in other.steps]:
-        return "The two answers have the same steps and differ only in names and similar details."
+        return "The two answers have the same steps and differ only in names and other details."
     return "These steps are highlighted."

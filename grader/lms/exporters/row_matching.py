@@ -133,7 +133,7 @@ def _passes(
 
 
 def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
-    """Yield the students who have the name in a row but another number."""
+    """Yield the students whose name matches the row but whose number differs."""
     for person in Roster(tuple(people)).find_people(row.name):
         if has_other_lms_id(person, row.lms_id):
             yield person

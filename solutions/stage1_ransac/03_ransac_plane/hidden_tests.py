@@ -492,7 +492,7 @@ def test_plane_contains_the_mean(student, seed):
 @hidden(
     "fit_plane",
     weight=5,
-    title="Fits pieces of the course's scan",
+    title="Fits planes to pieces of the course's scan",
     hint="Any cloud has a best plane, even if it is not flat.",
 )
 def test_fits_the_course_cloud(student, seed):

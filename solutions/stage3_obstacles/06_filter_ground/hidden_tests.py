@@ -285,7 +285,7 @@ def test_ignores_bright_intensities(student, seed):
     "voxel_grid",
     weight=2,
     title="Works with three columns, float32, a single point, and many points in one cell",
-    hint="Your lines handle all these cases: only an empty cloud needs a special case.",
+    hint="Use the same lines for every cloud: only an empty cloud may need a special case.",
 )
 def test_thins_all_kinds_of_clouds(student, seed):
     require_row_per_cell(student.voxel_grid)

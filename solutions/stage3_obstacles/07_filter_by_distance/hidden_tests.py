@@ -26,7 +26,7 @@ from utils.checks.lesson_07 import (
     assert_points_left_by_box,
     require_crop,
     require_ego_removed,
-    require_near_points,
+    require_near_points_kept,
 )
 
 MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives the same answer.
@@ -168,7 +168,7 @@ def test_keeps_the_order(student, seed):
     hint="Your two lines handle every case: no special case is needed.",
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
-    require_near_points(student.filter_by_distance)
+    require_near_points_kept(student.filter_by_distance)
     cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 300)), 10.0)
     assert_distance_filtered(student, cloud[:, :3])
     assert_distance_filtered(student, cloud.astype(np.float32))
@@ -183,7 +183,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
     hint="Your two lines handle every case: no special case is needed.",
 )
 def test_works_on_small_clouds(student, seed):
-    require_near_points(student.filter_by_distance)
+    require_near_points_kept(student.filter_by_distance)
     cloud = flattened(samples.patch_of_course_cloud(seed, 300))
     columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
     far = cloud + [100, 0, 0, 0]
@@ -198,7 +198,7 @@ def test_works_on_small_clouds(student, seed):
     hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):
-    require_near_points(student.filter_by_distance)
+    require_near_points_kept(student.filter_by_distance)
     assert_untouched(student.filter_by_distance, samples.patch_of_course_cloud(seed, 200), 10.0)
 
 
@@ -354,7 +354,7 @@ def test_crop_keeps_the_order(student, seed):
     "crop_region",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="Your lines handle every case: no special case is needed.",
+    hint="Compare only cloud[:, :3], and index the whole cloud with the mask.",
 )
 def test_crops_all_kinds_of_clouds(student, seed):
     require_crop(student.crop_region)
@@ -367,7 +367,7 @@ def test_crops_all_kinds_of_clouds(student, seed):
     "crop_region",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="Your lines handle every case: no special case is needed.",
+    hint="Use the same mask for every cloud: one point and none need no special case.",
 )
 def test_crops_small_clouds(student, seed):
     require_crop(student.crop_region)
@@ -456,7 +456,7 @@ def test_removal_keeps_the_order(student, seed):
     "remove_ego_returns",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="Your lines handle every case: a row that occurs twice stays twice.",
+    hint="Compare only cloud[:, :3], and index the whole cloud with the inverted mask.",
 )
 def test_removes_from_all_kinds_of_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)
@@ -469,7 +469,7 @@ def test_removes_from_all_kinds_of_clouds(student, seed):
     "remove_ego_returns",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="Your lines handle every case: no special case is needed.",
+    hint="Use the same mask for every cloud: one point and none need no special case.",
 )
 def test_removes_from_small_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)

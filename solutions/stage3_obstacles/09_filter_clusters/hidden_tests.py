@@ -162,7 +162,7 @@ def test_works_in_any_order(student, seed):
     "filter_clusters",
     weight=2,
     title="Keeps everything with a minimum of 0 and nothing with a huge one",
-    hint="Your lines handle every case: no special case is needed.",
+    hint="Use the same lines for every minimum: 0 and a huge minimum need no special case.",
 )
 def test_works_with_extreme_minima(student, seed):
     require_small_clusters_removed(student.filter_clusters)

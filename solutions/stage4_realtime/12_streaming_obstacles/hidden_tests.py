@@ -197,8 +197,9 @@ def test_parked_cars(student, seed):
     "detect_obstacles",
     weight=4,
     title="Puts few boxes around road or nothing on new streets and in a new city",
-    hint="Draw the boxes of scenes.random_street(1). Which of them contain road or nothing? The "
-    "road of the city climbs. What does your ground filter leave 20 m ahead?",
+    hint="Draw the boxes of scenes.random_street(1). Which of them contain only road, or no "
+    "points at all? In the city the road goes uphill: what does your ground filter leave 20 m "
+    "ahead?",
 )
 def test_few_ghosts(student, seed):
     for frames in (fresh_streets(seed), [city_frame(seed)]):

@@ -231,7 +231,7 @@ def _first_misplaced(tree: object, root: TreeNode | None) -> tuple[str, str]:
     for path in sorted(expected, key=lambda path: expected[path].arrival):
         if path not in yours or not _same_point(yours[path][0], expected[path]):
             return _misplaced(tree, path, expected, yours)
-    return _extra_node(expected, yours)
+    return _describe_extra_node(expected, yours)
 
 
 def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> None:
@@ -314,7 +314,7 @@ def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[st
         return f"the tree is empty: tree.root is None after {_name(node)} was inserted.", ""
     actual = _path_to(tree, node, expected)
     if actual is None:
-        return _missing(path, expected, yours)
+        return _describe_missing_node(path, expected, yours)
     depth = next((d for d, (a, b) in enumerate(zip(path, actual, strict=False)) if a != b), None)
     if depth is None:
         return (
@@ -330,7 +330,7 @@ def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[st
     ), ""
 
 
-def _missing(path: str, expected: dict, yours: dict) -> tuple[str, str]:
+def _describe_missing_node(path: str, expected: dict, yours: dict) -> tuple[str, str]:
     """Return a message about a missing point and its place, and a hint, which may be empty."""
     text = f"{_name(expected[path])} is not in the tree; it belongs {_place(path, expected)}"
     if path not in yours:
@@ -365,7 +365,7 @@ def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str
     return None
 
 
-def _extra_node(expected: dict, yours: dict) -> tuple[str, str]:
+def _describe_extra_node(expected: dict, yours: dict) -> tuple[str, str]:
     """Return a message about a surplus node, and a hint; both are empty if there is none."""
     extra = next((path for path in yours if path not in expected), None)
     if extra is None:

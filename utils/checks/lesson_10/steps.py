@@ -164,7 +164,7 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
     "points_in_cells",
     title="Does not change the points",
     why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
-    "and a cell that you run twice starts from other points.",
+    "and running a cell twice starts from different points.",
     hint="points / side creates a new array. points /= side changes the array that the function "
     "received.",
 )

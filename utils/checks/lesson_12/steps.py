@@ -481,7 +481,7 @@ def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
 
 @visible(
     "coast",
-    title="Resets the count of tracks with a box and adds 1 to all other counts",
+    title="Resets the count of each track that has a box, and adds 1 to all others",
     why="If a count is never reset, a track is dropped although it has a box in every second "
     "frame.",
     hint=fixed(
