@@ -26,7 +26,7 @@ PATIENCE = 3
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """All tracks, one per row; those with a box in this frame come first, in the boxes' order.
+    """All tracks, one per row; the first ones have the boxes of this frame, in the same order.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ SIDES = {"l": "left", "r": "right"}
 
 
 class TreeNode:
-    """A node of a right tree; `arrival` is the row of its point in the input."""
+    """A node of a correct tree; `arrival` is the row of its point in the input."""
 
     def __init__(self, point: list[float], index: int, arrival: int = 0) -> None:
         self.point, self.index, self.arrival = point, index, arrival
@@ -102,7 +102,7 @@ def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
 
 
 def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Return the region of space that contains each node of a right tree.
+    """Return the region of space that contains each node of a correct tree.
 
     Returns
     -------

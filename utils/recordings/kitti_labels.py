@@ -132,8 +132,8 @@ def _label_rows(path: Path, columns: int) -> list[tuple[list[str], list[float]]]
                 path,
                 f"line {line}",
                 f"found {len(words)} columns, expected {columns} of a KITTI label",
-                "Object and tracking labels have a "
-                "function each: read_object_labels and read_tracking_labels.",
+                "Use read_object_labels for object labels and read_tracking_labels for tracking "
+                "labels.",
             )
         if not words or words[kind] == "DontCare":
             continue
