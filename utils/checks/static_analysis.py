@@ -68,6 +68,8 @@ def absent_modules(function: Callable, lesson: str) -> list[str]:
 
 def _is_installed(module: str) -> bool:
     """Return whether a module is in a folder of installed packages."""
+    if module == "__main__":  # the notebook itself, or the program that runs it
+        return False
     try:
         spec = importlib.util.find_spec(module)
     except (ImportError, ValueError):
