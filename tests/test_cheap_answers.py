@@ -16,6 +16,8 @@ from grader.course.lessons import find_lesson, load_reference
 from grader.judging.runner import run_checks
 from tests.course_lessons import COURSE
 from tests.students import student_with
+from utils.checks import checks_of
+from utils.checks.diagnosis import diagnose
 from utils.checks.lesson_12.match_boxes import cubes
 
 SEED = 7
@@ -403,6 +405,58 @@ PARTLY = {
         for name, boxes in PARKED.items()
     },
 }
+
+# ---- small expressions --------------------------------------------------------------------------
+
+# Expressions in the arguments a, b and c, as functions of little or no content.
+SMALL = """
+a | a.ravel() | a.copy() | a[None] | a[:0] | a[None][:0] | a[0] | a[:1] | a[-1:] | a[1:] | a[:-1]
+a[::2] | a[::-1] | a[:, 0] | a[:, 1] | a[:, 2] | a[:, :2] | a[:, :3] | abs(a[:, 0]) | abs(a[:, 1])
+abs(a[:, 2]) | abs(a) | -a | a**2 | a + 1 | a - 1 | 2 * a | a.sum(0) | a.sum(1) | a.mean(0)
+a.mean(1) | a.max(0) | a.min(0) | a.max(1) | a.min(1) | a.std(0) | norm(a, axis=1) | norm(a)
+norm(a[:, :2], axis=1) | norm(a[:, :3], axis=1) | len(a) | a.shape | np.sort(a, axis=0)
+np.argsort(a[:, 0]) | np.argsort(a[:, 2]) | np.unique(a) | np.unique(a, axis=0) | np.zeros(len(a))
+np.ones(len(a), int) | np.arange(len(a)) | np.arange(len(a)) + 1 | np.eye(3) | a.T | a.tolist()
+np.cov(a[:, :3].T) | eigh(np.cov(a[:, :3].T))[1] | svd(a[:, :3])[2] | svd(a[:, :3])[2].T
+np.round(a) | np.floor(a) | np.sign(a) | a[~np.isnan(a).any(1)] | a[np.isfinite(a).all(1)]
+a[(a != 0).all(1)] | a[(a != 0).any(1)] | a[a[:, 0] > 0] | a[np.isfinite(a)]
+np.ones(len(a), bool) | np.zeros(len(a), bool) | b | c | (a, b) | a - b | b - a | a + b | a * b
+a @ b | np.dot(a, b) | np.cross(a, b) | norm(b - a) | np.where(a < b, 0, a) | np.where(a >= b, a, 0)
+a >= b | a[a >= b] | a[a[:, 0] <= b] | a[abs(a[:, 0]) <= b] | a[a[:, 2] >= b] | a[a[:, 2] > b]
+a[a[:, 1] <= b] | a[abs(a[:, 1]) <= b] | a[a[:, 2] < b] | a[(a[:, :3] >= b).all(1)]
+a[(a[:, :3] <= b).all(1)] | a[(a[:, :3] <= c).all(1)] | a[~(a[:, :3] >= b).all(1)]
+a[~(a[:, :3] <= c).all(1)] | np.unique(np.floor(a[:, :3] / b), axis=0) | (a >= b).astype(int) * a
+np.cumsum(np.r_[1, abs(np.diff(a[:, 0])) >= b]) | (0.0, 0.0, 1.0, 0.0) | (0.0, 1.0, 0.0) | None
+[a[b == label] for label in np.unique(b) if label > 0] | np.arange(len(b)) | np.full(len(b), -1)
+np.array([a[b == label, :3].mean(0) for label in np.unique(b) if label > 0])
+int(np.ceil(1 / a**b))
+norm(a.mean(1)[None] - b.mean(1)[:, None], axis=2).argmin(1) | np.inf | a**b | 1 / a
+"""
+# These do most of the work, and their mistake is the slip that a teacher would name.
+NEARLY_RIGHT = {
+    ("drop_invalid", "a[np.isfinite(a)]"),
+    ("filter_ground", "a[a[:, 2] < b]"),
+    ("principal_axes", "eigh(np.cov(a[:, :3].T))[1]"),
+    ("principal_axes", "svd(a[:, :3])[2].T"),
+}
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_no_small_expression_proves_a_slip(lesson):
+    """A mistake that a function of no content makes is cheap, so it keeps no points."""
+    expressions = [text.strip() for text in SMALL.replace("\n", "|").split("|") if text.strip()]
+    names = {"np": np, **{name: getattr(np.linalg, name) for name in ("norm", "eigh", "svd")}}
+    assert len(expressions) > 100
+    keep = set()
+    for graded in lesson.machine_graded:
+        checks_of(graded.name)  # importing the checks declares the mistakes
+        for text in expressions:
+            function = eval(f"lambda a, b=None, c=None, d=None: {text}", names)
+            mistake = diagnose(graded.name, function)
+            if mistake and not (mistake.is_cheap or mistake.is_the_task):
+                keep.add((graded.name, text))
+    assert keep <= NEARLY_RIGHT
+
 
 # ---- running the checks ------------------------------------------------------------------------
 
