@@ -594,7 +594,7 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
         "There is no code in 06_filter_ground"
     ]
     long = from_cells(code("x = 1"), lesson_name="07" * 50)
-    assert f"of {'07' * 30} and" in long.notes[0]
+    assert f"of {'07' * 30} instead" in long.notes[0]
 
 
 @pytest.mark.parametrize(
