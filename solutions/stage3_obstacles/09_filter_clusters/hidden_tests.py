@@ -178,7 +178,7 @@ def test_extremes(student, seed):
     title="Takes other kinds of whole numbers, and many clusters",
     hint="Labels may be 32 bits wide, and there may be more than 255.",
 )
-def test_all_number_types_are_read(student, seed):
+def test_kinds_of_numbers(student, seed):
     require_small_clusters_removed(student.filter_clusters)
     labels = clutter(np.random.default_rng(seed), 20, 30)
     assert_right(student, labels.astype(np.int32), 6)
