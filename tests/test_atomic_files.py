@@ -46,7 +46,7 @@ def test_a_failed_write_leaves_no_temporary_file(tmp_path, monkeypatch, error):
 
 
 @pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
-def test_written_files_have_the_permissions_of_the_umask(tmp_path, monkeypatch, mask, mode):
+def test_the_permissions_of_written_files_follow_the_umask(tmp_path, monkeypatch, mask, mode):
     monkeypatch.setattr(atomic_files, "_UMASK", mask)
     path = tmp_path / "a" / "b" / "c.json"
     write_atomically("a \ud800 word", path)  # a lone surrogate, which is not valid Unicode text

@@ -247,7 +247,7 @@ def test_speeds_over_ground_are_estimated_from_a_moving_car():
     motion = Motion()
     for scan in range(30):
         time = scan / 10
-        # The ego car drives 6 m/s towards a parked box; a walker crosses at 1.4 m/s.
+        # The ego car drives at 6 m/s towards a parked box. A pedestrian crosses at 1.4 m/s.
         boxes = np.stack([box(30 - 6 * time, 5), box(25 - 6 * time, -4 + 1.4 * time)])
         things = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
     parked, walker = (np.array(thing.velocity) for thing in things)
