@@ -289,7 +289,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, said):
     table = course.root / "worksheet.csv"
     table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", said)]), "utf-8")
     outcome = collect(course, archive(course, files), times=table)
-    assert repr(said or "nothing") in outcome.undecided["ada"]
+    assert (repr(said) if said else "no time") in outcome.undecided["ada"]
     assert "timestamp.txt" not in placed(course, "ada")
     assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
@@ -369,7 +369,7 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
     outcome = collect(course, root)
     assert outcome.archives[0][1] == "GitHub Classroom"
     assert states(outcome) == {"ada": {"06": "new"}}, "an untouched notebook is not a submission"
-    assert "column github" in questions(outcome)["stage-3-someone"]
+    assert "in the github column" in questions(outcome)["stage-3-someone"]
     (root / "classroom_roster.csv").write_text(
         '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
     )
@@ -1107,7 +1107,7 @@ def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
         checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
     outcome = collect(course, root)
     assert states(outcome) == {"zed": {"06": "new"}}
-    assert "column github" in questions(outcome)["hw-3-mary-smith"]
+    assert "in the github column" in questions(outcome)["hw-3-mary-smith"]
 
 
 def test_logins_with_the_same_beginning_are_found(course, tmp_path):
