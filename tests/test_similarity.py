@@ -387,7 +387,7 @@ def test_a_stage_is_compared_and_shown(course):
     page = write_similarity(course, compared_).read_text("utf-8")
     assert page.count('class="code"') == 2
     assert "numpy.minimum(smallest, p)" in page
-    assert "have the same steps and differ only in names and similar details." in page
+    assert "have the same steps and differ only in names and other details." in page
     assert "14 of 14 steps" in page
     assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs no other file"
 
