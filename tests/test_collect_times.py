@@ -74,7 +74,11 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
     collect(course, lesson(course, EIGHT))
     assert time_of(course) is None
     outcome = collect(course, lesson(course, SIX), times=table(course, LATE))
-    assert time_of(course) == outcome.undecided["ada"] == f"the submission time of {EIGHT}.ipynb is unknown"
+    assert (
+        time_of(course)
+        == outcome.undecided["ada"]
+        == f"the submission time of {EIGHT}.ipynb is unknown"
+    )
     collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
     assert time_of(course) == utc(LATE)
 
