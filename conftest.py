@@ -122,6 +122,14 @@ def unchanged_recursion_limit():
 # Tests with many cases or a long run time. `make test` runs only the cases whose IDs begin with one
 # of these texts, and `make proof` runs all of them. Tests that are not listed always run.
 A_FEW_OF_MANY = {
+    "test_a_skeleton_is_complete": (),
+    "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
+    "test_a_recorded_notebook_shows_data_instead_of_widgets": (),
+    "test_a_bad_cell_does_not_affect_the_other_exercise": (),
+    "test_a_faulty_check_is_not_a_wrong_answer": (),
+    "test_a_failing_check_stops_only_a_solved_notebook": (),
+    "test_packages_that_check_accepts_can_be_imported_by_the_judge": (),
+    "test_every_source_of_right_helpers_is_in_the_key": (),
     "test_a_hanging_test_is_named": (),
     "test_no_box_is_on_empty_road": (),
     "test_faults_of_the_checks_are_reported_once": (),
