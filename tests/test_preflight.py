@@ -361,7 +361,7 @@ def test_a_module_that_a_cell_writes_can_be_imported(sandbox):
     submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
     verdict = judge_files(submission, 1, sandbox, LESSON)
     assert verdict.score == 30
-    assert verdict.problems[0] == "helpers.py, which a cell writes, was used."
+    assert verdict.problems[0] == "The judge used helpers.py, which a cell of the notebook writes."
 
 
 def test_too_much_code_is_refused_with_a_sentence():
@@ -656,17 +656,32 @@ def test_notes_name_the_modules_that_are_used(source, used):
     ],
 )
 def test_only_cells_that_write_a_module_make_one(command, name):
-    made = from_cells(code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1"))
+    written = code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1")
+    made = from_cells(*written, code("import helpers"))
     assert made.modules == ({name: "x = 1"} if name else {})
-    assert made.notes == ((f"{name}.py, which a cell writes, was used.",) if name else ())
+    used = f"The judge used {name}.py, which a cell of the notebook writes."
+    assert made.notes == ((used,) if name else ())
+    assert from_cells(*written).notes == (), "no module was used"
 
 
-def test_an_answer_in_another_language_is_reported():
-    made = from_cells(code(f"%%cython\n{GROUND.format(1)}"), code("%%bash\nls"))
-    assert made.notes == (
-        "The cell of filter_ground begins with %%cython. The judge runs only Python. Write the "
-        "function in Python, and delete that line.",
+def test_a_notebook_may_write_twenty_modules():
+    made = from_cells(*(code(f"%%writefile m{number}.py\nx = 1") for number in range(30)))
+    assert [*made.modules] == [f"m{number}" for number in range(20)]
+
+
+@pytest.mark.parametrize("magic", ["%%cython", "%%timeit -n 3", "%%bash"])
+def test_an_answer_below_a_magic_that_hides_it_is_reported(magic):
+    hidden = code(f"{magic}\n{GROUND.format(1)}")
+    assert from_cells(hidden, code("%%bash\nls")).notes == (
+        f"The judge skipped the cell of filter_ground, because it begins with {magic.split()[0]}. "
+        "Delete that line, and write the function in plain Python.",
     )
+    assert from_cells(hidden, code(GROUND.format(2))).notes == (), "another cell defines it"
+
+
+@pytest.mark.parametrize("magic", ["%%time", "%%capture", "%%prun", "%matplotlib inline"])
+def test_an_answer_below_a_magic_for_python_is_not_reported(magic):
+    assert from_cells(code(f"{magic}\n{GROUND.format(1)}")).notes == ()
 
 
 def test_the_first_four_versions_and_the_last_are_listed():

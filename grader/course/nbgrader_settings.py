@@ -66,7 +66,7 @@ def configure(c: Config, root: Path) -> Config:
 
     # Students fetch notebooks without `utils` next to them.
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
-    c.ExchangeFactory.collect = "grader.lms.exchange.CollectOrdinaryFiles"
+    c.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
 
     # If there is a roster, nbgrader must not enrol a student for each folder name.
     c.Autograde.create_student = not (root / "roster.csv").is_file()

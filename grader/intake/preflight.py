@@ -21,7 +21,8 @@ from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
 from grader.intake.reader_process import TooCostly, run_in_child
-from grader.intake.submission import SubmittedFiles
+from grader.intake.submission import MOST_MODULES, SubmittedFiles
+from utils.notebooks.magics import PYTHON_MAGICS
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 LARGEST_CODE = 15 * 2**20
@@ -319,33 +320,43 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
 
 
 def _find_written_modules(draft: _Draft) -> Iterator[str]:
-    """Find the modules that cells write, and report cells in another language."""
+    """Find the modules that cells write; report those that the notebook imports."""
     for cell in draft.cells:
         command, _, body = cell.source.lstrip().partition("\n")
-        if cell.kind != "code" or not command.startswith("%%"):
-            continue
-        if module := _WRITES_MODULE.fullmatch(command.strip()):
+        module = _WRITES_MODULE.fullmatch(command.strip()) if cell.kind == "code" else None
+        if module and len(draft.modules) < MOST_MODULES:
             draft.modules[module[1]] = body
-            yield f"{module[1]}.py, which a cell writes, was used."
-        elif names := [name for name in _exercise_names(draft.lesson) if _defines(cell, name)]:
-            yield (
-                f"The cell of {' and '.join(names)} begins with {command.split()[0][:20]}. The "
-                "judge runs only Python. Write the function in Python, and delete that line."
-            )
+    if used := _imported(draft, draft.modules):
+        yield f"The judge used {used}, which a cell of the notebook writes."
 
 
 def _report_modules(draft: _Draft) -> Iterator[str]:
     """Report submitted modules that the notebook imports."""
+    submitted = draft.submitted_files.modules.keys() - draft.modules.keys()
+    if used := _imported(draft, sorted(submitted)):
+        yield f"The judge used {used}, which you submitted with the notebook."
+
+
+def _imported(draft: _Draft, modules: Iterable[str]) -> str:
+    """Return the files of those modules that a code cell imports, as text."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
-    used = [
-        name
-        for name in draft.submitted_files.modules
-        if name not in draft.modules
-        and re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
-    ]
-    if used:
-        files = ", ".join(f"{name}.py" for name in used)
-        yield f"The judge used {files}, which you submitted with the notebook."
+    return ", ".join(
+        f"{name}.py"
+        for name in modules
+        if re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
+    )
+
+
+def _report_skipped_answers(draft: _Draft) -> Iterator[str]:
+    """Report exercises that are written only in cells which the judge skips for their magic."""
+    for name in _exercise_names(draft.lesson):
+        cells = [draft.cells[index].source for index in _answer_cells(draft, name)]
+        magics = [source.split(maxsplit=1)[0] for source in cells]
+        if magics and all(one[:2] == "%%" and one not in PYTHON_MAGICS for one in magics):
+            yield (
+                f"The judge skipped the cell of {name}, because it begins with {magics[-1][:20]}. "
+                "Delete that line, and write the function in plain Python."
+            )
 
 
 def _collect_written_answers(draft: _Draft) -> Iterator[str]:
@@ -417,6 +428,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _report_other_lesson,
     _find_written_modules,
     _report_modules,
+    _report_skipped_answers,
     _find_graded_cells,
     _collect_written_answers,
 )

@@ -100,10 +100,9 @@ def find_slips(
             failed_checks = frozenset(outcome.check for outcome in failed)
             # If the checks already earn more, an edit only explains what is wrong. If the failed
             # calls have taken as long as one call may, the edits would take as long.
-            matters = _share(outcomes) < ONE_SLIP_KEEPS and not _is_out_of_patience(
-                setting, exercise.name
-            )
-            likeliest = LIKELIEST_EDITS if matters else 0
+            earns_less = _share(outcomes) < ONE_SLIP_KEEPS
+            has_time = not _has_used_its_time(setting, exercise.name)
+            likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
             if repair := find_repair(setting, judged_program, exercise.name, failed, likeliest):
                 found[exercise.name] = repair
             elif (
@@ -115,7 +114,7 @@ def find_slips(
     return found
 
 
-def _is_out_of_patience(setting: Setting, exercise: str) -> bool:
+def _has_used_its_time(setting: Setting, exercise: str) -> bool:
     """Return whether the failed calls of an exercise have taken as long as one call may."""
     if setting.budget is None:
         return False

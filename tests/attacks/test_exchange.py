@@ -11,7 +11,7 @@ from nbgrader.exchange import ExchangeFactory
 from traitlets.config import Config
 
 from grader.course.nbgrader_settings import configure
-from grader.lms import exchange
+from grader.lms import exchange_collection
 
 STAGE, NOTEBOOK = "stage3_obstacles", "06_filter_ground.ipynb"
 ME = getpass.getuser()
@@ -138,10 +138,21 @@ def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, 
     submit(inbound, {NOTEBOOK: "first"})
     assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)
-    monkeypatch.setattr(exchange, "MOST_BYTES_OF_A_STUDENT", 100)
+    monkeypatch.setattr(exchange_collection, "MOST_BYTES_OF_A_STUDENT", 100)
     collected, warnings = collect(update=True)
     assert collected[f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
-    assert any("too large files" in text for text in warnings)
+    assert any("is too large" in text for text in warnings)
     monkeypatch.undo()
     assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     assert collect(update=True)[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "second" * 100
+
+
+def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect):
+    """A walk to the bottom would use up all descriptors, or end in a RecursionError."""
+    folder = submit(inbound, {NOTEBOOK: "{}", "parts/more.py": "y = 2"})
+    (folder / "/".join("z" * 300)).mkdir(parents=True)
+    submit(inbound, {NOTEBOOK: "{}"}, student="zoe")
+    collected, warnings = collect(check_owner=False)
+    assert {f"{ME}/{STAGE}/{NOTEBOOK}", f"zoe/{STAGE}/{NOTEBOOK}"} <= collected.keys()
+    assert f"{ME}/{STAGE}/parts/more.py" in collected
+    assert [text for text in warnings if text.endswith("has too many files or folders")]

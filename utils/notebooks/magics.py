@@ -11,7 +11,7 @@ import ast
 
 # The cells of these magics run in the notebook's own namespace. Cells of other magics contain
 # another language or throw-away code.
-_PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
+PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
 # IPython reads the whole cell again for each command. A student writes a few commands; a cell with
 # more commands than this limit is treated as invalid Python.
 _MOST_COMMANDS = 100
@@ -58,7 +58,7 @@ def _without_magics(source: str) -> str:
     source = source.split("\n", blank)[-1]
     first, _, rest = source.partition("\n")
     if first.lstrip().startswith("%%"):
-        is_python = first.split()[0] in _PYTHON_MAGICS
+        is_python = first.split()[0] in PYTHON_MAGICS
         return "\n" * (blank + 1) + _without_magics(rest) if is_python else ""
     return "\n" * blank + _transform(source)
 

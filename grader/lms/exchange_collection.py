@@ -1,0 +1,173 @@
+"""Collect submissions from nbgrader's exchange without trusting the folders there.
+
+Students own the folders that they submit, so they choose what is in them: links, pipes, endless
+files, and the time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import pwd
+import shutil
+import stat
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import BinaryIO
+
+from nbgrader.exchange.default import ExchangeCollect
+from nbgrader.utils import parse_utc
+
+from grader.classroom.collect.zips import MOST_BYTES_OF_A_STUDENT
+from grader.untrusted import one_line
+
+IGNORED_FOLDERS = (".ipynb_checkpoints", "__pycache__")
+# Files and folders that are looked at in one submission, those next to the notebooks first.
+MOST_ENTRIES = 200
+# nbgrader needs seconds from writing the time to copying the last file.
+LONGEST_SUBMISSION = timedelta(minutes=10)
+_NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
+
+
+class NotCollected(Exception):
+    """A submission cannot be collected; `str()` is the reason, as a clause about the folder."""
+
+
+class CollectOrdinaryFiles(ExchangeCollect):
+    """Collect from the exchange only ordinary files that belong to the student.
+
+    The modules next to a notebook are collected as well. If one submission cannot be collected, its
+    student's earlier one stays in place, and the other students' submissions are still collected.
+    """
+
+    def _path_to_record(self, path: str) -> dict:
+        """Read a student and a time from a folder's name; a name without a time sorts last."""
+        name = os.path.basename(path)
+        student, *rest = name.rsplit("+", 3)
+        try:
+            time = parse_utc(rest[1])
+        except (IndexError, ValueError, OverflowError):
+            time = datetime.min
+        return {"username": student, "filename": name, "timestamp": time}
+
+    def copy_files(self) -> None:
+        """Copy the newest submission of each student; see nbgrader."""
+        stage = self.coursedir.assignment_id
+        if not self.src_records:
+            self.log.warning("No submissions of '%s' to collect", stage)
+        for record in self.src_records:
+            student = record["username"]
+            try:
+                self._collect(student, record)
+            except (NotCollected, OSError) as reason:
+                self.log.warning(
+                    "Not collected: %s %s", one_line(record["filename"]), one_line(str(reason))
+                )
+
+    def _collect(self, student: str, record: dict) -> None:
+        stage, time = self.coursedir.assignment_id, record["timestamp"]
+        if not student or not student.isprintable():
+            raise NotCollected("does not begin with the name of a student.")
+        if time == datetime.min:
+            raise NotCollected("has no time in its name, as `nbgrader submit` would write it.")
+        folder = Path(
+            self.coursedir.format_path(self.coursedir.submitted_directory, student, stage)
+        )
+        if folder.is_dir():
+            before = self.coursedir.get_existing_timestamp(str(folder))
+            is_newer = self.update and (before is None or time > before)
+            if not is_newer and not (self.before_duedate and before != time):
+                self.log.info("No newer submission to collect: %s %s", student, stage)
+                return
+        files, changed = self._read(Path(self.inbound_path, record["filename"]), student)
+        self._compare_times(record, changed)
+        # The file is the student's, and may be missing or say something else.
+        files["timestamp.txt"] = record["filename"].rsplit("+", 3)[2].encode()
+        partial = folder.with_name(f".{stage}.partial")
+        shutil.rmtree(partial, ignore_errors=True)
+        for name, data in files.items():
+            path = partial / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        if folder.is_dir():
+            shutil.rmtree(folder)
+        partial.rename(folder)
+        self.log.info("Collected: %s %s", student, stage)
+
+    def _read(self, folder: Path, student: str) -> tuple[dict[str, bytes], datetime]:
+        """Return the files of a submission by their relative paths, and its latest change."""
+        files: dict[str, bytes] = {}
+        entries, left = 0, MOST_BYTES_OF_A_STUDENT
+        top = os.open(folder, _NO_LINK | os.O_DIRECTORY)
+        try:
+            latest = self._examine(os.fstat(top), student, "the folder")
+            for place, folders, names, here in os.fwalk(".", dir_fd=top):
+                folders[:] = sorted(set(folders) - {*IGNORED_FOLDERS})
+                entries += 1 + len(names)
+                if entries > MOST_ENTRIES:
+                    self._leave_out(f"{folder.name}/{place}", "has too many files or folders")
+                    break
+                for name in sorted(names):
+                    path = os.path.normpath(os.path.join(place, name))
+                    with self._opened(name, here, f"{folder.name}/{path}", left) as file:
+                        if file is not None:
+                            status = os.fstat(file.fileno())
+                            latest = max(latest, self._examine(status, student, path))
+                            files[path] = file.read(left)
+                            left -= len(files[path])
+        finally:
+            os.close(top)
+        if not files:
+            raise NotCollected("contains no file that can be collected.")
+        return files, datetime.fromtimestamp(latest, UTC).replace(tzinfo=None)
+
+    @contextlib.contextmanager
+    def _opened(self, name: str, folder: int, shown: str, most: int) -> Iterator[BinaryIO | None]:
+        """Open a file of at most `most` bytes; yield None if it is not such an ordinary file."""
+        try:
+            descriptor = os.open(name, _NO_LINK, dir_fd=folder)
+        except OSError as error:
+            reason = "is a link" if error.errno == errno.ELOOP else f"cannot be read: {error}"
+            self._leave_out(shown, reason)
+            yield None
+            return
+        with open(descriptor, "rb") as file:
+            status = os.fstat(descriptor)
+            if not stat.S_ISREG(status.st_mode):
+                self._leave_out(shown, "is not an ordinary file")
+                yield None
+            elif status.st_size > most:
+                self._leave_out(shown, f"is too large; {most // 2**20} MB are left")
+                yield None
+            else:
+                yield file
+
+    def _leave_out(self, shown: str, reason: str) -> None:
+        self.log.warning("Left out: %s %s", one_line(shown), one_line(reason))
+
+    def _examine(self, status: os.stat_result, student: str, what: str) -> float:
+        """Return when a file or folder was last changed; raise if another account owns it."""
+        if self.check_owner:
+            try:
+                owner = pwd.getpwuid(status.st_uid).pw_name
+            except KeyError:
+                owner = f"user {status.st_uid}"
+            if owner != student:
+                raise NotCollected(
+                    f"claims to be from {student}, but {what} belongs to {owner}. If accounts and "
+                    "students have different names, set `c.ExchangeCollect.check_owner = False`."
+                )
+        return status.st_ctime
+
+    def _compare_times(self, record: dict, changed: datetime) -> None:
+        """Report a folder that was changed long after the time in its name, which is a claim."""
+        claimed = record["timestamp"]
+        if changed - claimed > LONGEST_SUBMISSION:
+            self.log.warning(
+                "%s says %s, but was changed at %s (UTC). Decide which time counts.",
+                one_line(record["filename"]),
+                f"{claimed:%Y-%m-%d %H:%M}",
+                f"{changed:%Y-%m-%d %H:%M}",
+            )
