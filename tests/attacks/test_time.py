@@ -8,7 +8,7 @@ import pytest
 from grader.classroom import pool
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.judging import judge, repair, runner
+from grader.judging import judge, program_run, repair, runner
 from grader.sandbox import Limits
 from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -265,17 +265,26 @@ SLEEPY = {
 }
 
 
-@pytest.mark.slow
-def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(submit, monkeypatch):
-    """Each call returns within its limit, so only the failed checks can tell."""
-    budgets = []
+@pytest.fixture
+def budgets(monkeypatch):
+    """Return the list of all budgets that are created from now on."""
+    created = []
 
-    class Noted(Budget):
+    class Recorded(Budget):
         def __init__(self, limits):
             super().__init__(limits)
-            budgets.append(self)
+            created.append(self)
 
-    monkeypatch.setattr(judge, "Budget", Noted)
+    for module in (judge, program_run, repair, students):
+        monkeypatch.setattr(module, "Budget", Recorded)
+    return created
+
+
+@pytest.mark.slow
+def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
+    submit, budgets, monkeypatch
+):
+    """Each call returns within its limit, so only the failed checks can tell."""
     monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
@@ -285,22 +294,16 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(sub
 
 
 @pytest.mark.slow
-def test_a_notebook_of_sleeping_functions_has_one_budget(submit, monkeypatch):
+def test_a_notebook_of_sleeping_functions_has_one_budget(submit, budgets):
     """The notebook is also judged twice, because its last exercise calls the others."""
-    budgets = []
-
-    class Noted(Budget):
-        def __init__(self, limits):
-            super().__init__(limits)
-            budgets.append(self)
-
-    for module in (judge, repair, students):
-        monkeypatch.setattr(module, "Budget", Noted)
     verdict = submit(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
     assert verdict.score == 0 and not verdict.starved
     for exercise in verdict.exercises:
         messages = [test.message for test in exercise.tests]
         assert sum("did not answer" in message for message in messages) <= 1
-        assert sum("For the same reason" in message for message in messages) == len(messages) - 1
+        # On a busy machine, the budget may end before the last exercise has used up its tries.
+        others = ("For the same reason", "Not tried: the notebook had used up its")
+        repeated = [text for text in messages if any(other in text for other in others)]
+        assert len(repeated) >= len(messages) - 1
     [budget] = budgets
     assert -1.5 < budget.seconds < 0.5, "the budget is used up and hardly exceeded"
