@@ -2,7 +2,7 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
-# Jupyter refuses to run as root, unless told otherwise. In most containers, you are root.
+# Jupyter refuses to run as root without this option. In most containers, you are root.
 AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
 .PHONY: help lab demo grade site test proof colab mutants bench build check pictures constraints clean

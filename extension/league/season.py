@@ -108,7 +108,7 @@ def drive_class(
     workers: int,
     progress: Callable[[int, int, object], None],
 ) -> Season:
-    """Drive all streets without a stored drive. If there is no submission, drive none.
+    """Drive all streets without a stored drive, or none without a submission.
 
     The processes that drive exchange only data with this one, which reads and writes all files and
     stores each drive as soon as it has ended. A drive is repeated once, by itself, if its process

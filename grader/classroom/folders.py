@@ -16,7 +16,7 @@ class UnknownStudent(Exception):
 
 
 def find_student(course: Course, text: str) -> str:
-    """Return the id of the student whom a text names.
+    """Return the ID of the student that a text identifies.
 
     Parameters
     ----------

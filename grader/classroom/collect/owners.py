@@ -23,7 +23,7 @@ class UnknownOwner(Exception):
 
 
 class Owners:
-    """Finds the students whom an archive names.
+    """Finds the students to whom the files of an archive belong.
 
     Parameters
     ----------
