@@ -81,7 +81,8 @@ class WorkerProcess:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
         if code in KILLED and not self._above_limit and not had_to_be_killed:
-            # Another process may have been the victim, but then this one killed itself.
+            # If the kernel killed other processes instead, this one has killed itself. Then it is
+            # judged once more, which gains it nothing.
             self._lacked_memory |= killed_for_memory() > self.killed_before
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
