@@ -783,11 +783,26 @@ def test_equal_texts_are_left_out():
         (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),
+        (np.ma.masked_array(CLOUD, CLOUD > 1), "a masked array. It hides values"),
     ],
 )
 def test_the_type_of_a_wrong_answer_is_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
         as_array(answer, columns=4, what="rows")
+
+
+def test_a_coroutine_is_named():
+    async def returned():
+        return CLOUD
+
+    coroutine = returned()
+    with pytest.raises(CheckFailed, match="Delete `async` before `def`"):
+        as_array(coroutine, columns=4, what="rows")
+    coroutine.close()
+
+
+def test_a_masked_array_without_masked_values_is_an_array():
+    assert np.array_equal(as_array(np.ma.masked_array(CLOUD), columns=4), CLOUD)
 
 
 def test_a_slow_right_answer_gets_a_note_on_the_time_limit(capsys, monkeypatch):

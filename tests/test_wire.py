@@ -143,6 +143,7 @@ def test_a_list_of_many_rows_is_quick():
         (np.zeros((1,) * 20), "an array of float64"),
         (np.zeros(2, "V4"), "an array of void"),
         (np.datetime64("2020"), "datetime64"),
+        (np.ma.masked_array([1.0, 2.0], [True, False]), "MaskedArray"),
     ],
 )
 def test_other_objects_arrive_as_the_name_of_their_type(value, name):

@@ -128,6 +128,16 @@ def points_text(points: np.ndarray, digits: int = 2) -> str:
 
 # Types that NumPy does not convert to an array of values, although list(...) does.
 _ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
+# What to say about other types that students return.
+_ABOUT_TYPES = {
+    "coroutine": (
+        "The function returned a coroutine: its body has not run. Delete `async` before `def`."
+    ),
+    "MaskedArray": (
+        "The function returned a masked array. It hides values but still contains them. Return "
+        "an ordinary array, for example cloud[mask]."
+    ),
+}
 
 
 def metres_text(distance: float, digits: int = 2) -> str:
@@ -199,6 +209,8 @@ def as_array(
                 yours=f"a {kind}",
                 expected=what,
             ) from None
+        if about := _ABOUT_TYPES.get(kind):
+            raise WrongForm(about, yours=kind, expected=what) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
             f"The function returned {'a pair' if pair else 'something else'} instead of {what}.",

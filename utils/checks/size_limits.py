@@ -45,8 +45,10 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     TooLarge
         If the answer exceeds a limit.
     NotNumbers
-        If the answer is anything else.
+        If the answer is anything else. A masked array is accepted only if no value is masked.
     """
+    if isinstance(answer, np.ma.MaskedArray) and np.ma.is_masked(answer):
+        raise NotNumbers
     if not isinstance(answer, np.ndarray):
         _assert_plain_numbers(answer, most)
         try:

@@ -47,7 +47,7 @@ _NAMES_OF_TYPES = {
     for module in (builtins, types, np)
     for value in vars(module).values()
     if isinstance(value, type)
-} | {"dict_keys", "dict_values", "dict_items"}
+} | {"dict_keys", "dict_values", "dict_items", "MaskedArray"}
 _KNOWN = {
     *_NAMES_OF_TYPES,
     *(f"an array of {name}" for name in _NAMES_OF_TYPES),
@@ -152,6 +152,8 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
     if value is None or isinstance(value, (bool, str)):
         return str(value) if isinstance(value, str) else value
     if isinstance(value, np.ndarray):
+        if np.ma.is_masked(value):  # as a plain array, it would contain the hidden values again
+            return {"opaque": "MaskedArray"}
         return _array_to_tree(np.asarray(value), blob, depth)
     if isinstance(value, np.generic):
         if isinstance(value, np.longdouble):
