@@ -108,13 +108,21 @@ class Meter:
             now = self._worker.threads() or {}
             # Exclude the time in which the judge itself worked or waited for a processor.
             passed = self.waited - (own_seconds() - self._ours)
-            share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
+            share = 1.0 if self._is_asleep(now) else 0.0
             if answered and self._noticed:
                 share = self._slept / self._noticed  # assume the same share as before
             self._slept += share * max(0.0, passed - self._noticed)
             self._noticed = passed
             most = passed - self._delayed(now)
             self.seconds = max(worked, min(most, worked + self._slept))
+
+    def _is_asleep(self, now: dict[int, Thread]) -> bool:
+        """Return whether no thread is ready to run, in `now` and in a second look.
+
+        Threads are read one after another. A child may end, and wake its parent, after the parent
+        was read and before the child is.
+        """
+        return not (_any_ready(now) or _any_ready(self._worker.threads() or {}))
 
     def _delayed(self, now: dict[int, Thread]) -> float:
         """Return the seconds for which the worker waited for a processor.
@@ -125,6 +133,10 @@ class Meter:
         begun = {number: thread.delayed for number, thread in self._threads.items()}
         delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
         return max(delays, default=0.0)
+
+
+def _any_ready(threads: dict[int, Thread]) -> bool:
+    return any(thread.ready for thread in threads.values())
 
 
 class TimeLimit:
