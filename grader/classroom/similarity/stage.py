@@ -52,7 +52,7 @@ class PairOfStudents:
 
     @property
     def bits(self) -> float:
-        """How unusual all their similarities are together, in bits."""
+        """How unusual all similarities of the two students are together, in bits."""
         return sum(pair.bits for pair in self.pairs)
 
 
