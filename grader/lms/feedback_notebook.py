@@ -2,7 +2,7 @@
 
 Canvas gives a feedback file the name of the submitted file, which is a notebook. An HTML page with
 that name could not be opened. Notebook viewers show HTML, but not style sheets or MathML, so
-formulas stay as they were written.
+formulas stay in source form.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def class_results(course: Course) -> ClassResults:
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:
-    """Return whether a row is about submitted work; nbgrader also has rows for missing work.
+    """Return whether a row is about submitted work; nbgrader also creates rows for missing work.
 
     A row with points or with a mark given by hand counts even if the files no longer exist.
     """

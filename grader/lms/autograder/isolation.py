@@ -66,7 +66,7 @@ def strongest_sandbox() -> Sandbox:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:
-            # Only the reason, because the error's advice is to do without a sandbox.
+            # Show only the reason, because the error's advice is to grade without a sandbox.
             complaints.append(f"{name}: {error.reason}")
         else:
             return SANDBOXES[name]

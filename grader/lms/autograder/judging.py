@@ -1,4 +1,4 @@
-"""Judge one submission in Gradescope's container, whose files may be in any folder."""
+"""Judge one submission in Gradescope's container; its files may be in any folder."""
 
 from __future__ import annotations
 
