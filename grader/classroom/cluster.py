@@ -175,7 +175,7 @@ class Cluster(Executor):
         _call_quietly(self._client.register_plugin, plugin, name=self._name)
 
     def _record_event(self, event: tuple[float, dict]) -> None:
-        """Record what a worker reports about itself."""
+        """Record a worker's report about itself."""
         report = event[1]
         if not report["complaint"]:
             self._suitable_workers[report["worker"]] = report["threads"]

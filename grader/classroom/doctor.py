@@ -53,7 +53,7 @@ def examine(
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
 ) -> Iterator[Finding]:
-    """Examine everything that grading relies on, the quickest subjects first.
+    """Examine everything that grading relies on, and yield the quickest findings first.
 
     Parameters
     ----------

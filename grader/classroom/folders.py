@@ -12,11 +12,11 @@ from grader.course.roster import Person, Roster, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
-    """A text matches no student or several students; `str()` is the sentence to show."""
+    """A text matches no student or several students; the message is shown to the user."""
 
 
 def find_student(course: Course, text: str) -> str:
-    """Return the id of the student whom a text identifies.
+    """Return the id of the student with a given id, name, e-mail address, login or folder.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ LEAST_STUDENTS = 20
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """Number of students who failed a check first, and number with a result for its exercise."""
+    """How many students failed a check first, and how many have a result for its exercise."""
 
     lesson: str
     exercise: str
@@ -35,7 +35,7 @@ class Item:
     exercise, title : str
     visible : bool
     passed, tried : int
-        Number of students who passed, and number who have a result for the check.
+        How many students passed the check, and how many have a result for it.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None for
         fewer than `LEAST_STUDENTS` students, or if either quantity is the same for all students.

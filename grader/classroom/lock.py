@@ -16,7 +16,7 @@ except ImportError:  # Windows
 
 
 class AlreadyRunning(Exception):
-    """Another process is grading this course; `str()` is the sentence to show."""
+    """Another process is grading this course; the message is shown to the user."""
 
 
 @contextlib.contextmanager
@@ -47,10 +47,10 @@ def course_lock(course: Course) -> Iterator[None]:
         for folder in (course.verdicts, course.report):
             for path in folder.rglob("*.part"):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # from `grader.classroom.collect`
+        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # left by `grader.classroom.collect`
             for path in course.submitted.glob(pattern):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/.*.part", "*/.*.old"):  # from `grader.lms.copies`
+        for pattern in ("*/.*.part", "*/.*.old"):  # left by `grader.lms.copies`
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)
         yield

@@ -20,7 +20,7 @@ from grader.sandbox import SANDBOXES, Sandbox
 
 
 class RehearsalFailed(Exception):
-    """A lesson's own solution does not earn all points; `str()` names the tests at fault."""
+    """A lesson's own solution does not earn all points; the message names the tests."""
 
 
 class Rehearsals:

@@ -20,7 +20,7 @@ EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
 
 
 class ReplacedSubmission(Exception):
-    """A submission was replaced after it was judged; `str()` is the sentence to show."""
+    """A submission was replaced after it was judged; the message is shown to the user."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ SECONDS_TO_END = 10
 
 
 class UnsuitableWorker(Exception):
-    """A worker cannot judge reliably; `str()` gives the reason and the remedy."""
+    """A worker cannot judge reliably; the message contains the reason and the remedy."""
 
 
 class JudgePlugin(WorkerPlugin):
@@ -79,8 +79,8 @@ class JudgePlugin(WorkerPlugin):
             complaint = f"It cannot load the course's code: {error!r}."
         if not complaint:
             await worker.set_resources(**{self.name: self.threads})
-            # The scheduler reconsiders waiting tasks when a worker joins or resumes, but not when a
-            # worker gains a resource. So pause and resume the worker.
+            # Pause and resume the worker, because the scheduler does not reconsider waiting tasks
+            # when a worker only gains a resource.
             worker.status = Status.paused
             worker.status = Status.running
         report = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}

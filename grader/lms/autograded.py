@@ -233,7 +233,7 @@ def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> 
 
 
 def _cell(source: str, kind: str = "markdown") -> NotebookNode:
-    """Build a cell directly, because nbformat's constructors validate against the schema."""
+    """Build a cell without nbformat's constructors, which validate each cell against the schema."""
     code_fields = {"outputs": [], "execution_count": None} if kind == "code" else {}
     cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **code_fields}
     return nbformat.from_dict(cell)

@@ -75,7 +75,7 @@ def extension_of(
     dates = deadlines.stages.get(stage, StageDates())
     granted = submission.extension
     if granted is not None and granted == _entered_extension(course, student, stage):
-        granted = None  # it came from deadlines.toml and was not granted by a person
+        granted = None  # the extension came from deadlines.toml, not from a person
     if dates.due is None:
         return granted
     wanted = deadlines.due(student, stage) - dates.due

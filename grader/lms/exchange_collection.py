@@ -32,14 +32,15 @@ _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
 
 class NotCollected(Exception):
-    """A submission cannot be collected; `str()` is the reason, as a clause about the folder."""
+    """A submission cannot be collected; the message continues a sentence about its folder."""
 
 
 class CollectOrdinaryFiles(ExchangeCollect):
     """Collects from the exchange only ordinary files that belong to the student.
 
-    The modules next to a notebook are collected as well. If one submission cannot be collected, its
-    student's earlier one stays in place, and the other students' submissions are still collected.
+    The modules next to a notebook are collected as well. If one submission cannot be collected, the
+    student's earlier submission stays in place, and the other students' submissions are still
+    collected.
     """
 
     def _path_to_record(self, path: str) -> dict:

@@ -144,7 +144,7 @@ def _is_untouched(exercise: ExerciseFeedback) -> bool:
 
 
 class FeedbackNotReady(Exception):
-    """Feedback for a student is not ready yet; `str()` is the message to show."""
+    """Feedback for a student is not ready yet; the message is shown to the user."""
 
 
 class FeedbackWriter:

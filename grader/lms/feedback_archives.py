@@ -143,7 +143,7 @@ class WrittenFeedback:
     pages : tuple of pathlib.Path
         One page per student.
     archive : pathlib.Path or None
-        The zip for the LMS; None if it would be empty.
+        The zip for the LMS; None without an LMS, or if the zip would be empty.
     left : tuple of str
         One sentence for each student without a page, or without a file in the zip.
     """

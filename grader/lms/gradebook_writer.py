@@ -38,7 +38,7 @@ from grader.lms.withdrawal import withdraw
 
 
 class GradebookError(Exception):
-    """The gradebook is not complete; `str()` is the message to show."""
+    """The gradebook is not complete; the message is shown to the user."""
 
 
 def enter_verdicts(

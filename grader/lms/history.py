@@ -38,7 +38,7 @@ Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
 
 @dataclass(frozen=True)
 class MarkChange:
-    """One change of a mark.
+    """A change of a mark.
 
     Attributes
     ----------

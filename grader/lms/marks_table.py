@@ -25,7 +25,7 @@ JUDGE_FAILED_TEXT = "the judge failed; grade again"
 
 @dataclass(frozen=True)
 class MarkCell:
-    """The text of a cell, its explanation, and the number for sorting."""
+    """The text of a cell, its explanation, and a number for sorting."""
 
     text: str
     means: str = ""

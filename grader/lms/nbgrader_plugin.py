@@ -36,7 +36,7 @@ class ClearEarlier(NbGraderPreprocessor):
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict, cell_index: int
     ) -> tuple[NotebookNode, dict]:
-        """Empty a cell that has the tag for earlier lessons."""
+        """Remove the solution from a cell with the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.without_solution(cell.source)
         return cell, resources

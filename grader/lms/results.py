@@ -20,7 +20,7 @@ MARKED = "marked"  # there is a mark, which may be 0
 
 
 class GradebookUnavailable(Exception):
-    """The gradebook cannot be opened; `str()` is the message to show."""
+    """The gradebook cannot be opened; the message is shown to the user."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def format_points(points: float, decimal_mark: str = ".") -> str:
 
 
 def rounded_points(points: float) -> str:
-    """Format points with one decimal place, or with two if one would look like a whole number.
+    """Format points with one decimal place, or two if one would wrongly show a whole number.
 
     For example, 29.97 points are not shown as 30. Halves are rounded up.
     """

@@ -15,7 +15,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 class SubmissionTimeUnknown(Exception):
-    """The submission time is unknown; `str()` is the reason."""
+    """The submission time is unknown; the message is the reason."""
 
 
 def submission_time(folders: Iterable[Path]) -> datetime | None:

@@ -98,7 +98,7 @@ def _excused(
 def _as_work_of_one_student(
     path: Path, submitted: list[SubmittedFile], owners: Owners
 ) -> list[SubmittedFile]:
-    """Assign all files to one student if an answer says so and no other is named."""
+    """Assign all files to the archive's owner if an answer names one and the archive no other."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
     if not owners.owns_whole_archive(owner, {file.owner for file in submitted} - {owner}):

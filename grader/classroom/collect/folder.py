@@ -1,4 +1,4 @@
-"""Read any other archive of ``{student}/…``, ``{student}.zip`` or ``{student}_06_….ipynb``.
+"""Read all other archives: ``{student}/…``, ``{student}.zip`` or ``{student}_06_….ipynb``.
 
 If no student is named, all files belong to one student, named after the archive.
 """

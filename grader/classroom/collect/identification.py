@@ -11,11 +11,11 @@ from grader.course.lessons import Lesson, all_lessons, find_lesson
 
 
 class Unrecognised(Exception):
-    """The lesson of a file is unknown; `str()` says what to do."""
+    """The lesson of a file is unknown; the message explains what to do."""
 
 
 class Contradiction(Exception):
-    """A file's name and content belong to different lessons; `str()` is the question to show."""
+    """A file's name and content belong to different lessons; the message is a question."""
 
     def __init__(self, text: str, lessons: tuple[Lesson, Lesson]) -> None:
         super().__init__(text)

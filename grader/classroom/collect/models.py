@@ -9,11 +9,11 @@ from pathlib import Path
 
 
 class CollectError(Exception):
-    """Nothing can be collected; `str()` is the sentence to show."""
+    """Nothing can be collected; the message is shown to the user."""
 
 
 class UnreadableFile(Exception):
-    """One file cannot be read; `str()` is the sentence to show after the file's name."""
+    """One file cannot be read; the message follows the file's name in a sentence."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class SubmittedFile:
         Folders and file name before a learning platform changed them.
     entry : ArchiveEntry
     order : int
-        Higher is newer among archives of the same format; 0 if unknown.
+        Sort key among archives of the same format: higher is newer, and 0 is unknown.
     saved : datetime or None
         When the student saved the file, if the archive contains that time.
     late : bool or None

@@ -2,9 +2,9 @@
 
 Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
 subfolders. If the teacher chose a download without folders, ``_{file}`` follows each name. The
-number is the participant's number in the grading worksheet. A team has the name ``{team}_{team
-number}``; students without a team have the name ``{default team}`` without a number. Names do not
-contain ``_``.
+number is the participant's number in the grading worksheet. A team has the name
+``{team}_{team number}``; students without a team have the name ``{default team}`` without a number.
+Names do not contain ``_``.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE
 
 
 class UnknownOwner(Exception):
-    """The owner is unknown; `str()` is the question to show."""
+    """The owner is unknown; the message is a question for the instructor."""
 
 
 class Owners:
@@ -31,7 +31,7 @@ class Owners:
         Without a roster, folders are named as in the archive.
     worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
-        The instructor's answers: the ids of all owners, by label (`normalized`).
+        The instructor's answers: ids of all owners, by `normalized` label.
 
     Raises
     ------

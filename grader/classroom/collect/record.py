@@ -30,11 +30,11 @@ class FileOrigin:
     moment : str
         The time in the archive, in ISO 8601.
     order : int
-        Higher is newer among archives of the same format; 0 if unknown.
+        Sort key among archives of the same format: higher is newer, and 0 is unknown.
     late : bool
         Whether the learning platform marked the file late.
     participant : str
-        Moodle's number of the owner, a student or a team.
+        Moodle's number for the owner, which is a student or a team.
     beaten : tuple of str
         SHA-256 of other files for the lesson that an answer rejected.
     when : str

@@ -61,7 +61,8 @@ class StudentFile:
         )
 
 
-# Each function returns a higher value for a newer file, or None. The most reliable one is first.
+# Each function returns a higher value for a newer file, or None if unknown. The most reliable
+# function is first.
 EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
     lambda file: file.submitted.order or None,
     lambda file: file.saved,

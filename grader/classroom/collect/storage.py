@@ -34,11 +34,11 @@ _UNREADABLE_TIME = "timestamp.txt has no readable time"
 
 
 class UnclearVersion(Exception):
-    """A person has to decide which of two files counts; `str()` says what to do."""
+    """A person has to decide which of two files counts; the message explains what to do."""
 
 
 def digest_of(data: bytes) -> str:
-    """Return the SHA-256 of some bytes."""
+    """Return the SHA-256 of `data` in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
 
 

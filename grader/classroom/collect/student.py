@@ -1,4 +1,4 @@
-"""Collect the files of one student: copy each file to its lesson, or ask the instructor."""
+"""Collect the files of one student: store each under its lesson's name, or ask the instructor."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class StudentCollector:
         self._report_problems()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
-        """Return notebooks and modules, and record a problem for each file that is neither."""
+        """Return notebooks and modules; record files sent instead of a notebook as problems."""
         files, size = [], 0
         for archive, one in submitted:
             if one.remark:

@@ -87,7 +87,7 @@ class SubmissionTable:
         return self._by_number.get(number) if number else None
 
     def rows_with(self, text: str) -> list[SubmissionRow]:
-        """Return the rows that contain a text among the texts that identify the person."""
+        """Return the rows in which a text identifies the person."""
         return [row for row in self.rows if text in row.identifying]
 
     @functools.cached_property

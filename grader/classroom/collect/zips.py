@@ -1,6 +1,6 @@
 """Read untrusted zips: check the declared sizes, and never use a name in a zip as a path.
 
-Only the roster and the lessons of the course decide where a file is written.
+Only the roster and the lessons of the course determine where a file is written.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ MOST_CHARACTERS = 50_000
 
 @dataclass(frozen=True)
 class ComparedAnswer:
-    """A student's function, with the student's other statements that it needs.
+    """A student's function, with the other statements that it needs.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class NotebookParts:
     own, all : int
         The number of cells that differ from the release, and the total number of cells.
     problems : tuple of str
-        Why an exercise cannot be compared, one sentence each.
+        One sentence for each exercise that cannot be compared.
     """
 
     answers: dict[str, ComparedAnswer] = dataclasses.field(hash=False)
@@ -74,7 +74,7 @@ def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> Note
     utils.notebooks.reading.UnreadableNotebook
     grader.intake.reader_process.ReadingFailed
     """
-    _released_statements(lesson)  # cached here, so that each child process inherits it
+    _released_statements(lesson)  # cached here, so that child processes inherit the result
 
     def work() -> dict:
         # The compared code is the judged code, after repairs. The digest covers the submitted

@@ -2,9 +2,9 @@
 
 The normal form has no comments, layout, docstrings, annotations, `print` or `pass`, and no names
 except those of parameters, modules and their members, and given functions. Equal numbers are spelt
-in the same way. Some equivalent code has the same normal form: ``x += 1`` and ``x = x + 1``, ``a >
-b`` and ``b < a``, ``a + b`` and ``b + a``, ``a, b = 1, 2`` and two assignments, a `for` loop and a
-`while` loop that counts.
+in the same way. Some equivalent code has the same normal form: ``x += 1`` and ``x = x + 1``,
+``a > b`` and ``b < a``, ``a + b`` and ``b + a``, ``a, b = 1, 2`` and two assignments, a `for` loop
+and a `while` loop that counts.
 
 The code is untrusted, so this module runs in a separate process; see
 `grader.intake.reader_process`.

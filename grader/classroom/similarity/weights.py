@@ -5,9 +5,9 @@ introduced such pieces for whole programs (Winnowing: local algorithms for docum
 SIGMOD 2003). Functions are short, so all pieces are kept. No piece extends into the next statement,
 so the order of statements does not matter.
 
-Pieces in the lesson's suggested answers have no weight, and neither have pieces in many answers.
-The weight of any other piece is its information in bits: the fewer answers contain the piece, the
-more it weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
+Pieces that occur in the lesson's suggested answers or in many students' answers have no weight. The
+weight of any other piece is its information in bits: the fewer answers contain the piece, the more
+it weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ NOT_WRITABLE = (".", "results")
 
 
 class IsolationFailed(Exception):
-    """Users other than root could access tests, seed or results; `str()` is the message to show."""
+    """Users other than root could access tests, seed or results; instructors see the message."""
 
 
 def restrict_access(root: Path) -> None:

@@ -71,7 +71,7 @@ def gradescope(options: ExportOptions) -> ExportResult:
 
 
 class _NoEntry(Exception):
-    """A mark cannot be delivered; `str()` says why."""
+    """A mark cannot be delivered; the message is the reason."""
 
 
 def _email(mark: Mark) -> str:

@@ -29,8 +29,8 @@ class PersonRow:
     name : str
         Name of the owner, which is used alone if no claim matches; empty if the file hides it.
     lms_id : str
-        The LMS's ID for the person, if all of its files contain one. A student with another ID on
-        the roster is only a namesake.
+        The person's ID in the LMS, if all files from that LMS contain one. A student with another
+        ID on the roster is only a namesake.
     """
 
     label: str
