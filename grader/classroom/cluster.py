@@ -1,8 +1,8 @@
 """Judge on the workers of a Dask cluster.
 
 Workers need Python, the packages in requirements-cluster.txt and, on processors other than x86-64,
-the system's bubblewrap. A plugin sends the course's code to each worker once. Jobs and results
-are sent as bytes, so neither the scheduler nor a worker needs a module of this project.
+the system's bubblewrap. A plugin sends the course's code to each worker once. Jobs and results are
+sent as bytes, so neither the scheduler nor the workers need this project installed.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ cloudpickle.register_pickle_by_value(worker_plugin)
 
 
 class _FunctionByValue:
-    """A function that is pickled by value, with its code."""
+    """A function that is pickled with its code and not by reference."""
 
     def __init__(self, function: Callable) -> None:
         self._code = cloudpickle.dumps(function)
@@ -53,15 +53,14 @@ class _FunctionByValue:
 def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
     """Connect to a cluster.
 
-    An address with ``tls://`` means an encrypted connection. Dask's configuration has the
-    certificates.
+    A ``tls://`` address uses an encrypted connection with the certificates in Dask's configuration.
 
     Parameters
     ----------
     address : str
         Address of the scheduler.
     sandbox : str
-        A name in `grader.sandbox.SANDBOXES`, which workers must have.
+        Name of a sandbox in `grader.sandbox.SANDBOXES` that workers must have.
     notify : callable
         Called with messages for the instructor, for example when a worker is refused.
 
@@ -70,7 +69,7 @@ def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Execut
     grader.classroom.protocol.ExecutorLost
         If no scheduler answers, or if certificates are required and none are configured.
     """
-    # Problems are reported below in full sentences, and version differences only if they matter.
+    # Silence Dask: problems are reported below, and version differences only if they matter.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
     # A client that fails because it has no certificates hangs when Python exits.
@@ -93,7 +92,7 @@ def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Execut
 def _client(address: str) -> distributed.Client:
     try:
         return distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
-    except AssertionError:  # Dask's own thread got no processor for ten seconds
+    except AssertionError:  # Dask's own thread got no CPU time for ten seconds
         return distributed.Client(address, timeout=CONNECTION_TIMEOUT, set_as_default=False)
 
 
@@ -103,7 +102,7 @@ def packed_course() -> bytes:
 
 
 class Cluster(Executor):
-    """The suitable workers of a cluster as one executor.
+    """An executor that runs jobs on the suitable workers of a cluster.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ class Cluster(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Leave the cluster unchanged; see `concurrent.futures.Executor.shutdown`."""
+        """Disconnect and leave the cluster running; see `concurrent.futures.Executor.shutdown`."""
         if self._closed.is_set():
             return
         if wait and not cancel_futures:
@@ -172,11 +171,11 @@ class Cluster(Executor):
 
     def _send(self, plugin: worker_plugin.JudgePlugin) -> None:
         """Send the plugin to every worker, including those that join later."""
-        # Each worker reports for itself, so that one that hangs does not delay the others.
+        # Each worker reports separately, so a worker that hangs does not delay the others.
         _call_quietly(self._client.register_plugin, plugin, name=self._name)
 
     def _record_event(self, event: tuple[float, dict]) -> None:
-        """Record what a worker reports about itself."""
+        """Record a worker's report about itself."""
         report = event[1]
         if not report["complaint"]:
             self._suitable_workers[report["worker"]] = report["threads"]
@@ -188,7 +187,7 @@ class Cluster(Executor):
         )
 
     def _deliver(self, future: Future, remote_future: distributed.Future) -> None:
-        """Pass on the result of a job."""
+        """Set a job's result or error on its future."""
         try:
             if remote_future.status == "finished":
                 succeeded, value = pickle.loads(remote_future.result())
@@ -201,7 +200,7 @@ class Cluster(Executor):
                 self._give_up(self._unreachable_message())
             return
         if isinstance(value, distributed.scheduler.KilledWorker):
-            # The whole worker died in each of Dask's attempts.
+            # The worker process died in each of Dask's attempts.
             value = BrokenExecutor(str(value))
         with self._lock:
             if self._waiting.pop(future, None) and future.set_running_or_notify_cancel():

@@ -1,4 +1,4 @@
-"""Find the lesson of a file, by its name and by its content."""
+"""Find the lesson of a file from its name or its content."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def lesson_by_name(name: str) -> Lesson | None:
 
 
 def copy_number(name: str) -> int:
-    """Return the number that browsers and platforms add to the name of a copy; otherwise 0."""
+    """Return the number that a browser or platform added to the name of a copy; otherwise 0."""
     stem = re.sub(r"(?:\.[A-Za-z]{1,6})+$", "", name)
     numbers = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", stem)
     return int(numbers[-1]) if numbers else 0
@@ -66,7 +66,7 @@ def cache_releases() -> None:
 
 
 def lesson_by_content(path: Path) -> Lesson | None:
-    """Return the lesson in a submitted notebook, which is read in a separate process."""
+    """Return the lesson of a submitted notebook, read in a separate process."""
     try:
         status = path.lstat()
     except OSError:
@@ -76,7 +76,7 @@ def lesson_by_content(path: Path) -> Lesson | None:
 
 @functools.lru_cache(10_000)
 def _lesson_by_content(path: Path, *state: int) -> Lesson | None:
-    """Return the lesson in a notebook; the result is cached until the file changes."""
+    """Return the lesson of a notebook; the result is cached until the file changes."""
 
     def work() -> str:
         lesson = _lesson_of(decode_notebook(read_file(path), os.fspath(path.name)))

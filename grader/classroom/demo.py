@@ -140,7 +140,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
                 },
             )
         )
-    # Every fourth student is a special case while there are any, so that small classes have some.
+    # Every fourth student is a special case until all are used, so small classes include some.
     students = (
         SampleStudent(
             next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}

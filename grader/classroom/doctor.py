@@ -1,4 +1,4 @@
-"""Examine whether everything is ready for grading, and say how to solve each problem."""
+"""Check whether everything is ready for grading, and suggest a fix for each problem."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ LEAST_FREE_BYTES = 2**30
 
 @dataclass(frozen=True)
 class Finding:
-    """The result of one examination.
+    """The result of examining one subject.
 
     Attributes
     ----------
     subject : str
     good : bool
     text : str
-        What was found and, if there is a problem, what to do.
+        The result and, if there is a problem, how to fix it.
     """
 
     subject: str
@@ -53,7 +53,7 @@ def examine(
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
 ) -> Iterator[Finding]:
-    """Examine everything that grading relies on, starting with the quickest examinations.
+    """Examine everything that grading relies on, and yield the quickest findings first.
 
     Parameters
     ----------
@@ -203,9 +203,9 @@ def _roster(course: Course) -> Iterator[Finding]:
 
 
 def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
-    """Name the students without a submission, for each stage that has submissions."""
+    """Yield the missing and excused students of each stage that has submissions."""
     deadlines = Deadlines({})
-    with contextlib.suppress(DeadlinesError):  # `_deadlines` reports it
+    with contextlib.suppress(DeadlinesError):  # `_deadlines` reports the error
         deadlines = read_deadlines(course) or deadlines
     by_stage: dict[str, set[str]] = {}
     for submission in find_submissions(course):

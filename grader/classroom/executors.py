@@ -1,7 +1,7 @@
 """The executors that can judge a class: processes on this machine, or a cluster.
 
-To add one, write a function that opens an executor as described in `grader.classroom.protocol`, and
-add it to `EXECUTORS`.
+To add an executor, write a function that opens an executor as described in
+`grader.classroom.protocol`, and add it to `EXECUTORS`.
 """
 
 import math

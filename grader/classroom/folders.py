@@ -1,4 +1,4 @@
-"""Match the folders in ``submitted/`` with the roster, and say what to do about the others."""
+"""Match the folders in ``submitted/`` with the roster, and suggest a fix for the other folders."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from grader.course.roster import Person, Roster, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
-    """A text matches no student or several students; `str()` is the sentence to show."""
+    """A text matches no student or several students; the message is shown to the user."""
 
 
 def find_student(course: Course, text: str) -> str:
-    """Return the ID of the student that a text identifies.
+    """Return the id of the student with a given id, name, e-mail address, login or folder.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     text : str
-        An id, a name, an e-mail, a login, or a folder in ``submitted/``.
+        An id, a name, an e-mail address, a login, or a folder in ``submitted/``.
 
     Raises
     ------
@@ -42,10 +42,10 @@ def find_student(course: Course, text: str) -> str:
 
 
 def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
-    """Return the folders that match no student on the roster, and for each a suggestion.
+    """Return the folders that match no student on the roster, each with a suggested fix.
 
-    Their notebooks are judged, but the scores are not entered into the gradebook: the folder may
-    have another name for a student, or belong to a person who does not take the course.
+    Their notebooks are judged, but the scores are not entered into the gradebook, because the
+    folder may be misnamed or belong to a person who does not take the course.
     """
     return {
         folder: _question(course, roster, folder)
@@ -86,7 +86,7 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
-    """Yield commands that move a folder to a student without overwriting anything."""
+    """Yield commands that move a folder into a student's folder without overwriting anything."""
     source, destination = course.submitted / folder, course.submitted / person.id
     if not destination.exists():
         yield _move(course, source, destination)

@@ -35,10 +35,9 @@ JudgedSubmissions = list[tuple[Submission, Verdict]]
 
 
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
-    """Return the verdict on disk if it is valid for this file, these rules and this seed.
+    """Return the verdict on disk if it is valid for this file, the current rules and this seed.
 
-    It must also be reliable: the judge did not fail, and the student's code got enough processor
-    time.
+    It must also be reliable: the judge did not fail, and the student's code got enough CPU time.
     """
     verdict = read_verdict(submission.verdict_path(course))
     if verdict is None or verdict.status != JUDGED or verdict.starved:
@@ -66,7 +65,7 @@ def judge_one(
         Names of the lesson and the student.
     seed : int
     sandbox : str
-        A name in `grader.sandbox.SANDBOXES`.
+        Name of a sandbox in `grader.sandbox.SANDBOXES`.
     is_alone : bool
         Whether nothing else is being judged, so that time limits are reliable.
     """
@@ -90,7 +89,7 @@ def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) ->
 
 
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
-    """Return the verdict on disk; without a valid one, judge the submission."""
+    """Return the stored verdict if it is valid; otherwise judge the submission."""
     stored = stored_verdict(course, submission, seed)
     return stored or judge_and_store(course, submission, seed, sandbox, is_alone=True)
 
@@ -107,9 +106,9 @@ def judge_class(
 ) -> JudgedSubmissions:
     """Judge every submission without a valid verdict.
 
-    Workers get data and return verdicts. Submissions are read and verdicts written only in this
-    process, each verdict when it arrives. A notebook is judged once more, alone, if it kills its
-    worker, or if its code reaches a time limit because it gets too little processor time.
+    Workers receive data and return verdicts. Only this process reads submissions and writes
+    verdicts, each as soon as it arrives. A notebook that kills its worker, or that reaches a time
+    limit because it gets too little CPU time, is judged once more, alone.
 
     Parameters
     ----------
@@ -118,11 +117,11 @@ def judge_class(
     seed : int
     sandbox : grader.sandbox.Sandbox
     open_executor : callable
-        One of `grader.classroom.executors`; takes the number of workers.
+        Called with the number of workers; see `grader.classroom.executors`.
     workers : int
     progress : callable
-        Called with (done, total, submission) after each notebook, and with a text instead of the
-        submission if something else takes long.
+        Called with (done, total, submission) after each notebook, and with (done, total, text)
+        before other long work.
     student : str, optional
         Judge only this student, even if there are valid verdicts.
 
@@ -187,8 +186,8 @@ def _judge_all(
 ) -> list[Submission]:
     """Judge in parallel and return the submissions whose worker died.
 
-    Only as many submissions are read in advance as the executor has room for. A lesson's
-    submissions are judged only after its own solution has earned all points.
+    No more submissions are read in advance than the executor has room for. A lesson's submissions
+    are judged only after the lesson's own solution has earned all points.
     """
     coming = deque(sorted(waiting, key=lambda submission: submission.lesson.name))
     running, finished, died = {}, queue.SimpleQueue(), []
@@ -203,7 +202,7 @@ def _judge_all(
                 return
             watch(coming[0], executor.submit(judge_one, *job(coming[0])))
             coming.popleft()
-        # Not all rehearsals start at once, so that the first verdict does not wait for all lessons.
+        # Rehearse a few lessons at a time, so that the first verdict need not wait for all of them.
         rehearsing = sum(isinstance(task, Lesson) for task in running.values())
         for lesson in rehearsals.next_lessons(workers - rehearsing, not running):
             watch(lesson, rehearsals.start(lesson, executor))
@@ -217,14 +216,14 @@ def _judge_all(
         task = running.pop(future, None)
         if isinstance(task, Lesson):
             rehearsals.record_result(task, future)
-            if rehearsals.failed:  # other lessons may have faults as well, so judging stops
+            if rehearsals.failed:  # other lessons may be faulty too, so judging stops
                 coming.clear()
                 for other, task in list(running.items()):
                     if isinstance(task, Submission) and other.cancel():
                         del running[other]
         elif task and isinstance(future.exception(), BrokenExecutor):
             died.append(task)
-        elif task:  # otherwise the job was cancelled
+        elif task:  # without a task, the job was cancelled
             store_result(task, future)
 
 

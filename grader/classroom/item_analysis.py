@@ -1,4 +1,4 @@
-"""Item analysis of a class: which checks are hard, and which distinguish students."""
+"""Item analysis of a class: which checks are hard, and which separate strong from weak students."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
-# With fewer students, chance alone can give a discrimination of 0.4.
+# With fewer students, chance alone can produce a discrimination of 0.4.
 LEAST_STUDENTS = 20
 
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """How many students failed this check first in an exercise, and how many tried the exercise."""
+    """How many students failed a check first, and how many have a result for its exercise."""
 
     lesson: str
     exercise: str
@@ -28,17 +28,17 @@ class CheckSummary:
 
 @dataclass(frozen=True)
 class Item:
-    """One check of a lesson with its statistics from test theory.
+    """One check of a lesson, with its item statistics.
 
     Attributes
     ----------
     exercise, title : str
     visible : bool
     passed, tried : int
-        Numbers of students.
+        How many students passed the check, and how many have a result for it.
     discrimination : float or None
-        Correlation between passing this check and the points for the rest of the lesson. None
-        for fewer than `LEAST_STUDENTS` students, or if all or none pass.
+        Correlation between passing this check and the points for the rest of the lesson. None for
+        fewer than `LEAST_STUDENTS` students, or if either quantity is the same for all students.
     """
 
     exercise: str
@@ -50,10 +50,10 @@ class Item:
 
 
 def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSummary]:
-    """Return the checks that most students failed first, hardest first.
+    """Return the checks that most often failed first, hardest first.
 
-    Each student counts once per exercise, with the first failure, because further failures may
-    have the same cause. Students who wrote nothing are not counted.
+    Each student counts once per exercise, with the first failure, because further failures may have
+    the same cause. An unchanged stub has no first failure.
     """
     tried, first_failures = Counter(), Counter()
     for verdict in verdicts:

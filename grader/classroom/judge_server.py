@@ -1,7 +1,7 @@
-"""The judging process of a cluster's worker, the only process there that imports the course.
+"""The judging process on a cluster's worker, the only process there that imports the course.
 
-The worker starts it in the folder with the unpacked course, and communicates with it through a
-pipe. A worker can therefore judge for several courses, or several versions of a course, at a time.
+The worker starts this process in the folder of the unpacked course, and communicates with it
+through a pipe. A worker can therefore judge several courses, or versions of a course, at a time.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LONGEST_IDLE = 30 * 60
 
 
 def serve(descriptor: int, workers: int, sandbox: str) -> None:
-    """Judge the jobs that come through a pipe, until it closes.
+    """Judge the jobs that arrive through a pipe, until it closes.
 
     The first message reports the versions on this machine and, if the sandbox is not available,
     the reason. Then jobs arrive as (number, bytes), and results are sent as (number, bytes) in any
@@ -33,9 +33,9 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
     descriptor : int
         File descriptor of this process's end of the pipe.
     workers : int
-        The number of notebooks to judge at a time.
+        Number of notebooks to judge at a time.
     sandbox : str
-        A name in `grader.sandbox.SANDBOXES`.
+        Name of a sandbox in `grader.sandbox.SANDBOXES`.
     """
     pipe, lock = Connection(descriptor), threading.Lock()
     pipe.send({"versions": versions(), "complaint": _complaint(sandbox)})

@@ -1,4 +1,4 @@
-"""A lock that allows one run at a time on a course."""
+"""A lock that allows only one grading run per course at a time."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ except ImportError:  # Windows
 
 
 class AlreadyRunning(Exception):
-    """Another process is grading this course; `str()` is the sentence to show."""
+    """Another process is grading this course; the message is shown to the user."""
 
 
 @contextlib.contextmanager
 def course_lock(course: Course) -> Iterator[None]:
-    """Hold the lock of a course, and remove unfinished files of runs that were killed.
+    """Hold the lock of a course, and remove files that killed runs left unfinished.
 
     The operating system releases the lock when the process ends for any reason.
 
@@ -47,10 +47,10 @@ def course_lock(course: Course) -> Iterator[None]:
         for folder in (course.verdicts, course.report):
             for path in folder.rglob("*.part"):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # by `grader.classroom.collect`
+        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # left by `grader.classroom.collect`
             for path in course.submitted.glob(pattern):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/.*.part", "*/.*.old"):  # by `grader.lms.copies`
+        for pattern in ("*/.*.part", "*/.*.old"):  # left by `grader.lms.copies`
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)
         yield

@@ -37,7 +37,7 @@ class Pool(Executor):
     Parameters
     ----------
     workers : int
-        The number of processes.
+        Number of processes.
     """
 
     def __init__(self, workers: int) -> None:
@@ -86,7 +86,8 @@ class Pool(Executor):
             ) from None
         finally:
             timer.cancel()
-            # Both lists change under the lock, because another thread may take the idle process.
+            # Both collections change under the lock, because another thread may take the idle
+            # process.
             with self._lock:
                 self._busy.discard(process)
                 if alive:
@@ -138,13 +139,13 @@ class _Process:
 
     @property
     def exit_description(self) -> str:
-        """Describe how the process ended, for the instructor."""
+        """How the process ended, as shown to the instructor."""
         code = self._process.exitcode
         return f"signal {-code}" if code is not None and code < 0 else f"exit status {code}"
 
 
 def _serve(pipe: multiprocessing.connection.Connection) -> None:
-    """Run the jobs that come through a pipe, until it closes."""
+    """Run the jobs that arrive through a pipe, until it closes."""
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent reports Ctrl-C
     threading.Thread(target=_die_with_parent, daemon=True).start()
@@ -155,7 +156,7 @@ def _serve(pipe: multiprocessing.connection.Connection) -> None:
 
 
 def _limit_memory() -> None:
-    """Let huge answers fail in this process before they take the memory of others."""
+    """Limit memory, so that a huge answer fails here before other processes run out of memory."""
     if os.name == "posix":
         import resource  # not on Windows
 
@@ -165,7 +166,7 @@ def _limit_memory() -> None:
 
 
 def _die_with_parent() -> None:
-    """Let the kernel end this process when its parent dies, even during a job."""
+    """End this process when its parent dies, even during a job."""
     multiprocessing.parent_process().join()
     os._exit(1)
 

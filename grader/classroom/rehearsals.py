@@ -1,6 +1,6 @@
 """Before a class is judged, check that each lesson's solution earns all points with the seed.
 
-If it does not, the tests are at fault and would take points from right answers.
+If a solution does not, the tests are at fault and would deduct points for right answers.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from grader.sandbox import SANDBOXES, Sandbox
 
 
 class RehearsalFailed(Exception):
-    """A lesson's own solution does not earn all points; `str()` says which tests are at fault."""
+    """A lesson's own solution does not earn all points; the message names the tests."""
 
 
 class Rehearsals:
-    """The rehearsals of some lessons.
+    """Rehearsals of some lessons, each of which judges the lesson's own solution.
 
     A passed rehearsal is recorded, and is valid until the solution or the rules change.
 
@@ -40,7 +40,7 @@ class Rehearsals:
     Attributes
     ----------
     waiting : list of Lesson
-        The lessons whose rehearsal has not begun, sorted by name.
+        Lessons whose rehearsal has not begun, sorted by name.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Rehearsals:
         return bool(self._complaints)
 
     def next_lessons(self, capacity: int, is_alone: bool) -> list[Lesson]:
-        """Return the next lessons: waiting ones, or a single one whose worker died."""
+        """Return the next lessons to rehearse: waiting ones, or a single one whose worker died."""
         return self.waiting[: max(0, capacity)] or self._died[:is_alone]
 
     def start(self, lesson: Lesson, executor: Executor) -> Future:
@@ -136,7 +136,7 @@ class Rehearsals:
 
 
 def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
-    """Return the complaints of a lesson's tests about its own solution, as plain data."""
+    """Return the complaints of a lesson's tests about its own solution, as strings."""
     return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 

@@ -20,7 +20,7 @@ EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
 
 
 class ReplacedSubmission(Exception):
-    """A submission was replaced after it was judged; `str()` is the sentence to show."""
+    """A submission was replaced after it was judged; the message is shown to the user."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Submission:
         The id on the roster, or the name of the folder if the student is not on a roster.
     lesson : grader.course.lessons.Lesson
     path : pathlib.Path
-        The file that counts.
+        The file that is judged.
     older : tuple of Path
-        The student's other files for this lesson, which do not count.
+        The student's other files for this lesson, which are not judged.
     """
 
     student: str
@@ -114,9 +114,9 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     """Return every notebook under ``submitted/<student>/<stage>/`` that belongs to a lesson.
 
     Browsers and editors rename files and create folders, so the lesson of a file is found from its
-    name or, if the name is unclear, from its content. If a lesson has several files, the newest
-    counts. The roster says which student a folder belongs to; two spellings of an id are one
-    student.
+    name or, if the name is unclear, from its content. If a student submits several files for a
+    lesson, the newest counts. The roster determines the owner of a folder; two spellings of an id
+    count as one student.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _files_below(root: Path) -> Iterator[Path]:
 
 
 def _lesson_of_file(path: Path) -> Lesson | None:
-    """Return the lesson of a file, found from its name or otherwise from its content."""
+    """Return the lesson of a notebook, found from its name or otherwise from its content."""
     is_notebook = path.suffix.lower() == ".ipynb"
     return (lesson_by_name(path.name) or lesson_by_content(path)) if is_notebook else None
 

@@ -1,4 +1,4 @@
-"""The plugin that takes the course's code to a cluster's worker and judges there.
+"""The Dask plugin that copies the course's code to a worker and judges there.
 
 This module is pickled by value, because a worker has Python and the requirements but not the
 course. It therefore imports no other module of this project.
@@ -39,14 +39,15 @@ SECONDS_TO_END = 10
 
 
 class UnsuitableWorker(Exception):
-    """A worker cannot judge reliably; `str()` gives the reason and the remedy."""
+    """A worker cannot judge reliably; the message contains the reason and the remedy."""
 
 
 class JudgePlugin(WorkerPlugin):
     """Unpacks the course on a worker, and judges there in separate processes.
 
-    A suitable worker gets a Dask resource with the plugin's name, one unit per thread. Every job
-    requires that resource, so only suitable workers get jobs, even if they join later.
+    The plugin gives a suitable worker a Dask resource with the plugin's name, one unit per thread.
+    Every job requires that resource, so only suitable workers receive jobs, even if they join
+    later.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ class JudgePlugin(WorkerPlugin):
     versions : dict of str to str
         Versions that a worker must have, so that all workers give the same verdicts.
     sandbox : str
-        A name in `grader.sandbox.SANDBOXES`.
+        Name of a sandbox in `grader.sandbox.SANDBOXES`.
     """
 
     def __init__(self, name: str, archive: bytes, versions: dict[str, str], sandbox: str) -> None:
@@ -78,8 +79,8 @@ class JudgePlugin(WorkerPlugin):
             complaint = f"It cannot load the course's code: {error!r}."
         if not complaint:
             await worker.set_resources(**{self.name: self.threads})
-            # The scheduler reconsiders waiting tasks when a worker joins or resumes, but not when a
-            # worker gains a resource.
+            # Pause and resume the worker, because the scheduler does not reconsider waiting tasks
+            # when a worker only gains a resource.
             worker.status = Status.paused
             worker.status = Status.running
         report = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}
@@ -99,7 +100,7 @@ class JudgePlugin(WorkerPlugin):
         Raises
         ------
         BrokenExecutor
-            If the process died or hangs. The next job gets a new process.
+            If the process died or hangs. The next job starts a new process.
         """
         with self.lock:
             if self.closed:
@@ -118,7 +119,7 @@ class JudgePlugin(WorkerPlugin):
 
     def _prepare(self, parent: str) -> None:
         os.makedirs(parent, exist_ok=True)
-        # Only this user may read it, because it contains hidden tests.
+        # Only this user may read the folder, because it contains hidden tests.
         self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=parent))
         with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
             archive.extractall(self.folder)
@@ -149,7 +150,7 @@ class JudgeClient:
     Attributes
     ----------
     greeting : dict
-        The process's report about itself.
+        The first message: the process's versions and, if it cannot judge, the reason.
     dead : bool
     """
 
@@ -176,7 +177,7 @@ class JudgeClient:
         threading.Thread(target=self._listen, daemon=True).start()
 
     def submit(self, job: bytes) -> Future:
-        """Send a job."""
+        """Send a job and return the future of its result."""
         future = Future()
         with self._lock:
             number = next(self._numbers)
@@ -225,5 +226,5 @@ def _broken() -> BrokenExecutor:
 
 
 def _path_with(folder: Path) -> str:
-    """Return a path that begins with the course, so that the worker's modules do not hide it."""
+    """Return a ``PYTHONPATH`` that puts the course before the worker's own modules."""
     return os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))

@@ -1,4 +1,4 @@
-"""Fingerprints of written answers, because a mark given by hand is valid for one text only."""
+"""Fingerprints of written answers, because a mark given by hand applies only to one text."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def fingerprints(notebook: NotebookNode) -> dict[str, str]:
 
 
 def read_fingerprints(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:
-    """Return the fingerprints that were last entered, by lesson; empty if none are stored."""
+    """Return the fingerprints that were last stored, by lesson; empty if there are none."""
     try:
         known = json.loads(_path(course, student, stage).read_text("utf-8"))
     except (OSError, ValueError):
@@ -38,7 +38,7 @@ def write_fingerprints(
     """Store the fingerprints of written answers.
 
     Call this only after the gradebook is written. If a run is interrupted in between, the answers
-    count as changed, and a person grades them again.
+    count as changed, and a person must grade them again.
     """
     write_atomically(json.dumps(known), _path(course, student, stage))
 
@@ -52,7 +52,7 @@ def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
     auto_score : float or None
         None if a person has to grade the cell.
     unchanged : bool
-        Whether the written answer is the same as when it was last entered.
+        Whether the written answer has not changed since it was last entered.
     """
     if auto_score is None:
         settled = unchanged and grade.manual_score is not None

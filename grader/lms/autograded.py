@@ -1,8 +1,8 @@
 """Build the autograded copy of a submission, which nbgrader stores and Formgrader shows.
 
-The copy is built from scratch instead of repairing the submitted file. It contains the graded cells
-as they were released, with the student's work filled in. The student's own cells are placed around
-them, and only their type and text are kept.
+The copy is built from scratch; the submitted file is not repaired. The copy contains the graded
+cells as they were released, with the student's work filled in. The student's own cells are placed
+around them, and only their type and text are kept.
 """
 
 from __future__ import annotations
@@ -161,7 +161,8 @@ def write_verdict(notebook: NotebookNode, verdict: Verdict) -> None:
                 score_output(results[cell.metadata.nbgrader["grade_id"].removeprefix("test_")])
             ]
     if verdict.problems:
-        # Markdown is not rendered in a block of HTML, which a blank line would end.
+        # Markdown is not rendered inside an HTML block. A blank line would end the block, so each
+        # problem is one line.
         sentences = (escape(sanitize_markdown(one_line(text))) for text in verdict.problems)
         listed = "".join(f"<li>{sentence}</li>" for sentence in sentences)
         note = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
@@ -232,7 +233,7 @@ def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> 
 
 
 def _cell(source: str, kind: str = "markdown") -> NotebookNode:
-    """Build a cell directly, because nbformat's constructors validate against the schema."""
+    """Build a cell without nbformat's constructors, which validate each cell against the schema."""
     code_fields = {"outputs": [], "execution_count": None} if kind == "code" else {}
     cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **code_fields}
     return nbformat.from_dict(cell)
@@ -274,7 +275,7 @@ def _add_missing(
     for name, cell in by_id.items():
         if name not in positions:
             filled = _filled_cell(cell, None, prepared.answers.get(name))
-            if name in prepared.graded:  # it is in a cell with another exercise
+            if name in prepared.graded:  # the answer is in a cell with another exercise
                 filled.source = f"# {name} is in the cell of another exercise."
             copy.cells.insert(before + 1, filled)
             positions.update(

@@ -44,9 +44,9 @@ class CellMarks:
     Attributes
     ----------
     marks : dict of (str, str, str) to CellMark
-        Marks by student, lesson and nbgrader's name of the cell.
+        Marks by student, lesson and the cell's name in nbgrader.
     comments : dict of (str, str, str) to str
-        Comments that a person wrote, by student, lesson and name of the cell.
+        Comments that a person wrote, by student, lesson and cell.
     """
 
     marks: dict[tuple[str, str, str], CellMark]
@@ -81,7 +81,7 @@ def cell_marks(book: Gradebook, stage: str) -> CellMarks:
 
 
 def _rows(book: Gradebook, stage: str, table: type, *columns: object) -> Query:
-    """Query columns of all grades or comments of a stage, with student, lesson and cell first."""
+    """Query columns of a stage's grades or comments, preceded by student, lesson and cell."""
     return (
         book.db.query(SubmittedAssignment.student_id, Notebook.name, BaseCell.name, *columns)
         .select_from(table)

@@ -1,6 +1,6 @@
 """Summarise the checks of an exercise for a student: the first failure in full, others in groups.
 
-One mistake fails many checks. Checks whose message says nothing new share one line.
+One mistake can fail many checks, so checks whose messages add nothing share one line.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ class ExerciseSummary:
     first : CheckResult or None
         The failure to fix first, shown in full; None if every check passed.
     others : tuple of CheckResult
-        Failures whose messages say something new.
+        Failures whose message no other failed check has.
     groups : tuple of CheckGroup
     passed : tuple of CheckResult
     started : bool
-        False for an untouched stub; then only `not_started` has something to say.
+        False for an untouched stub; then only `not_started` is worth showing.
     """
 
     exercise: str
@@ -64,13 +64,13 @@ class ExerciseSummary:
 
     @property
     def not_started(self) -> str:
-        """The sentence about a stub, without the advice that the notebook shows."""
+        """Sentence about an unchanged stub, without the advice that the notebook shows."""
         stub = self.first.subject
         return f"{stub} is not started." if stub == self.exercise else self.first.message
 
     @property
     def in_words(self) -> str:
-        """The number of checks that pass, in words."""
+        """Number of checks that pass, in words."""
         failed = (
             (self.first is not None) + len(self.others) + sum(group.count for group in self.groups)
         )
@@ -104,7 +104,7 @@ def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
 
 
 def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
-    """Return a check's group: its message, or the wording for one check and for several."""
+    """Return the key of a check's group: its message, or the wording for one check and several."""
     if test.kind in GROUPED_OPENINGS:
         return GROUPED_OPENINGS[test.kind]
     message = without_numbers(test.message)

@@ -52,7 +52,7 @@ def _other_files(root: Path) -> Iterator[Path]:
 
 
 def replace_folder(draft: Path, folder: Path) -> None:
-    """Replace a folder with a complete draft of it."""
+    """Replace a folder with its complete draft."""
     old = folder.with_name(f".{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     with contextlib.suppress(FileNotFoundError):

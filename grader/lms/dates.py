@@ -1,4 +1,4 @@
-"""Enter due dates and extensions into the gradebook, so that nbgrader's penalties are right.
+"""Enter due dates and extensions into the gradebook, so that nbgrader computes the right penalties.
 
 nbgrader stores one due date per stage, and each student's extension with the submission. An
 extension that is granted before a student submits is therefore entered with the submission. Each
@@ -26,7 +26,7 @@ from grader.lms.gradebook import gradebook_exists, open_gradebook
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
     """Enter the due date of each stage that the gradebook contains.
 
-    If a date was deleted from the file, the gradebook's earlier date is restored.
+    If a date was deleted from deadlines.toml, the gradebook's earlier date is restored.
     """
     for stage in stages():
         with contextlib.suppress(MissingEntry):
@@ -45,7 +45,7 @@ def _enter_due_date(
         times = [time and time.isoformat() for time in (wanted, before)]
         write_atomically(
             json.dumps(times), path
-        )  # write this first: an unrecorded date could never be removed
+        )  # record it first: an unrecorded date could never be removed
     due = before if wanted is None else wanted
     if assignment.duedate != due:
         assignment.duedate = due
@@ -66,16 +66,16 @@ def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
 def extension_of(
     course: Course, submission: SubmittedAssignment, deadlines: Deadlines
 ) -> timedelta | None:
-    """Return how much later than the stage's due date a student may submit; it may be negative.
+    """Return a student's extension relative to the stage's due date; it may be negative.
 
-    A longer extension that a person granted in the gradebook counts, unless the file names the
-    student.
+    A longer extension that a person granted in the gradebook counts, unless deadlines.toml names
+    the student.
     """
     student, stage = submission.student.id, submission.assignment.name
     dates = deadlines.stages.get(stage, StageDates())
     granted = submission.extension
     if granted is not None and granted == _entered_extension(course, student, stage):
-        granted = None  # the extension came from the file and was not granted by a person
+        granted = None  # the extension came from deadlines.toml, not from a person
     if dates.due is None:
         return granted
     wanted = deadlines.due(student, stage) - dates.due
@@ -85,7 +85,7 @@ def extension_of(
 
 
 def set_extension(course: Course, submission: SubmittedAssignment, deadlines: Deadlines) -> None:
-    """Give a submission its extension, and record that it came from the file."""
+    """Give a submission its extension, and record that it came from deadlines.toml."""
     wanted = extension_of(course, submission, deadlines)
     if wanted == submission.extension:
         return
@@ -100,13 +100,13 @@ def set_extension(course: Course, submission: SubmittedAssignment, deadlines: De
 def gradebook_extensions(
     course: Course, stages: Iterable[str], deadlines: Deadlines
 ) -> dict[str, dict[str, datetime]]:
-    """Return the due dates for which the gradebook grants more time than the file.
+    """Return the due dates that are later in the gradebook than in deadlines.toml.
 
     Returns
     -------
     dict of str to (dict of str to datetime)
-        Aware due dates by stage and student. The student `""` means the whole class; it is
-        used if the file has no date.
+        Due dates with a time zone, by stage and student. The student `""` means the whole class; it
+        is used if deadlines.toml has no date.
     """
     granted: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
     if not gradebook_exists(course):

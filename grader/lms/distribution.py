@@ -24,14 +24,14 @@ class Distribution:
     count : int
         Number of students with a score; mean and median are computed from these.
     waiting : int
-        Number of these students for whom a person still has to grade a part.
+        Number of these students with a part that a person still has to grade.
     not_entered, missing, excused : int
         Numbers of students without a score, by reason.
     mean, median, max_score : float
     histogram : tuple of int
         Number of students in each of `BINS` equal ranges from 0 to the maximum score.
     seconds : float or None
-        Median time in which one submission was judged.
+        Median time to judge one submission.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Distribution:
 
     @property
     def population(self) -> str:
-        """A phrase that says which students the mean and the median include and exclude."""
+        """Phrase that describes which students the mean and the median include and exclude."""
         phrase = (
             f"of the {self.count} students with a score"
             if self.count > 1

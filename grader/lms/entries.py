@@ -1,4 +1,4 @@
-"""Entries for the gradebook: each is a student's stage, entered completely or not at all."""
+"""Gradebook entries. Each covers one student's stage, and is entered completely or not at all."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def group_entries(
 ) -> tuple[list[StageEntry], list[str]]:
     """Return the entries, and one sentence for each submission that cannot be entered.
 
-    `unknown` has such a sentence for each ID that is not on the roster.
+    `unknown` contains such a sentence for each ID that is not on the roster.
     """
     groups: dict[tuple[str, str], list] = {}
     for submission, verdict in judged:
@@ -53,6 +53,6 @@ def group_entries(
             f"{submission.lesson.name}; see {submission.verdict_path(course)}"
             for submission, _ in failed
         ]
-        if not failed:  # no mark is better than a wrong one
+        if not failed:  # a missing mark is better than a wrong one
             entries.append(StageEntry(student, stage, tuple(pairs)))
     return entries, trouble

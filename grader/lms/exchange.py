@@ -15,7 +15,7 @@ from grader.course.standalone import make_standalone
 class ReleaseStandalone(ExchangeReleaseAssignment):
     """Releases the notebooks of the course with its tools packed into their setup cell.
 
-    The rest of a notebook is unchanged, so both versions are the same for the judge.
+    The rest of a notebook is unchanged, so the judge treats both versions alike.
     """
 
     def do_copy(self, src: str, dest: str, log: object = None) -> None:

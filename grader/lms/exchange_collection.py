@@ -1,7 +1,7 @@
 """Collect submissions from nbgrader's exchange without trusting the folders there.
 
-Students own the folders that they submit, so they choose what is in them: links, pipes, endless
-files, and the time.
+Students own the folders that they submit, so they control the content: links, pipes, endless files
+and the submission time.
 """
 
 from __future__ import annotations
@@ -24,26 +24,27 @@ from grader.classroom.collect.zips import MOST_BYTES_OF_A_STUDENT
 from grader.untrusted import one_line
 
 IGNORED_FOLDERS = (".ipynb_checkpoints", "__pycache__")
-# Files and folders that are looked at in one submission, those next to the notebooks first.
+# Maximum number of files and folders to examine in one submission, from the top folder down.
 MOST_ENTRIES = 200
-# nbgrader needs seconds from writing the time to copying the last file.
+# `nbgrader submit` takes only seconds from writing the time to copying the last file.
 LONGEST_SUBMISSION = timedelta(minutes=10)
 _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
 
 class NotCollected(Exception):
-    """A submission cannot be collected; `str()` is the reason, as a clause about the folder."""
+    """A submission cannot be collected; the message continues a sentence about its folder."""
 
 
 class CollectOrdinaryFiles(ExchangeCollect):
-    """Collect from the exchange only ordinary files that belong to the student.
+    """Collects from the exchange only ordinary files that belong to the student.
 
-    The modules next to a notebook are collected as well. If one submission cannot be collected, its
-    student's earlier one stays in place, and the other students' submissions are still collected.
+    The modules next to a notebook are collected as well. If one submission cannot be collected, the
+    student's earlier submission stays in place, and the other students' submissions are still
+    collected.
     """
 
     def _path_to_record(self, path: str) -> dict:
-        """Read a student and a time from a folder's name; a name without a time sorts last."""
+        """Return the student and the time in a folder's name; a name without a time sorts last."""
         name = os.path.basename(path)
         student, *rest = name.rsplit("+", 3)
         try:
@@ -83,7 +84,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
                 return
         files, changed = self._read(Path(self.inbound_path, record["filename"]), student)
         self._compare_times(record, changed)
-        # The file is the student's, and may be missing or say something else.
+        # Write the time again, because the student's own file may be missing or different.
         files["timestamp.txt"] = record["filename"].rsplit("+", 3)[2].encode()
         partial = folder.with_name(f".{stage}.partial")
         shutil.rmtree(partial, ignore_errors=True)
@@ -97,7 +98,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         self.log.info("Collected: %s %s", student, stage)
 
     def _read(self, folder: Path, student: str) -> tuple[dict[str, bytes], datetime]:
-        """Return the files of a submission by their relative paths, and its latest change."""
+        """Return the files of a submission by relative path, and the time of its latest change."""
         files: dict[str, bytes] = {}
         entries, left = 0, MOST_BYTES_OF_A_STUDENT
         top = os.open(folder, _NO_LINK | os.O_DIRECTORY)
@@ -125,7 +126,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
 
     @contextlib.contextmanager
     def _opened(self, name: str, folder: int, shown: str, most: int) -> Iterator[BinaryIO | None]:
-        """Open a file of at most `most` bytes; yield None if it is not such an ordinary file."""
+        """Open an ordinary file of at most `most` bytes; yield None for any other file."""
         try:
             descriptor = os.open(name, _NO_LINK, dir_fd=folder)
         except OSError as error:
@@ -162,7 +163,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         return status.st_ctime
 
     def _compare_times(self, record: dict, changed: datetime) -> None:
-        """Report a folder that was changed long after the time in its name, which is a claim."""
+        """Report a folder that was changed long after the time in its name, which can be forged."""
         claimed = record["timestamp"]
         if changed - claimed > LONGEST_SUBMISSION:
             self.log.warning(

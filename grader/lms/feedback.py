@@ -144,7 +144,7 @@ def _is_untouched(exercise: ExerciseFeedback) -> bool:
 
 
 class FeedbackNotReady(Exception):
-    """Feedback for a student is not ready yet; `str()` is the message to show."""
+    """Feedback for a student is not ready yet; the message is shown to the user."""
 
 
 class FeedbackWriter:
@@ -159,7 +159,7 @@ class FeedbackWriter:
             self._cells: CellMarks = cell_marks(book, stage)
 
     def people(self, wanted: Collection[str] = ()) -> list[Person]:
-        """Return the students with a submission; if IDs are wanted, only these."""
+        """Return the students with a submission; only those in `wanted` if it is not empty."""
         return [
             person
             for person in self._results.people

@@ -45,7 +45,7 @@ class FeedbackArchive:
 def build_moodle_archive(
     course: Course, stage: str, all_feedback: Sequence[Feedback]
 ) -> FeedbackArchive:
-    """Build a page for each student, for *Upload multiple feedback files in a zip*.
+    """Build a page for each student, for Moodle's *Upload multiple feedback files in a zip*.
 
     Moodle finds a participant by the number in ``{name}_{number}_assignsubmission_file_{file}``. A
     team also has a number, which may be another student's participant number. A student has a
@@ -75,7 +75,7 @@ def build_moodle_archive(
 def build_canvas_archive(
     course: Course, stage: str, all_feedback: Sequence[Feedback]
 ) -> FeedbackArchive:
-    """Build a notebook for each submitted notebook, for *Upload Submissions*.
+    """Build a notebook for each submitted notebook, for Canvas's *Upload Submissions*.
 
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
     feedback the same name. For a submitted zip, the feedback is a zip that contains the page.
@@ -110,7 +110,7 @@ class Platform:
     Attributes
     ----------
     returns : callable
-        Builds `FeedbackArchive` from course, stage and feedback.
+        Builds a `FeedbackArchive` from course, stage and feedback.
     next_step : str
         Instructions for uploading the zip.
     """
@@ -143,7 +143,7 @@ class WrittenFeedback:
     pages : tuple of pathlib.Path
         One page per student.
     archive : pathlib.Path or None
-        The zip for the LMS; None if it would be empty.
+        The zip for the LMS; None without an LMS, or if the zip would be empty.
     left : tuple of str
         One sentence for each student without a page, or without a file in the zip.
     """
@@ -206,15 +206,15 @@ def write_feedback(
 
 @dataclass(frozen=True)
 class _SubmittedFile:
-    """What identifies a submitted file in an LMS.
+    """The data that identifies a submitted file in an LMS.
 
     Attributes
     ----------
     owner, file : str
     attachment : int
-        Canvas's number for the file; 0 for other platforms.
+        Canvas attachment id; 0 for other platforms.
     participant : str
-        Moodle's number for the owner; empty for other platforms.
+        Moodle participant number; empty for other platforms.
     """
 
     owner: str
@@ -224,7 +224,7 @@ class _SubmittedFile:
 
 
 def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]:
-    """Return the files that count, as an LMS identifies them, by student and lesson."""
+    """Return the data that identifies each judged file in an LMS, by student and lesson."""
     sources: dict[str, dict[str, _SubmittedFile]] = {}
     for submission in find_submissions(course, [stage]):
         source = read_record(submission.stage_folder(course)).files.get(submission.path.name)

@@ -2,7 +2,7 @@
 
 Canvas gives a feedback file the name of the submitted file, which is a notebook. An HTML page with
 that name could not be opened. Notebook viewers show HTML, but not style sheets or MathML, so
-formulas stay as they were written.
+formulas stay in source form.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
 def _html(text: str) -> nbformat.NotebookNode:
     """Build a cell that is one HTML block in Markdown; an empty line would end the block."""
     block = re.sub(r"\n\s*\n", "\n", text).strip()
-    # Two dollar signs would be read as a formula.
+    # Text between two dollar signs would be read as a formula.
     return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
 
 

@@ -17,7 +17,7 @@ from grader.lms.results import format_points
 
 
 def feedback_page(feedback: Feedback) -> str:
-    """Render the feedback page of a student for a stage."""
+    """Render a student's feedback page for a stage."""
     return render_template("feedback.html", feedback=feedback, style_of_formulas=STYLE)
 
 

@@ -1,9 +1,9 @@
-r"""Sanitize formulas in untrusted text, so that MathJax obeys only commands on an allow-list.
+r"""Sanitize formulas in untrusted text, so that MathJax executes only commands on an allow-list.
 
-Some MathJax commands create links and styles, load more commands, or define new names for these. A
-formula with a command that is not on the list is therefore shown as source text. In addition, a
-zero-width space separates the backslash of every such command from its name, inside and outside
-formulas. This protects pages no matter how a program detects formulas.
+Some MathJax commands create links and styles, load more commands, or define new names for such
+commands. A formula with a command that is not on the list is therefore shown as source text. In
+addition, a zero-width space separates the backslash of every such command from its name, inside and
+outside formulas. This protects pages no matter how a program detects formulas.
 """
 
 from __future__ import annotations

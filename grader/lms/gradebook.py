@@ -26,8 +26,8 @@ def open_gradebook(course: Course) -> Gradebook:
     GradebookUnavailable
         If the database driver is missing or the database cannot be opened.
     """
-    # nbgrader would start a program to find the version, which takes seconds for each new
-    # gradebook.
+    # Otherwise, nbgrader starts a program to find the schema version, which takes seconds for each
+    # new gradebook.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
     try:

@@ -31,9 +31,9 @@ class GradebookRow:
     student, stage, lesson : str
     score, max_score, penalty : float
     needs_person : bool
-        Whether a person still has to grade a part of it.
+        Whether a person still has to grade a part of the notebook.
     has_mark_by_hand : bool
-        Whether a person has given points for it.
+        Whether a person has given points for the notebook.
     submitted_at, due : datetime or None
         Naive times in UTC, as nbgrader stores them.
     extension : timedelta or None
@@ -54,7 +54,7 @@ class GradebookRow:
 
 def read_rows(book: Gradebook) -> list[GradebookRow]:
     """Read all rows of a gradebook."""
-    # One query reads everything, because nbgrader's objects take three queries each, which is slow
+    # One query reads everything, because nbgrader's objects need three queries each, which is slow
     # with a remote server.
     columns = (
         SubmittedAssignment.student_id,

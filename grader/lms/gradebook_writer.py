@@ -1,8 +1,8 @@
 """Enter verdicts into nbgrader's gradebook, each submission completely or not at all.
 
-The gradebook's content is compared with the expected content before and after. If they differ, the
-submission is entered again, for example after an interrupted run, for a deleted gradebook, or with
-a new due date or changed points. Only one process may write at a time.
+A submission is entered if the gradebook differs from its verdicts, for example after an interrupted
+run, or if the due date or the points have changed. The comparison is repeated afterwards, and
+remaining differences are reported. Only one process may write at a time.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from grader.lms.withdrawal import withdraw
 
 
 class GradebookError(Exception):
-    """The gradebook is not complete; `str()` is the message to show."""
+    """The gradebook is not complete; the message is shown to the user."""
 
 
 def enter_verdicts(
@@ -157,7 +157,7 @@ def _enter_one(
                 previous = old_answers.get(notebook.name, {})
                 _save(notebook, copy, previous, answers[notebook.name])
         book.db.flush()
-        book.db.expire_all()  # the database computes the sums
+        book.db.expire_all()  # reload the sums, which the database computes
         for notebook in submission.notebooks:
             notebook.late_submission_penalty = penalty_of(submission, notebook, late)
     replace_folder(draft, folder)
@@ -171,7 +171,7 @@ def _save(
     before: dict[str, str],
     now: dict[str, str],
 ) -> None:
-    """Save the scores in the cells of a copy, as nbgrader's SaveAutoGrades does."""
+    """Save the scores in the cells of a copy, like nbgrader's SaveAutoGrades."""
     cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
     for grade in notebook.grades:
         score, _ = determine_grade(cells[grade.name])
@@ -189,7 +189,7 @@ def _enter_as_missing(notebook: SubmittedNotebook) -> None:
 
 @contextlib.contextmanager
 def _one_transaction(book: Gradebook) -> Iterator[None]:
-    """Combine nbgrader's separate commits into one at the end, or none after an error."""
+    """Combine nbgrader's separate commits into one final commit; after an error, roll back."""
     session: Session = book.db()
     commit, session.commit = session.commit, session.flush
     try:

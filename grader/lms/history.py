@@ -1,8 +1,8 @@
 """Keep a log of every changed mark: old and new points, time, and the verdict or person behind it.
 
 ``marks.jsonl`` in the course folder has one line per change, and lines are only appended. Each run
-compares the last known marks with the gradebook, so it notices marks that a person entered in
-between. If a power cut loses or truncates a line, the next run writes it again.
+compares the last known marks with the gradebook, so the log includes marks that a person entered in
+between. If a power cut loses or truncates a line, the next run logs the change again.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
 
 @dataclass(frozen=True)
 class MarkChange:
-    """One change of a mark.
+    """A change of a mark.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class MarkChange:
     exercise : str
         Name of the exercise, or `LATE_PENALTY`, whose points are subtracted.
     before, after : float or None
-        None if there is no mark.
+        Points; None if there is no mark.
     by : str
         "verdict" with its key, or one of this module's other causes, such as "a person".
     by_hand : tuple of (float or None, float or None) or None

@@ -12,7 +12,7 @@ from grader.lms.results import ClassResults, StageResult
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about late work and enrolment that a person has to decide after grading."""
+    """Yield notes about late work and enrolment that require a decision after grading."""
     for stage in results.stages:
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:

@@ -1,4 +1,4 @@
-"""A late penalty per day, for `nbgrader_config.py`; nbgrader itself offers only all or nothing.
+"""A late penalty per day, for `nbgrader_config.py`; nbgrader's own penalty is all or nothing.
 
 ::
 

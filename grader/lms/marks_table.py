@@ -25,7 +25,7 @@ JUDGE_FAILED_TEXT = "the judge failed; grade again"
 
 @dataclass(frozen=True)
 class MarkCell:
-    """The text of a cell, its explanation, and the number for sorting."""
+    """The text of a cell, its explanation, and a number for sorting."""
 
     text: str
     means: str = ""
@@ -116,7 +116,7 @@ def marks_table(
     results : ClassResults
         Marks from the gradebook.
     verdicts : dict of str to dict of str to Verdict
-        Verdicts by student and lesson, which give the scores of students without results.
+        Verdicts by student and lesson, which provide the scores of students without results.
     """
     worth = {v.lesson: v.max_score for by_lesson in verdicts.values() for v in by_lesson.values()}
     worth |= results.lessons

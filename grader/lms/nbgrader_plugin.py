@@ -1,8 +1,8 @@
 """Plugins that run the judge inside nbgrader, for courses that use nbgrader's own commands.
 
-`CopyExporter` reads a submission as the judge does. `Judge` replaces nbgrader's execution of a
-notebook. `SaveGrades` keeps marks given by a person. `python -m grader grade` does the same in
-`grader.lms.gradebook_writer`, without nbgrader's converters.
+`CopyExporter` reads a submission in the same way as the judge. `Judge` replaces nbgrader's
+execution of a notebook. `SaveGrades` keeps marks given by a person. `python -m grader grade` uses
+`grader.lms.gradebook_writer` instead of these plugins.
 """
 
 from pathlib import Path
@@ -36,7 +36,7 @@ class ClearEarlier(NbGraderPreprocessor):
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict, cell_index: int
     ) -> tuple[NotebookNode, dict]:
-        """Empty a cell that has the tag for earlier lessons."""
+        """Remove the solution from a cell with the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.without_solution(cell.source)
         return cell, resources
@@ -73,7 +73,7 @@ class Judge(NbGraderPreprocessor):
         verdict = current_verdict(
             course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)
         )
-        if verdict.status != JUDGED:  # no mark is better than a wrong one
+        if verdict.status != JUDGED:  # a missing mark is better than a wrong one
             raise RuntimeError(verdict.problems[0])
         submitted_files = submission.read_again(course, verdict.fingerprint)
         copy, complaint = build_judged_copy(submitted_files, lesson, verdict)
@@ -83,7 +83,7 @@ class Judge(NbGraderPreprocessor):
 
 
 class SaveGrades(SaveAutoGrades):
-    """Saves scores as nbgrader does, but keeps marks given by a person while they are valid."""
+    """Saves scores like nbgrader, but keeps marks given by a person while they are valid."""
 
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
         """Save the scores of a notebook; see nbgrader."""
@@ -122,7 +122,7 @@ def _enter_dates(course: Course, names: dict) -> None:
 
 
 class CopyExporter(NotebookExporter):
-    """Reads a submission as the judge does; an unreadable file becomes a notebook without answers.
+    """Reads a submission like the judge; an unreadable file becomes a notebook without answers.
 
     nbgrader drops a student's whole submission if one of its files is damaged. The judge gives such
     a file a verdict, so nbgrader only needs a notebook into which the verdict can be written.

@@ -1,4 +1,4 @@
-"""The first lines of the report: the mean, missing work, and matters for the instructor."""
+"""The first lines of the report: the mean, missing work, and items that need attention."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SECTIONS = {
 
 @dataclass(frozen=True)
 class AttentionItem:
-    """A matter for the instructor, and the section of the report about it."""
+    """An item that needs the instructor's attention, and the section of the report about it."""
 
     text: str
     anchor: str
@@ -36,7 +36,7 @@ class Overview:
     Attributes
     ----------
     mean, missing : str
-        Sentences.
+        Sentences about the mean and about missing work.
     attention : tuple of AttentionItem
         Empty if nothing needs the instructor's attention.
     """
@@ -49,7 +49,7 @@ class Overview:
 def overview_of(
     results: ClassResults, table: MarksTable, sections: Mapping[str, int]
 ) -> Overview | None:
-    """Summarise a class; None if the gradebook has no results yet.
+    """Return the overview of a class, or None if the gradebook has no results yet.
 
     Parameters
     ----------

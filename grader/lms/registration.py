@@ -19,8 +19,8 @@ from grader.lms.gradebook import database_url
 def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
     """Register stages in the gradebook, with the cells and points of the release.
 
-    The release is only read. Lessons in the gradebook are compared with the release, so that
-    changed points are entered.
+    The release itself is not changed. Lessons in the gradebook are compared with the release, so
+    that changed points are entered.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> l
             if all(_is_registered(book, lesson) for lesson in _lessons(course, stage)):
                 continue
         book.update_or_create_assignment(stage)
-        book.db.commit()  # SaveCells opens its own connection to the database
+        book.db.commit()  # because SaveCells opens its own connection to the database
         for lesson in _lessons(course, stage):
             names = {"notebook": lesson.name, "assignment": stage, "db_url": database_url(course)}
             try:
@@ -63,7 +63,7 @@ def _released_notebook(lesson: Lesson) -> nbformat.NotebookNode:
 
 
 def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
-    """Return whether the gradebook has the cells of a lesson as they were released."""
+    """Return whether the gradebook contains the cells of a lesson as released."""
     notebook = book.find_notebook(lesson.name, lesson.stage)
     cells = graded_cells(_released_notebook(lesson))
     checksums = {

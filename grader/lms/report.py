@@ -210,7 +210,7 @@ def _namesakes(results: ClassResults) -> set[str]:
 
 
 def _links(course: Course) -> list[tuple[str, str]]:
-    """Return (address, link text) for each file next to the report."""
+    """Return (address, link text) for each page or file that the report links to."""
     links = [("anonymous.html", "this report without names")]
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")

@@ -1,6 +1,7 @@
 """The results of a class, as used by the report, the marks table and the exporters.
 
-Missing, 0, excused and waiting are four different states. `standing` distinguishes them.
+A missing lesson, a mark of 0, an excused student and a waiting submission are four different
+states, which `standing` distinguishes.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ MARKED = "marked"  # there is a mark, which may be 0
 
 
 class GradebookUnavailable(Exception):
-    """The gradebook cannot be opened; `str()` is the message to show."""
+    """The gradebook cannot be opened; the message is shown to the user."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class ClassResults:
     people : tuple of grader.course.roster.Person
         All students on the roster, in the roster's order; without a roster, all who submitted.
     notebooks : tuple of NotebookResult
-        One result for each student and lesson, in this order.
+        One result for each student and lesson, ordered by student, then by lesson.
     stages : tuple of StageResult
         One result for each student and stage.
     unlisted : tuple of str
@@ -151,9 +152,9 @@ def format_points(points: float, decimal_mark: str = ".") -> str:
 
 
 def rounded_points(points: float) -> str:
-    """Format points with one decimal place, or with two if one would look like a whole number.
+    """Format points with one decimal place, or two if one would wrongly show a whole number.
 
-    29.97 points never look like the full 30. Halves are rounded up.
+    For example, 29.97 points are not shown as 30. Halves are rounded up.
     """
     short = f"{points + 1e-6:.1f}"
     if float(short).is_integer() and abs(points - float(short)) >= 0.005:

@@ -75,7 +75,7 @@ def class_results(course: Course) -> ClassResults:
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:
-    """Return whether a row is about submitted work; nbgrader also has rows for missing work.
+    """Return whether a row is about submitted work; nbgrader also creates rows for missing work.
 
     A row with points or with a mark given by hand counts even if the files no longer exist.
     """
@@ -84,7 +84,7 @@ def _has_work(course: Course, row: GradebookRow) -> bool:
 
 
 def _max_scores(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
-    """Return the maximum score of each lesson, from the gradebook or otherwise the release."""
+    """Return the maximum score of each lesson, from the gradebook or, if missing, the release."""
     released = {
         lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
     }

@@ -15,7 +15,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 class SubmissionTimeUnknown(Exception):
-    """The submission time is unknown; `str()` is the reason."""
+    """The submission time is unknown; the message is the reason."""
 
 
 def submission_time(folders: Iterable[Path]) -> datetime | None:
@@ -29,20 +29,20 @@ def submission_time(folders: Iterable[Path]) -> datetime | None:
     Returns
     -------
     datetime or None
-        With a time zone; None if no folder has a time.
+        Time with a time zone; None if no folder has a time.
 
     Raises
     ------
     SubmissionTimeUnknown
         If a folder's time cannot be read, or if the collected work is marked late or has no time in
-        the table of times. Times of other folders do not change this.
+        the table of times. The times of other folders make no difference.
     """
     times = [_time(folder) for folder in sorted(folders)]
     return max((time for time in times if time), default=None)
 
 
 def known_time(folders: Iterable[Path]) -> datetime | None:
-    """Return the submission time as nbgrader stores it, naive in UTC; None if it is unknown."""
+    """Return the submission time as nbgrader stores it: naive and in UTC. None if it is unknown."""
     try:
         time = submission_time(folders)
     except SubmissionTimeUnknown:
@@ -68,8 +68,8 @@ def _time(folder: Path) -> datetime | None:
 def _with_known_zone(text: str) -> str:
     """Rewrite a time so that nbgrader reads its time zone correctly.
 
-    nbgrader treats a zone that the machine does not know as UTC, such as the CEST that it writes
-    because of `Exchange.timezone`. It reads +0200 as 200 seconds.
+    nbgrader treats an unknown time zone as UTC, even one that it writes itself because of
+    `Exchange.timezone`, such as CEST. It reads +0200 as 200 seconds.
     """
     match = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
     if not match:

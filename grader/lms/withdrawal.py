@@ -27,8 +27,8 @@ def withdraw(
 ) -> list[str]:
     """Remove withdrawn submissions; those with manual marks or comments stay and are reported.
 
-    `known` has the (student, stage) of each existing submission. With `only`, just that student's
-    submissions are removed.
+    `known` contains the (student, stage) of each existing submission. If `only` is given, only that
+    student's submissions are removed.
     """
     trouble = []
     for stage in stages:

@@ -3,12 +3,12 @@
 `collection` runs these steps:
 
 1. `sources` and `zips` open an archive.
-2. One of `ARCHIVE_READERS` says which owner each file belongs to.
-3. `owners` finds the owners on the roster, in Moodle's worksheet or in `answers`.
+2. One of `ARCHIVE_READERS` determines the owner of each file.
+3. `owners` looks up each owner on the roster, in Moodle's worksheet or in `answers`.
 4. `student` collects the files of one student. `inspection` opens them in a separate process,
    `identification` finds the lesson of each notebook, `selection` picks the newest file, and
    `storage` copies it to ``submitted/``.
-5. `outcome` holds the results and the open questions.
+5. `outcome` contains the results and the open questions.
 
 To support another archive format, write a module with a function that turns an `Archive` into
 submitted files, and add it to `ARCHIVE_READERS`.
@@ -36,7 +36,7 @@ ARCHIVE_READERS: dict[str, ArchiveReader] = {
 
 
 def open_archives(paths: Iterable[Path]) -> list[tuple[Path, str, list[SubmittedFile]]]:
-    """Open archives, and return the format of each and the submitted files in it.
+    """Open archives, and return the path, format and submitted files of each.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """The instructor's answers to questions about a file's owner or lesson.
 
 Answers about owners are stored in ``submitted/.whose.jsonl``, one line for each student that an
-answer names, so that the next archive of the stage does not raise the question again. Answers
-about lessons need no file, because the record in a student's folder lists the collected files.
+answer names, so that the next archive of the stage does not raise the question again. Answers about
+lessons are not stored, because the record in a student's folder already lists the collected files.
 """
 
 from __future__ import annotations
@@ -26,15 +26,14 @@ NOBODY = "-"
 
 @dataclass(frozen=True)
 class Answers:
-    """All valid answers.
+    """The new and stored answers that apply.
 
     Attributes
     ----------
     owners : dict of str to (tuple of str)
-        The ids of all owners, by the label in an archive (`normalized`); empty if the work does not
-        belong to a student.
+        Ids of all owners, by `normalized` label; empty if the work does not belong to a student.
     lessons : dict of str to grader.course.lessons.Lesson
-        Lessons by the file's name.
+        Lessons by file name.
     earlier : frozenset of str
         Labels in `owners` whose answers were given earlier.
     """
@@ -61,7 +60,7 @@ def read_answers(
     stages : sequence of str
         The stages that are collected.
     owners, lessons : dict of str to str
-        New answers, as they were typed.
+        New answers, as typed.
 
     Raises
     ------
@@ -103,12 +102,12 @@ def store_answers(
 
 
 def normalized(label: str) -> str:
-    """Return the normal form of a label, which is equal for labels with the same meaning."""
+    """Return a label in lower case, in NFC and without outer spaces, for comparisons."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 
 def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
-    """Return the lessons with these numbers or names."""
+    """Return the lesson that each answer names by number or name."""
     chosen_lessons = {}
     for file, answer in answers.items():
         lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
@@ -122,7 +121,7 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
 
 
 def _read_entries(course: Course) -> list[tuple[str, str, str]]:
-    """Return the stage, label and id in each readable line."""
+    """Return the stage, label and student id in each readable line."""
     entries = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():
@@ -134,7 +133,7 @@ def _read_entries(course: Course) -> list[tuple[str, str, str]]:
 
 def _json_line(entry: tuple[str, str, str]) -> str:
     stage, label, id = entry
-    # The guide's command for deleting a student's data searches for this text.
+    # The documented command for deleting a student's data searches for this text.
     return json.dumps({"student": id, "stage": stage, "label": label}, ensure_ascii=False) + "\n"
 
 

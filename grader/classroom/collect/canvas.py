@@ -1,8 +1,8 @@
-"""Canvas: *Download Submissions* of an assignment.
+"""Read the zip that *Download Submissions* creates for a Canvas assignment.
 
 File names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder; `name` has
-only letters and digits. With hidden names they are
-``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment:
+only letters and digits. If names are hidden, they are
+``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. Typed texts and links have no attachment id:
 ``…_{user id}_text.html``, ``…_link.html``. A group submits one file, with one member's user id.
 """
 
@@ -18,7 +18,7 @@ _OWNER = (
 )
 _FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
-_RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was submitted again
+_RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # Canvas numbers resubmitted files
 _REMARKS = {
     "text": "was typed into Canvas, which cannot hold a notebook. Ask for the .ipynb file",
     "link": "is a link, and its target may have changed. Ask for the .ipynb file",
@@ -26,7 +26,7 @@ _REMARKS = {
 
 
 def read_canvas(archive: Archive) -> list[SubmittedFile] | None:
-    """See `ArchiveReader`."""
+    """Return the files of a Canvas download, or None for any other archive."""
     matches = [(entry, _match(entry)) for entry in archive.entries]
     files = [_submitted_file(entry, match) for entry, match in matches if match]
     return files if 2 * len(files) > len(matches) else None

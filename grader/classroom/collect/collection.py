@@ -39,12 +39,12 @@ def collect(
     ----------
     course : grader.course.paths.Course
     archive_paths : sequence of pathlib.Path
-        Archives.
+        Zips, folders or single files.
     stages : sequence of str
     timestamps : pathlib.Path or None
         A table of submission times.
     owner_answers, lesson_answers : dict of str to str
-        Answers to questions, as they were typed.
+        Answers to questions, as typed.
     progress : callable
         Called with (done, total, None) after each student.
 
@@ -98,7 +98,7 @@ def _excused(
 def _as_work_of_one_student(
     path: Path, submitted: list[SubmittedFile], owners: Owners
 ) -> list[SubmittedFile]:
-    """Assign all files to one student if an answer says so and the archive names no other."""
+    """Assign all files to the archive's owner if an answer names one and the archive no other."""
     name = path.name if path.is_dir() else path.stem
     owner = Owner(name, name, (name,))
     if not owners.owns_whole_archive(owner, {file.owner for file in submitted} - {owner}):

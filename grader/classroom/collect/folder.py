@@ -1,6 +1,6 @@
-"""Any other zip or folder: ``{student}/…``, ``{student}.zip``, ``{student}_06_….ipynb``.
+"""Read all other archives: ``{student}/…``, ``{student}.zip`` or ``{student}_06_….ipynb``.
 
-If no student is named, all files belong to one student with the name of the archive.
+If no student is named, all files belong to one student, named after the archive.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from grader.course.lessons import all_lessons, stages
 
 
 def read_folder(archive: Archive) -> list[SubmittedFile]:
-    """See `ArchiveReader`."""
+    """Return the files of any archive, with owners named by folders or file names."""
     depth = _wrapper_depth(archive)
     return [_submitted_file(archive, entry, entry.path[depth:]) for entry in archive.entries]
 
 
 def _wrapper_depth(archive: Archive) -> int:
-    """Return the number of folders around the students' folders."""
+    """Return 1 if a single folder contains the students' folders, otherwise 0."""
     tops = {entry.path[0] for entry in archive.entries}
     seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
     only_folders = all(len(entry.path) > 2 for entry in archive.entries)
@@ -39,7 +39,7 @@ def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]
 
 
 def _student_in(name: str) -> str:
-    """Return the student's name in a file name; empty if it names only a lesson."""
+    """Return the student's name in a file name; empty if the file name contains only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
     match = re.search(lessons, stem, re.IGNORECASE)
@@ -50,5 +50,5 @@ def _student_in(name: str) -> str:
 
 
 def _is_course_folder(name: str) -> bool:
-    """Return whether a folder is named like a folder of the course, and not after a student."""
+    """Return whether a folder is named after a part of the course and not after a student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

@@ -1,8 +1,8 @@
-"""GitHub Classroom: a folder of checkouts, called ``{assignment}-{login}`` or ``…-{team}``.
+"""Read GitHub Classroom's checkouts, named ``{assignment}-{login}`` or ``…-{team}``.
 
 ``classroom_roster.csv``, next to the checkouts or among them, maps logins to the teacher's
-identifiers. Students can set the date of a commit, so it is not read. Every repository contains
-all notebooks, so unchanged ones do not count as submitted.
+identifiers. Commit dates are not read, because students can set them. Every repository contains all
+notebooks, so unchanged ones do not count as submitted.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ROSTER = "classroom_roster.csv"
 
 
 def read_github(archive: Archive) -> list[SubmittedFile] | None:
-    """See `ArchiveReader`."""
+    """Return the files of a folder of checkouts, or None for any other archive."""
     repositories = sorted(folder for folder in archive.checkouts if folder)
     if not repositories:
         return None
@@ -40,7 +40,7 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
 def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
     """Return the owner of a repository, by the login at the end of its name.
 
-    Logins may contain hyphens, so a login may begin within the common prefix of all names. It
+    Logins may contain hyphens, so a login may begin within the common prefix of all names. A login
     always contains the part after the prefix. With a single repository, the prefix is unknown.
     """
     rest = repository.removeprefix(f"{prefix}-") if prefix else repository

@@ -1,4 +1,4 @@
-"""Find the lesson of a notebook: by its name, by its content, or by an answer."""
+"""Find the lesson of a notebook from its name, its content or an earlier answer."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from grader.course.lessons import Lesson, all_lessons, find_lesson
 
 
 class Unrecognised(Exception):
-    """The lesson of a file is unknown; `str()` says what to do."""
+    """The lesson of a file is unknown; the message explains what to do."""
 
 
 class Contradiction(Exception):
-    """A file's name and content belong to different lessons; `str()` is the question to show."""
+    """A file's name and content belong to different lessons; the message is a question."""
 
     def __init__(self, text: str, lessons: tuple[Lesson, Lesson]) -> None:
         super().__init__(text)
@@ -27,7 +27,7 @@ def lesson_of(
     existing: Collection[Lesson],
     is_placed: Callable[[Lesson, StudentFile], bool],
 ) -> Lesson:
-    """Return the lesson of a notebook that no new answer is about.
+    """Return the lesson of a notebook for which there is no new answer.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def lesson_of(
     existing : collection of Lesson
         Lessons for which the student already has a file in place.
     is_placed : callable
-        Takes a lesson and a file, and returns whether the file was collected for that lesson.
+        Accepts a lesson and a file, and returns whether the file was collected for that lesson.
 
     Raises
     ------
@@ -62,5 +62,5 @@ def lesson_of(
 
 
 def lesson_option(file: StudentFile, number: str) -> str:
-    """Return the option that states the lesson of a file."""
+    """Return the command-line option that assigns a file to a lesson."""
     return f"--lesson {shlex.quote(f'{file.name}={number}')}"

@@ -25,19 +25,19 @@ from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
 from grader.intake.submission import LARGEST_MODULE
 from utils.notebooks.reading import UnreadableNotebook
 
-DEEPEST = 3  # zips in zips
+DEEPEST = 3  # levels of nested zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
 _ASK = "Look at it, and ask for the .ipynb file without a zip"
 
-# Kinds of files that students submit instead of a notebook.
+# File types that students submit instead of a notebook.
 _SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
 
 
 @dataclass(frozen=True)
 class UnpackedFile:
-    """One file of a student.
+    """One file of a student, unpacked and inspected.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class UnpackedFile:
         Only for notebooks and modules.
     saved : datetime or None
         The file's time in the zip that contains it.
-    content : grader.classroom.contents.Content
+    content : grader.classroom.contents.NotebookContent
         Only for notebooks.
     complaint : str
         Why the file cannot be read: the rest of a sentence that begins with the file's name.
@@ -79,7 +79,7 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
         return [
             UnpackedFile((), SUBSTITUTE, complaint=f"takes too much time or memory to open. {_ASK}")
         ]
-    except ReadingFailed:  # a fault of the grader, which must not affect other files
+    except ReadingFailed:  # an error in the grader must not affect other files
         return [
             UnpackedFile(
                 (),

@@ -9,16 +9,16 @@ from pathlib import Path
 
 
 class CollectError(Exception):
-    """Nothing can be collected; `str()` is the sentence to show."""
+    """Nothing can be collected; the message is shown to the user."""
 
 
 class UnreadableFile(Exception):
-    """One file cannot be read; `str()` is the sentence to show after the file's name."""
+    """One file cannot be read; the message follows the file's name in a sentence."""
 
 
 @dataclass(frozen=True)
 class ArchiveEntry:
-    """A file in an archive, which has not been read yet.
+    """A file in an archive, whose content is read on demand.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class ArchiveEntry:
 
 @dataclass(frozen=True)
 class Archive:
-    """All files of a zip, a folder, or one file.
+    """The files in a zip or folder, or a single file.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Owner:
     Attributes
     ----------
     label : str
-        The name in questions and answers.
+        Name of the owner in questions and answers.
     folder : str
-        The name of the folder if there is no roster.
+        Name of the folder in ``submitted/`` if there is no roster.
     names : tuple of str
         Possible names on the roster, the most likely first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas's number for the person, Moodle's number for the participant, GitHub logins.
+        Canvas user id, Moodle participant number, GitHub logins.
     guesses : tuple of str
         Possible GitHub logins, some of which may be only the end of a login.
     """
@@ -92,15 +92,15 @@ class SubmittedFile:
         Folders and file name before a learning platform changed them.
     entry : ArchiveEntry
     order : int
-        Higher is newer, among archives of this kind; 0 if unknown.
+        Sort key among archives of the same format: higher is newer, and 0 is unknown.
     saved : datetime or None
-        When the student saved it, if the archive says so.
+        When the student saved the file, if the archive contains that time.
     late : bool or None
-        Whether the learning platform marked it late; None if the platform has no such mark.
+        Whether the learning platform marked the file late; None if the platform has no such mark.
     remark : str
-        For a typed text or a link instead of a file, what is wrong with it; otherwise empty.
+        Why a typed text or a link cannot be judged; empty for files.
     is_given : bool
-        Whether every student received a file at this path, so that it may be unchanged.
+        Whether every student received the repository, so the file may be unchanged.
     """
 
     owner: Owner
@@ -114,7 +114,7 @@ class SubmittedFile:
 
     @property
     def name(self) -> str:
-        """The name in questions and answers."""
+        """Name of the file in questions and answers."""
         return "/".join((self.owner.label, *self.path))
 
 

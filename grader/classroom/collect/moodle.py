@@ -1,10 +1,10 @@
-"""Moodle: *Download all submissions* of an assignment.
+"""Read the zip that *Download all submissions* creates for a Moodle assignment.
 
 Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
 subfolders. If the teacher chose a download without folders, ``_{file}`` follows each name. The
 number is the participant's number in the grading worksheet. A team has the name
-``{team}_{team number}``; students without a team are ``{default team}`` without a number. Names
-do not contain ``_``.
+``{team}_{team number}``; students without a team have the name ``{default team}`` without a number.
+Names do not contain ``_``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _TYPED = "was typed into Moodle, which cannot hold a notebook. Ask for the .ipyn
 
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
-    """See `ArchiveReader`."""
+    """Return the files of a Moodle download, or None for any other archive."""
     files = [file for entry in archive.entries for file in _submitted_files(entry)]
     return files if 2 * len(files) > len(archive.entries) else None
 

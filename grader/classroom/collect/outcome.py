@@ -47,7 +47,7 @@ class CollectionReport:
     ignored : collections.Counter
         The names of files that no lesson needs, each with its count.
     late : list of str
-        Students whose work the learning platform marks late without a time.
+        Students whose work the learning platform marked late without a submission time.
     undecided : dict of str to str
         For each student, why the submission time is unknown.
     excused : list of str
@@ -66,7 +66,7 @@ class CollectionReport:
     excused: list[str] = field(default_factory=list)
 
     def add_question(self, name: str, text: str) -> None:
-        """Add a question; a question on a team's file is added only once."""
+        """Add a question once, even if a team's file raises it for each member."""
         question = Question(name, text)
         if question not in self.questions:
             self.questions.append(question)

@@ -19,7 +19,7 @@ _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE
 
 
 class UnknownOwner(Exception):
-    """The owner is unknown; `str()` is the question to show."""
+    """The owner is unknown; the message is a question for the instructor."""
 
 
 class Owners:
@@ -31,7 +31,7 @@ class Owners:
         Without a roster, folders are named as in the archive.
     worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
-        The instructor's answers: the ids of all owners, by label (`normalized`).
+        The instructor's answers: ids of all owners, by `normalized` label.
 
     Raises
     ------
@@ -51,7 +51,7 @@ class Owners:
                 self._check_answer(label, id)
 
     def ids_of(self, owner: Owner) -> tuple[str, ...]:
-        """Return the ids of a student or of a team's members; none if no student owns the files.
+        """Return the ids of a student or of a team's members; empty if no student owns the files.
 
         Raises
         ------
@@ -82,7 +82,8 @@ class Owners:
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
         """Return whether the other names in an archive are only folders of this owner.
 
-        They are if an answer names the archive's owner, and no other name is a known student.
+        That is the case if an answer names the archive's owner and no other name is a known
+        student. Without a roster, there must be exactly one other name.
         """
         if not self._answers.get(normalized(owner.label)):
             return False
@@ -95,9 +96,9 @@ class Owners:
             return False
 
     def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
-        """Return a question if it is doubtful who an owner is; otherwise an empty text.
+        """Return a question if the identity of an owner is in doubt; otherwise an empty string.
 
-        Canvas labels the work of a group with the group's name and the number of one member.
+        Canvas labels a group's work with the group's name and the user id of one member.
 
         Parameters
         ----------
@@ -129,7 +130,7 @@ class Owners:
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
-        """Return a student's rows in the worksheet; none if Moodle's worksheet has several."""
+        """Return a student's rows in the worksheet; empty if Moodle's worksheet has several."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):
@@ -139,7 +140,7 @@ class Owners:
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
-        """Return the rows that match exactly one person; ambiguous rows are dropped."""
+        """Return the rows that match exactly one person, by the person's id."""
         rows_by_id: dict[str, list[SubmissionRow]] = {}
         for row in self._worksheet.rows:
             people = self._people_of(row)
@@ -148,7 +149,7 @@ class Owners:
         return rows_by_id
 
     def _check_answer(self, label: str, id: str) -> None:
-        """Raise `CollectError` for an answer that names no student."""
+        """Raise `CollectError` if an answer contains an invalid id."""
         suggestions = ""
         if self._roster and self._roster.person(id) is None:
             reason = "no student on the roster has the id"
@@ -194,7 +195,7 @@ class Owners:
 
     def _team(self, owner: Owner) -> list[Person]:
         """Return the members of a team, if the worksheet lists it and all members are known."""
-        # Archives replace some characters with spaces.
+        # Compare only letters, because archives replace some characters with spaces.
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
         members = [self._people_of(row) for row in rows]

@@ -30,13 +30,13 @@ class FileOrigin:
     moment : str
         The time in the archive, in ISO 8601.
     order : int
-        Higher is newer, among archives of this kind; 0 if unknown.
+        Sort key among archives of the same format: higher is newer, and 0 is unknown.
     late : bool
-        Whether the learning platform marked it late.
+        Whether the learning platform marked the file late.
     participant : str
-        Moodle's number of the owner, a student or a team.
+        Moodle's number for the owner, which is a student or a team.
     beaten : tuple of str
-        SHA-256 of other files for the lesson, which an answer rejected.
+        SHA-256 of other files for the lesson that an answer rejected.
     when : str
         Submission time in ISO 8601; empty if it is unknown.
     undecided : str
@@ -63,7 +63,7 @@ class FileOrigin:
 
 @dataclass(frozen=True)
 class Record:
-    """The files that were collected for one folder.
+    """The files that were collected into one folder.
 
     Attributes
     ----------
@@ -74,8 +74,8 @@ class Record:
     others : str
         Submission time of files that were not collected, from a ``timestamp.txt``, in ISO 8601.
     written : str
-        The time that collecting last wrote to ``timestamp.txt``, in ISO 8601. A person wrote any
-        other time there.
+        The time that collecting last wrote to ``timestamp.txt``, in ISO 8601. Any other time in
+        that file was entered by hand.
     """
 
     files: dict[str, FileOrigin] = field(default_factory=dict)
@@ -99,7 +99,7 @@ class Record:
 
 
 def read_record(folder: Path) -> Record:
-    """Return the record of a folder; an empty one if there is none or it cannot be read."""
+    """Return the record of a folder; an empty record if the file is missing or unreadable."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         content = json.loads((folder / NAME).read_text("utf-8"))
         files = {name: FileOrigin(**origin) for name, origin in content["files"].items()}
@@ -108,7 +108,7 @@ def read_record(folder: Path) -> Record:
 
 
 def write_record(record: Record, folder: Path) -> None:
-    """Store the record of a folder."""
+    """Write the record of a folder."""
     write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
 
 

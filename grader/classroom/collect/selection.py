@@ -1,4 +1,4 @@
-"""Select the file that counts for a lesson: the newest, if that is known."""
+"""Select the file that counts for a lesson: the newest, if the order is known."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class StudentFile:
 
     @property
     def name(self) -> str:
-        """The name in questions and answers."""
+        """Name of the file in questions and answers."""
         return "/".join((self.submitted.owner.label, *self.path))
 
     @property
     def saved(self) -> datetime | None:
-        """When the file was saved, if the archive or a zip in it says so."""
+        """When the file was saved, if the archive or a zip in it contains that time."""
         return self.unpacked.saved or self.submitted.saved
 
     def is_next_to(self, other: StudentFile) -> bool:
@@ -61,7 +61,8 @@ class StudentFile:
         )
 
 
-# Functions whose value is higher for newer files, or None if unknown; the most reliable first.
+# Each function returns a higher value for a newer file, or None if unknown. The most reliable
+# function is first.
 EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
     lambda file: file.submitted.order or None,
     lambda file: file.saved,
@@ -73,7 +74,7 @@ def newest(files: Sequence[StudentFile]) -> list[StudentFile]:
     """Return the newest of some files for one lesson; several if the order is unknown.
 
     A changed notebook takes precedence over an unchanged one, and a readable file over an
-    unreadable one: a second download of the released notebook is not an answer.
+    unreadable one. A second download of the released notebook must not replace a student's work.
     """
     candidates = list({file.digest: file for file in files}.values())
     for better in (

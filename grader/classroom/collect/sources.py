@@ -15,7 +15,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 def open_archive(path: Path) -> Archive:
-    """Open an archive.
+    """Open a zip, a folder or a single file as an archive.
 
     Raises
     ------

@@ -3,7 +3,7 @@
 When a newer file replaces a file, the old one is kept in ``.older/`` in the same folder and is not
 judged.
 
-A submission time applies only to the files that it came with, so the record has a time for each
+A submission time applies only to the files collected with it, so the record has a time for each
 file. ``timestamp.txt`` is computed from these times. It is removed before anything changes and
 written at the end, so after an interruption the record says that the time is unknown.
 """
@@ -34,11 +34,11 @@ _UNREADABLE_TIME = "timestamp.txt has no readable time"
 
 
 class UnclearVersion(Exception):
-    """A person has to decide which of two files counts; `str()` says what to do."""
+    """A person has to decide which of two files counts; the message explains what to do."""
 
 
 def digest_of(data: bytes) -> str:
-    """Return the SHA-256 of some bytes."""
+    """Return the SHA-256 of `data` in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
 
 
@@ -150,7 +150,7 @@ class StageFolder:
         return any(origin.late for origin in self._record.files.values())
 
     def _write(self, name: str, data: bytes, origin: FileOrigin, older: Path | None = None) -> None:
-        """Write a file and record its own submission time, never that of another file."""
+        """Write a file and record its own submission time, never the time of another file."""
         was_timed = (self.path / TIMESTAMP_FILE).is_file() or any(
             file.when for file in self._record.files.values()
         )
@@ -180,7 +180,7 @@ class StageFolder:
     def _remove_time(self) -> None:
         """Remove ``timestamp.txt`` before its time becomes wrong.
 
-        A time that `write_time` did not write was written by a person, and applies to all files.
+        A time that `write_time` did not write was entered by hand and applies to all files.
         """
         path = self.path / TIMESTAMP_FILE
         record = dataclasses.replace(self._record, undecided=_INTERRUPTED)

@@ -1,4 +1,4 @@
-"""Collect the files of one student: place each one for its lesson, or ask about it."""
+"""Collect the files of one student: store each under its lesson's name, or ask the instructor."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from grader.course.paths import Course
 
 
 class StudentCollector:
-    """Places the files of one student.
+    """Places the files of one student in ``submitted/``.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class StudentCollector:
         The student's submissions in ``submitted/``.
     answers : Answers
     report : CollectionReport
-        Results are added to it.
+        The report to which results are added.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class StudentCollector:
     def collect(
         self, submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
     ) -> None:
-        """Place all files of this student.
+        """Place all files of this student in ``submitted/``.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class StudentCollector:
         self._report_problems()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
-        """Return notebooks and modules, and note files submitted instead of a notebook."""
+        """Return notebooks and modules; record files sent instead of a notebook as problems."""
         files, size = [], 0
         for archive, one in submitted:
             if one.remark:
@@ -144,7 +144,7 @@ class StudentCollector:
         candidates: list[StudentFile],
         files: list[StudentFile],
     ) -> str:
-        """Place the newest of some files for a lesson, with its modules; return the result."""
+        """Place a lesson's newest file with its modules, and return the state of the lesson."""
         name = f"{lesson.name}.ipynb"
         answered = [file for file in candidates if file.name in self._answers.lessons]
         outdated_digests = folder.outdated_digests(name)
@@ -178,7 +178,7 @@ class StudentCollector:
     def _place_modules(
         self, folder: StageFolder, notebook: StudentFile, files: list[StudentFile]
     ) -> None:
-        """Place the modules next to a notebook, which may import them."""
+        """Place the modules from a notebook's folder, because the notebook may import them."""
         modules: dict[str, list[StudentFile]] = {}
         for file in files:
             if file.unpacked.kind == MODULE and file.is_next_to(notebook):
@@ -191,7 +191,7 @@ class StudentCollector:
                 self._report.add_question(file.name, str(question))
 
     def _ask_about_other_stage(self, lesson: Lesson, candidates: list[StudentFile]) -> None:
-        """Ask about files that were submitted with the wrong stage, unless they were collected.
+        """Ask about files submitted with the wrong stage, unless they were collected before.
 
         Unchanged notebooks are ignored, because some students submit the whole course.
         """
@@ -206,7 +206,7 @@ class StudentCollector:
             self._report.add_question(candidates[0].name, text)
 
     def _write_times(self, folders: Iterable[StageFolder]) -> None:
-        """Write the submission time if it is known; otherwise report why it is not."""
+        """Write the submission time of each folder, or report why it is unknown."""
         for folder in folders:
             reason = folder.write_time()
             if reason:
@@ -215,7 +215,7 @@ class StudentCollector:
                 self._report.late.append(self._id)
 
     def _report_problems(self) -> None:
-        """Ask about files submitted instead of a notebook, if a notebook is missing."""
+        """Report each problem as a question if a notebook is missing, otherwise as a remark."""
         missing = [
             lesson
             for lesson in self._report.lessons

@@ -2,7 +2,7 @@
 
 Moodle writes titles and dates in the language of the teacher who downloads the worksheet. The first
 column has a word and the participant's number, and the second column has the full name. An
-instructor's own table has ids in the first column, and one of the known titles above the times.
+instructor's own table has ids in the first column, and submission times under one of `TITLES`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import babel
 from grader.classroom.collect.models import CollectError
 from grader.course.tables import read_table
 
-# Moodle's titles for "Last modified (submission)", and the language of the dates below each.
+# Moodle's translations of "Last modified (submission)", and the language of the dates below them.
 TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",
@@ -52,11 +52,11 @@ class SubmissionRow:
     others : tuple of str
         All other texts in the row, such as the name of a team.
     participant : str
-        Moodle's number; empty in an instructor's own table.
+        Moodle's participant number; empty in an instructor's own table.
     when : datetime or None
-        With a time zone; None if the time cannot be read.
+        Submission time with a time zone; None if it cannot be read.
     time_text : str
-        The text in the column of times.
+        The submission time as written in the table.
     """
 
     identifying: tuple[str, ...]
@@ -72,7 +72,7 @@ class SubmissionTable:
 
     In Moodle's worksheet each person has one row and a number. It also contains texts that students
     wrote. Moodle does not double a quotation mark after a backslash, so such a text can end its
-    cell and forge rows about other students.
+    cell and forge rows about other students. A number that occurs twice is therefore ignored.
     """
 
     rows: tuple[SubmissionRow, ...] = ()
@@ -83,11 +83,11 @@ class SubmissionTable:
         return any(row.participant for row in self.rows)
 
     def participant(self, number: str) -> SubmissionRow | None:
-        """Return the row of a participant in Moodle."""
+        """Return the only row with a participant number, or None."""
         return self._by_number.get(number) if number else None
 
     def rows_with(self, text: str) -> list[SubmissionRow]:
-        """Return the rows that a text identifies."""
+        """Return the rows in which a text identifies the person."""
         return [row for row in self.rows if text in row.identifying]
 
     @functools.cached_property
@@ -97,7 +97,7 @@ class SubmissionTable:
 
 
 def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
-    """Read a table.
+    """Read a table of submission times.
 
     Parameters
     ----------
@@ -155,9 +155,10 @@ def _row(
 
 
 def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
-    """Return the time in a text, with a time zone, if the text has only one meaning.
+    """Return the time in a text, with a time zone; None if the text is ambiguous or unreadable.
 
-    Numeric dates are read only in the order of ISO 8601, because otherwise the month is unclear.
+    Numeric dates are read only in the order of ISO 8601, because in other orders the month is
+    ambiguous.
     """
     chinese = _CHINESE.fullmatch(text)
     if chinese:
@@ -195,7 +196,7 @@ def _month(text: str, language: str) -> int | None:
 
 @functools.cache
 def _months(language: str) -> dict[int, set[str]]:
-    """Return the names of each month by its number: in full and abbreviated, in all forms."""
+    """Return the full and abbreviated names of each month in all forms, by month number."""
     names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):

@@ -1,6 +1,6 @@
-"""Read untrusted zips: check the sizes that they claim, and never use their names as paths.
+"""Read untrusted zips: check the declared sizes, and never use a name in a zip as a path.
 
-Only the roster and the lessons of the course decide where a file is written.
+Only the roster and the lessons of the course determine where a file is written.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grader.intake.notebook import LARGEST_FILE
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
 MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
-# A notebook full of zeros is compressed to a 150th of its size, and a zip bomb to a thousandth.
+# A notebook full of zeros shrinks to 1/150 of its size, and a zip bomb to 1/1000.
 MOST_COMPRESSION = 300
 _SMALL_FILE = 2**20
 _DAMAGE = (
@@ -33,7 +33,7 @@ _DAMAGE = (
     OSError,
     ValueError,
     NotImplementedError,  # a compression method that Python does not support
-    RuntimeError,  # a password
+    RuntimeError,  # the zip has a password
 )
 _JUNK = ("__MACOSX", "__pycache__")
 
@@ -48,7 +48,7 @@ def clean_path(name: str) -> tuple[str, ...]:
 
 
 def is_hidden(path: tuple[str, ...]) -> bool:
-    """Return whether a file was left behind by the operating system, an editor or git."""
+    """Return whether a path is hidden or in a folder that macOS or Python creates."""
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
@@ -63,7 +63,7 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
         archive = zipfile.ZipFile(file)
     except _DAMAGE as error:
         raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
-    # Python's `is_dir` fails for empty names.
+    # `ZipInfo.is_dir` fails for empty names.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
         raise UnreadableFile(f"contains {len(infos):,} files; more than {limit:,} are not opened")
@@ -75,7 +75,7 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
 
 
 def _name(info: zipfile.ZipInfo) -> str:
-    """Return the name of a file. Canvas and Macs write UTF-8 without declaring it."""
+    """Return the name of a file; Canvas and macOS write UTF-8 without declaring it."""
     if info.flag_bits & 0x800:
         return info.filename
     try:
@@ -104,7 +104,7 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 
 
 def _check(info: zipfile.ZipInfo) -> None:
-    """Check the size that a zip claims for a file; unpacking never produces more than that."""
+    """Reject links, passwords and large declared sizes, which unpacking never exceeds."""
     if stat.S_ISLNK(info.external_attr >> 16):
         raise UnreadableFile("is a link to another file. Ask for the file itself")
     if info.flag_bits & 0x1:

@@ -19,14 +19,14 @@ from grader.intake.reader_process import run_in_child
 from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
-# Real answers are far below both limits, and a person could not compare longer ones by eye.
+# Real answers are far below both limits, and a person could not compare longer answers by eye.
 MOST_STEPS = 1000
 MOST_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
 class ComparedAnswer:
-    """A student's function, with the other functions of the student that it uses.
+    """A student's function, with the other statements that it needs.
 
     Attributes
     ----------
@@ -50,13 +50,13 @@ class NotebookParts:
     Attributes
     ----------
     answers : dict of str to ComparedAnswer
-        The answer to each exercise that the student wrote.
+        The student's answers, by exercise.
     cells : str
         A digest of the text in the cells; empty for an unchanged notebook.
     own, all : int
         The number of cells that differ from the release, and the total number of cells.
     problems : tuple of str
-        Why an exercise cannot be compared, one sentence each.
+        One sentence for each exercise that cannot be compared.
     """
 
     answers: dict[str, ComparedAnswer] = dataclasses.field(hash=False)
@@ -74,10 +74,10 @@ def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> Note
     utils.notebooks.reading.UnreadableNotebook
     grader.intake.reader_process.ReadingFailed
     """
-    _released_statements(lesson)  # cached here, so that each child process inherits it
+    _released_statements(lesson)  # cached here, so that child processes inherit the result
 
     def work() -> dict:
-        # The compared code is the judged code, after repairs. The digest is of the submitted
+        # The compared code is the judged code, after repairs. The digest covers the submitted
         # cells, because repairs could make equal notebooks differ.
         code = prepare(submitted_files, lesson).code
         cells = [(cell.kind, cell.source.rstrip()) for cell in submitted_files.notebook().cells]
@@ -109,7 +109,7 @@ def _digest(text: str) -> str:
 
 
 def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedAnswer], list[str]]:
-    """Return the answers in code cells, and sentences about those that cannot be compared."""
+    """Return the answers in code cells, and a sentence about each that cannot be compared."""
     released_sources = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in released_sources]
     released, imported = _released_statements(lesson)
@@ -165,7 +165,7 @@ def _dump(node: ast.AST) -> str:
 
 
 def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
-    """Return the full name behind each name that a notebook imports."""
+    """Return the qualified name of each name that a notebook imports."""
     found = {}
     for statement in statements:
         for node in ast.walk(statement.node):
@@ -198,7 +198,7 @@ def released_cells(lesson: Lesson) -> tuple[tuple[str, str], ...]:
 
 @functools.cache
 def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]]:
-    """Return the released statements, and the full names behind their imports."""
+    """Return the released statements, and the qualified names of their imports."""
     code = [source for kind, source in released_cells(lesson) if kind == "code"]
     statements, _ = slicing.parse_notebook(code)
     return frozenset(_dump(statement.node) for statement in statements), _imported(statements)
@@ -206,7 +206,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
 
 @functools.cache
 def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """Return the right kept answers by exercise; each counts as the work of a separate author."""
+    """Return the course's right answers by exercise; each counts as one more author's work."""
     return {
         exercise.name: tuple(
             answer
@@ -221,7 +221,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
 
 @functools.cache
 def suggested_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """Return for each exercise the answers that the lesson suggests, by its solution and hints."""
+    """Return the answers that the lesson's solution and hints suggest, by exercise."""
     solved, _ = answers_in([lesson.text], lesson)
     found = {}
     for exercise in lesson.machine_graded:

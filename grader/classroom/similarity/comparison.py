@@ -27,11 +27,11 @@ class Pair:
     students : tuple of str
         The two students.
     share : float
-        The fraction of the unusual parts of both answers that they have in common.
+        Fraction of the two answers' unusual parts that they have in common.
     bits : float
         How unusual the common part is, in bits.
     alike : tuple of frozenset of int
-        For each answer, the indices of its statements that the other answer also has.
+        For each answer, the indices of its statements that the other answer also contains.
     steps : tuple of int
         The number of statements in each answer.
     exclusive : int
@@ -87,9 +87,9 @@ def compare(
     ----------
     exercise : str
     answers : dict of str to ComparedAnswer
-        By student.
+        Answers by student.
     kept : sequence of ComparedAnswer
-        Right answers that are kept with the course. Each counts as the work of a further author.
+        Right answers that are kept with the course. Each counts as the work of a separate author.
     suggested : iterable of ComparedAnswer
         Answers that the lesson suggests.
     """

@@ -1,12 +1,13 @@
 """The normal form of a function, without details that are easily changed.
 
 The normal form has no comments, layout, docstrings, annotations, `print` or `pass`, and no names
-except those of parameters, modules and their members, and given functions. Numbers are spelt in
-one way. Some equivalent code has the same normal form: ``x += 1`` and ``x = x + 1``, ``a > b`` and
-``b < a``, ``a + b`` and ``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop
-that counts.
+except those of parameters, modules and their members, and given functions. Equal numbers are spelt
+in the same way. Some equivalent code has the same normal form: ``x += 1`` and ``x = x + 1``,
+``a > b`` and ``b < a``, ``a + b`` and ``b + a``, ``a, b = 1, 2`` and two assignments, a `for` loop
+and a `while` loop that counts.
 
-The code is untrusted, so this runs in a separate process: see `grader.intake.reader_process`.
+The code is untrusted, so this module runs in a separate process; see
+`grader.intake.reader_process`.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _WITHOUT_EFFECT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonloca
 
 @dataclass(frozen=True)
 class NormalStatement:
-    """A statement in normal form; of a compound statement, only the header.
+    """A statement in normal form; for a compound statement, only the header.
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ def steps_of(
     ----------
     node : ast.stmt
     known : dict of str to str
-        Qualified names of what the author did not name: modules and given functions.
+        Qualified names of modules and given functions, which the author did not choose.
     parameters : sequence of str
         Names of the function's parameters; each is replaced by its position.
     """
@@ -151,7 +152,7 @@ class _Normalizer:
         return [kind.__name__, *sides[0], *sides[1]]
 
     def _dotted(self, node: ast.expr) -> str:
-        """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty for a name outside modules."""
+        """Return ``numpy.linalg.norm`` for ``np.linalg.norm``; empty if it is not in a module."""
         if isinstance(node, ast.Attribute):
             prefix = self._dotted(node.value)
             return prefix and f"{prefix}.{node.attr}"

@@ -19,7 +19,7 @@ MOST_PAIRS = 50
 
 @dataclass(frozen=True)
 class Side:
-    """One of two answers: its lines, and for each whether the other answer has a similar line."""
+    """One of two compared answers. A line is marked if the other answer has a similar line."""
 
     student: str
     lines: tuple[tuple[str, bool], ...]
@@ -113,7 +113,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
 
 
 def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
-    """Return a sentence that says in what respect two similar answers are equal."""
+    """Return a sentence that describes how similar two answers are."""
     if one.text == other.text:
         return "The two answers are identical, including comments."
     if one.code == other.code:

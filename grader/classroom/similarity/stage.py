@@ -52,7 +52,7 @@ class PairOfStudents:
 
     @property
     def bits(self) -> float:
-        """How unusual all their similarities are together, in bits."""
+        """How unusual the two students' similarities are in total, in bits."""
         return sum(pair.bits for pair in self.pairs)
 
 
@@ -69,7 +69,7 @@ class StageComparison:
     comparisons : tuple of Comparison
         One comparison for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
-        By exercise and student.
+        Answers by exercise and student.
     same_files : tuple of SameFile
     problems : tuple of (str, str, str)
         Student, lesson, and the reason why something was not compared.

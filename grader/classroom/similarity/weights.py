@@ -1,12 +1,12 @@
 """Weigh the common parts of two answers by how rare they are in the class.
 
-The words of a statement are cut into pieces of `PIECE_LENGTH` words each, as Schleimer, Wilkerson
-and Aiken do with whole programs (Winnowing: local algorithms for document fingerprinting, SIGMOD
-2003). Functions are short, so all pieces are kept. No piece extends into the next statement, so
-the order of statements makes no difference.
+Each run of `PIECE_LENGTH` words in a statement is a piece. Schleimer, Wilkerson and Aiken
+introduced such pieces for whole programs (Winnowing: local algorithms for document fingerprinting,
+SIGMOD 2003). Functions are short, so all pieces are kept. No piece extends into the next statement,
+so the order of statements does not matter.
 
-Pieces in answers that the lesson suggests weigh nothing, and neither do pieces that many answers
-have. The weight of any other piece is its information in bits: the fewer answers have it, the more
+Pieces that occur in the lesson's suggested answers or in many students' answers have no weight. The
+weight of any other piece is its information in bits: the fewer answers contain the piece, the more
 it weighs (Spärck Jones, A statistical interpretation of term specificity, 1972).
 """
 
@@ -19,7 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from grader.classroom.similarity.answers import ComparedAnswer
 
 PIECE_LENGTH = 6
-# A piece that more than a quarter of the other answers have weighs nothing.
+# A piece in more than a quarter of the other answers has no weight.
 LARGEST_RARE_SHARE = 0.25
 
 Piece = tuple[str, ...]
@@ -63,7 +63,7 @@ class Weights:
     documents : sequence of Document
         All answers that are compared with each other.
     suggested : iterable of Document
-        Answers that the lesson suggests, whose pieces weigh nothing.
+        Answers that the lesson suggests, whose pieces have no weight.
     """
 
     def __init__(self, documents: Sequence[Document], suggested: Iterable[Document]) -> None:
@@ -71,7 +71,7 @@ class Weights:
         self._step_counts = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
         others = max(0, len(documents) - 2)  # without the two compared answers
-        # Bits of each piece if one of the two compared answers has it, and if both do.
+        # Bits of each piece if one of the two compared answers contains it, and if both do.
         self._bits_in_one = {
             piece: self._bits(piece, n - 1, others) for piece, n in holders.items()
         }
@@ -91,7 +91,7 @@ class Weights:
         return 2 * shared / (2 * shared + different) if shared else 0.0
 
     def bits(self, one: Document, other: Document) -> float:
-        """Return how unusual the common part of two answers is.
+        """Return how unusual the common part of two answers is, in bits.
 
         A long statement is still only one idea, so it counts as much as its average piece.
         """
@@ -99,7 +99,7 @@ class Weights:
         return min(_sum_of_steps(document, weights) for document in (one, other))
 
     def bits_of_copy(self, document: Document) -> float:
-        """Return how unusual the common part of an answer and an exact copy would be."""
+        """Return how unusual the common part of an answer and an exact copy would be, in bits."""
         return self.bits(document, document)
 
     def exclusive_steps(self, one: Document, other: Document) -> int:

@@ -1,6 +1,6 @@
 """Gradescope's `run_autograder`: judge one submission, or report why that is not possible.
 
-After an error in the grader there are no results. Gradescope then reports that the autograder
+After an error in the grader, no results are written. Gradescope then reports that the autograder
 failed, and the student does not get a 0. Only instructors can see the printed output.
 """
 

@@ -15,7 +15,7 @@ NOT_WRITABLE = (".", "results")
 
 
 class IsolationFailed(Exception):
-    """Users other than root could access tests, seed or results; `str()` is the message to show."""
+    """Users other than root could access tests, seed or results; instructors see the message."""
 
 
 def restrict_access(root: Path) -> None:
@@ -66,7 +66,7 @@ def strongest_sandbox() -> Sandbox:
         try:
             SANDBOXES[name].available()
         except SandboxUnavailable as error:
-            # Only the reason, because the error's advice is to do without a sandbox.
+            # Show only the reason, because the error's advice is to grade without a sandbox.
             complaints.append(f"{name}: {error.reason}")
         else:
             return SANDBOXES[name]

@@ -1,7 +1,7 @@
 """Folders for the chroot sandbox, which are built once with the container image.
 
-Building them is slow, so ``setup.sh`` runs this module. If that is not permitted, each submission
-builds its own folders.
+Building them is slow, so ``setup.sh`` runs this module. If that is not permitted, each run of the
+autograder builds its own folders.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Judge one submission in Gradescope's container, whose files may be in any folder."""
+"""Judge one submission in Gradescope's container; its files may be in any folder."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PLACEHOLDER_STUDENT = (
 
 
 class JudgeFailed(Exception):
-    """The judge failed, not the student; `str()` is the message for instructors."""
+    """The judge failed, not the student; the message is shown to instructors."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedS
 
 
 def _special_files(folder: str, names: list[str]) -> list[str]:
-    """Return the pipes and devices, which are not copied. Links are copied but never followed."""
+    """Return the pipes and devices, which must not be copied; links are copied but not followed."""
     kinds = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
     modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
     return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in kinds)]

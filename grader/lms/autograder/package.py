@@ -39,7 +39,7 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
 
 
 def write_secret(content: bytes, path: Path) -> None:
-    """Write a file with the seed, which other users of this machine cannot read."""
+    """Write a file that contains the seed and that only this user can read."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     with open(descriptor, "wb") as file:

@@ -1,7 +1,7 @@
 """The export formats for the marks of a class: ``python -m grader export --format NAME``.
 
-To add a format, write a module with a function from `ExportOptions` to `ExportResult`, and add it
-to the table.
+To add a format, write a module with a function that turns `ExportOptions` into an `ExportResult`,
+and add it to `EXPORTERS`.
 """
 
 from collections.abc import Callable
@@ -23,9 +23,9 @@ class Exporter:
     Attributes
     ----------
     write : callable
-        Takes `ExportOptions`, returns an `ExportResult`, and raises `ExportError`.
+        Accepts `ExportOptions`, returns an `ExportResult`, and raises `ExportError`.
     ending : str
-        The end of the file's name.
+        Ending of the file's name.
     fills : str
         Description of the LMS file that is filled in; empty if the exporter creates a new file.
     next_step : str

@@ -74,8 +74,8 @@ def collect_marks(options: ExportOptions) -> Marks:
     Raises
     ------
     ExportError
-        If the assignment does not exist, or if a mark is still waiting and the options do not allow
-        provisional marks.
+        If the assignment does not exist, or if a mark still waits for a grader and the options do
+        not allow provisional marks.
     """
     results, assignment = options.results, options.assignment
     notebooks = [
@@ -119,7 +119,7 @@ def _notes(
     marks: Sequence[Mark],
     without: dict[str, list[Person]],
 ) -> Iterator[str]:
-    """Yield sentences about the marks and about students without one; some may be empty."""
+    """Yield sentences about the marks and about students without a mark; some may be empty."""
     ids = {mark.person.id for mark in marks}
     own = [result for result in notebooks if result.student in ids]
     waiting = [result for result in own if result.standing == WAITING]

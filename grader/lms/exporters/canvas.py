@@ -1,8 +1,8 @@
-"""Marks for Canvas, written into a file that its gradebook exported and can import.
+"""Write marks into a gradebook file that Canvas exported and can import.
 
-An import writes every column that Canvas knows, and a blank cell deletes a mark. The output
+An import writes every column that Canvas recognises, and a blank cell deletes a mark. The output
 therefore contains only the columns that identify a student, the assignment's column, and the rows
-of students with a mark. Marks that were entered elsewhere in the meantime are not changed.
+of students with a mark. Other marks that were entered in the meantime do not change.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_wor
 NAMES = (("Student",), ("LastName", "FirstName"))
 LAST_PEOPLE_COLUMN = "Section"  # the last column that identifies a student
 COMPUTED_COLUMN = re.compile(
-    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # these are never imported
+    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # never imported
 )
 POINTS_POSSIBLE = "Points Possible"
 EXCUSED, NOT_ASSIGNED = "EX", "N/A"

@@ -72,8 +72,8 @@ def fill_column(
     places : list of RowPlace
     column : Column
     refusal : callable
-        Takes a row and its points. Returns the reason why the LMS would reject the points; empty
-        if it accepts them.
+        Accepts a row and its points. Returns why the LMS would reject the points; empty if it would
+        accept them.
     """
     matches = match_rows([place.owner for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}

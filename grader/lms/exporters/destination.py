@@ -20,7 +20,7 @@ def write_export(
     destination : Path or None
         Destination that the user chose: a file, or a folder for a file with the default name.
     default : Path
-        Default destination. If another file exists there, it is renamed.
+        Default destination. A different file that exists there is renamed.
     filled_in : Path or None
         The LMS's file that was filled in, which is never overwritten.
 

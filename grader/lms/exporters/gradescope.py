@@ -1,4 +1,4 @@
-"""Marks for Gradescope: an autograder that delivers stored marks and does not judge.
+"""Build an autograder for Gradescope that delivers stored marks and does not judge.
 
 Gradescope accepts marks for programming assignments only from an autograder. This autograder
 contains the marks by e-mail address, and does not run student code. It writes `results.json` for a
@@ -71,7 +71,7 @@ def gradescope(options: ExportOptions) -> ExportResult:
 
 
 class _NoEntry(Exception):
-    """A mark cannot be delivered; `str()` says why."""
+    """A mark cannot be delivered; the message is the reason."""
 
 
 def _email(mark: Mark) -> str:

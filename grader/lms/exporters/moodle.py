@@ -1,8 +1,8 @@
-"""Marks for Moodle, written into an assignment's offline grading worksheet for upload.
+"""Write marks into a Moodle assignment's offline grading worksheet, for upload.
 
 Moodle finds its columns by titles in the site's language, so all columns are kept unchanged. It
-skips blank cells. It also skips a mark without a message if the mark is above the maximum, locked
-or changed since the download. The exporter reports the first two cases.
+skips blank cells. Without a message, it also skips marks that are above the maximum, locked or
+changed since the download. The exporter reports the first two cases.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def moodle(options: ExportOptions) -> ExportResult:
 
 
 def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
-    """Find the grade column, whose next column contains the same maximum in every row."""
+    """Find the grade column; the column after it contains the same maximum in every row."""
     titles = {
         place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
     }
@@ -111,14 +111,14 @@ def _is_grade(sheet: MarksTableFile, place: int) -> bool:
 
 
 def _hides_names(sheet: MarksTableFile) -> bool:
-    """Return whether the worksheet is anonymous, with the status instead of the name."""
+    """Return whether the worksheet is anonymous, with a status in place of the name."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 
 def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
     """Identify the owner of a row from its cells.
 
-    The first cell has Moodle's number for the participant after a word, and the second has the
+    The first cell contains a word and Moodle's participant number, and the second contains the
     name. The next cells are fields that the site has chosen, such as e-mail address and ID number.
     """
     fields = row[1:column]

@@ -10,7 +10,7 @@ from grader.lms.results import ClassResults
 
 
 class ExportError(Exception):
-    """The export is not possible; `str()` is the message to show, including the remedy."""
+    """The export is not possible; the message contains the reason and the remedy."""
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,13 @@ class ExportOptions:
     course : grader.course.paths.Course
     results : grader.lms.results.ClassResults
     assignment : str or None
-        The stage or lesson that is one assignment in the LMS.
+        The stage or lesson that corresponds to the assignment in the LMS.
     provisional : bool
         Whether to export the current points of work that a person still has to grade.
     into : pathlib.Path or None
         The file from the LMS to fill in.
     column : str or None
-        Title of the column for the marks; only needed if it is not obvious.
+        Title of the column for the marks; None to find the column automatically.
     scale : bool
         Whether to convert points if the LMS has a different maximum.
     """

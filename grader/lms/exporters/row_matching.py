@@ -17,7 +17,7 @@ Claim = tuple[str, str]  # (attribute of a person, text in the row)
 
 @dataclass(frozen=True)
 class PersonRow:
-    """The data by which a row identifies its owner.
+    """The data that identifies the owner of a row.
 
     Attributes
     ----------
@@ -29,8 +29,8 @@ class PersonRow:
     name : str
         Name of the owner, which is used alone if no claim matches; empty if the file hides it.
     lms_id : str
-        The LMS's ID for the person, if all of its files contain one. A student with another ID on
-        the roster only has the same name.
+        The person's ID in the LMS, if all files from that LMS contain one. A student with another
+        ID on the roster is only a namesake.
     """
 
     label: str
@@ -50,7 +50,7 @@ class RowMatches:
     unknown_rows : tuple of str
         Labels of the rows without a matching student.
     doubts : dict of str to str
-        By student ID, the reason why a student has no row although some rows may match.
+        Reason why a student has no row although some rows may match, by student ID.
     by_name : tuple of str
         Labels of the rows that were matched only by name.
     renamed : tuple of str
@@ -109,7 +109,7 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
 def _passes(
     rows: Sequence[PersonRow], people: Sequence[Person]
 ) -> Iterator[Callable[[int], set[str]]]:
-    """Yield functions from a row's index to matching IDs: one per rank of claims, then by name."""
+    """Yield functions that map a row's index to matching IDs: one per rank, then one for names."""
     roster = Roster(tuple(people))
     owners: dict[Claim, set[str]] = {}
     for person in people:

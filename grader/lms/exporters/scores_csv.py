@@ -26,10 +26,10 @@ ABOUT_STAGE = ("submitted", "days late", "late penalty", "standing")
 
 
 def scores_csv(options: ExportOptions) -> ExportResult:
-    """Write the scores of a class, limited to one stage or lesson if the options name it.
+    """Write the scores of a class, limited to one stage or lesson if the options name one.
 
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
-    student's row contains the score in each lesson; the cell is empty without a score. For each
+    student's row contains the score in each lesson; without a score, the cell is empty. For each
     stage it also contains the submission time, the days late, the penalty and the standing. The
     last two columns are the total and its maximum, without the stages from which a student is
     excused.
@@ -121,7 +121,7 @@ def _days_late(stage: StageResult) -> str:
 
 
 def _standing(lessons: Sequence[NotebookResult]) -> str:
-    """Return the standing in a stage or lesson, and then the lessons that deviate from it."""
+    """Return the standing in a stage or lesson, followed by the lessons that differ."""
     combined = combined_status(lessons)
     words = [] if combined == WAITING else [combined]
     if combined not in (EXCUSED, MISSING):

@@ -42,7 +42,7 @@ class MarksTableFile:
     def decimal_mark(self, columns: Iterable[int]) -> str:
         """Return the decimal mark used by the numbers in some columns.
 
-        If no number has a fraction, it is a point, because every site understands a point.
+        If no number has a fraction, the result is a point, because every site accepts a point.
         """
         for column in columns:
             for row in self.rows:
@@ -100,7 +100,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
 
 
 def read_number(text: str) -> float | None:
-    """Parse a number, whose last mark is the decimal mark as in Canvas; None for other text."""
+    """Parse a number whose last point or comma is the decimal mark; return None for other text."""
     text = text.strip()
     if not NUMBER.fullmatch(text):
         return None
