@@ -212,7 +212,7 @@ def run_collect(options: argparse.Namespace) -> int:
 
 
 def stages_exist(names: Sequence[str]) -> bool:
-    """Return whether the course has all these stages; otherwise print an error."""
+    """Return whether the course has all these stages; print an error if not."""
     unknown = set(names) - set(stages())
     if unknown:
         print(
@@ -265,7 +265,7 @@ def run_grade(options: argparse.Namespace) -> int:
     if not has_one_executor(options):
         return USAGE_ERROR
     course = Course()
-    read_deadlines(course)  # to report a faulty file before hours of judging
+    read_deadlines(course)  # report a faulty file now, not after hours of judging
     try:
         student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
@@ -287,7 +287,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
 
 def has_one_executor(options: argparse.Namespace) -> bool:
-    """Return whether at most one executor is named; otherwise print an error."""
+    """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
             "--workers is for this machine and --scheduler is for a cluster. Use one of the two.",
@@ -321,7 +321,7 @@ def run_report(options: argparse.Namespace) -> int:
 
 
 def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
-    """Return all submissions that have a verdict, with the verdict of each."""
+    """Return all submissions that have a verdict, each with its verdict."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
@@ -513,7 +513,7 @@ def _sample_feedback(course: Course, stage: str) -> Path:
 
 
 def _sample_similarity(course: Course, stage: str) -> Path:
-    """Write the page with similar answers of the sample class, and return its path."""
+    """Write the page of similar answers in the sample class, and return its path."""
     from grader.classroom.similarity.page import write_similarity
     from grader.classroom.similarity.stage import compare_stage
 
@@ -602,7 +602,7 @@ def _judge_all(
     scheduler: str | None,
     student: str | None,
 ) -> tuple[JudgedSubmissions, int]:
-    """Return the submissions with their verdicts, and the number of stored verdicts among them."""
+    """Return the submissions with their verdicts, and how many of the verdicts were stored."""
     from grader.classroom.grade import judge_class
 
     counts = []
@@ -685,7 +685,7 @@ def _print_summary(
 
 @contextlib.contextmanager
 def executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
-    """Yield a function that opens an executor; it connects to a cluster only once."""
+    """Yield a function that opens an executor; all executors share one cluster connection."""
     from grader.classroom.executors import EXECUTORS
 
     with contextlib.ExitStack() as stack:

@@ -1,4 +1,4 @@
-"""Judge one notebook: read it, call the student's functions, and decide in this process."""
+"""Judge one notebook: read it, call the student's functions, and decide each point here."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ def judge(
     lesson : grader.course.lessons.Lesson, optional
         By default, the lesson that the notebook's file name or metadata states.
     student : str, optional
-        The student's identity, which the verdict records.
+        The student's ID, which the verdict records.
     limits : grader.sandbox.Limits, optional
 
     Returns
     -------
     grader.judging.verdict.Verdict
-        There is always a verdict, whatever the student's code does.
+        Whatever the student's code does, there is a verdict.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
 
 @dataclass(frozen=True)
 class _Decision:
-    """The part of a verdict that depends on what the student's code does."""
+    """The part of a verdict that depends on the behaviour of the student's code."""
 
     exercises: tuple[ExerciseResult, ...]
     problems: tuple[str, ...]
@@ -204,7 +204,7 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
         *(better.sentence for better in carried.values()),
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
-    # A notebook with full marks has nothing to gain from another try.
+    # A notebook with full marks cannot gain from another try, so it does not count as starved.
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
@@ -269,10 +269,10 @@ def given_code(lesson: Lesson) -> str:
 
 @functools.cache
 def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    """Return the complaints of a lesson's tests about its own solution.
+    """Return a sentence for each failure of a lesson's own solution.
 
-    Such a complaint means that a test is faulty. Before a class is judged, the list must be empty.
-    If there are complaints, the tests run again, because a busy machine may cause a failure once.
+    Such a failure means that a check is faulty, so a class is judged only if there are none. If
+    there are any, the checks run again, because a busy machine may cause a failure once.
     """
     return _complaints(lesson, seed, sandbox) and _complaints(lesson, seed, sandbox)
 
