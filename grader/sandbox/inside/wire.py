@@ -20,7 +20,7 @@ class WireClosed(Exception):
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Return a limit on elapsed time.
+    """Return a limit on elapsed time, as a function.
 
     Returns
     -------
