@@ -64,10 +64,10 @@ def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
 
 @cached_by_content
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
-    """Return a cloud without points whose distance to another is within `margin` of the threshold.
+    """Return a cloud with no pair of points whose distance is within `margin` of `threshold`.
 
     Whether a pair exactly at the threshold counts depends on ``<`` or ``<=`` and on rounding.
-    Neither should decide whether an answer is right.
+    Neither should decide whether an answer is right. All lengths are in metres.
     """
     from scipy.spatial import cKDTree
 

@@ -41,7 +41,7 @@ LEGEND = {
 
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
-    """Show a progress bar on stderr; yield a function (done, total, what).
+    """Show a progress bar on stderr; yield a function that updates it with (done, total, what).
 
     Until the total is known, `what` is a sentence about the work. The bar appears only when work
     begins, so that an error before that does not look like an interruption.
@@ -386,7 +386,7 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
 
 
 def _mark_text(result: NotebookResult) -> str:
-    """Return a student's mark or sign for a lesson; `LEGEND` explains the signs."""
+    """Return a student's mark for a lesson, or a sign that `LEGEND` explains."""
     if result.standing in ("missing", "excused"):
         return {"missing": "-", "excused": "ex"}[result.standing]
     if result.score is None:

@@ -30,7 +30,7 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run_league(options: argparse.Namespace) -> int:
-    """Run ``league STAGE``."""
+    """Run the command ``league STAGE``."""
     from extension.league.page import write_league
     from extension.league.season import drive_class, lesson_of_league
     from grader.classroom.executors import processors

@@ -2,7 +2,7 @@
 
 This process simulates the car and the street, and measures the drive. The detector runs in a
 sandbox, receives scans and returns boxes. Computing time within the limits does not count.
-Otherwise tenths of a second would decide the ranking, and they are random on a shared machine.
+Otherwise tenths of a second, which vary on a shared machine, would decide the ranking.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def drive_one(
     try:
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
-        # The reason is only in the verdict, because it may contain a file name from the student.
+        # Only the verdict states the reason, which may contain a file name that the student chose.
         return DriveResult(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return DriveResult(number, fault=str(error))
@@ -187,7 +187,7 @@ def _result_of(
 
 
 class _SandboxedDetector:
-    """A detector in a sandbox, of which callers get at most `MOST_BOXES` finite boxes."""
+    """A detector in a sandbox that returns at most `MOST_BOXES` finite boxes for a scan."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student

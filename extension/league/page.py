@@ -142,7 +142,7 @@ def events_of(result: DriveResult) -> Iterator[str]:
 
 
 def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
-    """Film the best student in the street where most of the others earned nothing.
+    """Film the best student's drive in the street where the most other students earned nothing.
 
     Returns
     -------

@@ -181,7 +181,7 @@ def _as_completed(
 
 
 def _result(future: Future, street: Street) -> DriveResult | None:
-    """Return the result of a future, with a fault if the grader failed; None if a process died."""
+    """Return a future's drive, with `fault` set if the grader failed; None if a process died."""
     try:
         return future.result()
     except BrokenExecutor:

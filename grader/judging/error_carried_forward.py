@@ -2,8 +2,8 @@
 
 The student can then still earn points for the exercise itself. The second run uses a separate
 process, in which no other exercise runs. The correct helper therefore cannot give away the answer
-to another exercise. Messages about that run are as brief as those about hidden tests, because they
-could reveal the helper.
+to another exercise. Messages about that run contain no more detail than messages about hidden
+tests, because more detail could reveal the helper.
 
 An answer must not gain from having a second try. The exercise therefore also runs once more with
 the student's own helpers. If a check fails both times, the run with correct helpers decides. A
@@ -75,8 +75,8 @@ def carry_forward(
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     improved, starved = {}, False
     for number, exercise in enumerate(exercises):
-        # Only earlier exercises are replaced: the solution of a later one may call this exercise,
-        # and would then bring its answer along.
+        # Only earlier exercises are replaced. The solution of a later exercise may call this one,
+        # and could therefore contain this one's answer.
         earlier = [before.name for before in exercises[:number]]
         called = failing.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)

@@ -1,4 +1,4 @@
-"""Judge one notebook: read it, call the student's functions, and decide each point here."""
+"""Judge one notebook: read it, call the student's functions, and award points in this process."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ JUDGE_FAILED_NOTE = (
 
 
 class UnknownLesson(Exception):
-    """The lesson of a notebook is unknown; `str()` is the sentence to show."""
+    """The lesson of a notebook is unknown; `str()` returns the message to show."""
 
 
 def judge(
@@ -55,7 +55,7 @@ def judge(
         The course's secret, from which the input of hidden tests is drawn.
     sandbox : grader.sandbox.Sandbox
     lesson : grader.course.lessons.Lesson, optional
-        By default, the lesson that the notebook's file name or metadata states.
+        By default, the notebook's file name or metadata determines the lesson.
     student : str, optional
         The student's ID, which the verdict records.
     limits : grader.sandbox.Limits, optional
@@ -63,7 +63,7 @@ def judge(
     Returns
     -------
     grader.judging.verdict.Verdict
-        Whatever the student's code does, there is a verdict.
+        Always returned, whatever the student's code does.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def lesson_of_file(path: Path) -> Lesson:
 
 
 def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
-    """Return the lesson that the notebook's name or metadata states."""
+    """Return the lesson that the notebook's file name or metadata identifies."""
     if lesson := find_lesson(Path(submitted_files.name).stem):
         return lesson
     try:

@@ -66,7 +66,7 @@ class Message:
 def messages_of(story: Summary) -> dict[Outcome, Message]:
     """Return the message about each failed check, explaining a shared cause only once.
 
-    Only the message about the first failure has a hint, as in `check()`. The hints of the other
+    Only the message about the first failure includes a hint, as in `check()`. Hints of the other
     checks may not match the cause of their failures.
     """
     if story.first is None:

@@ -5,11 +5,11 @@ and repeats the checks that the answer failed, all in one process. If these chec
 notebook is judged like a submission, including hidden tests. If it then earns full marks, the
 answer is proven to have a single slip, and the student keeps part of the points.
 
-An empty answer gains nothing, because no edit repairs it. An answer that guesses gains nothing
-either, because an edit would have to make every guess right.
+An empty answer gains nothing, because no edit repairs it. An answer that returns guesses gains
+nothing either, because an edit would have to make every guess right.
 
 Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) use the answers
-of other students for repairs. Here they are not needed, because the checks decide.
+of other students for repairs. This search does not need them, because the checks decide.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from utils.checks.run_cache import one_run
 # If a mark depends on the search, this many edits are always tried, so that the mark does not
 # depend on the speed of the machine. Only the upper time limits can end the search earlier.
 LIKELIEST_EDITS = 320
-# Processor seconds for the edits of one exercise, in the judge and the sandbox together. The lower
-# limit is for edits beyond the likeliest ones, the upper limit for all.
+# Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
+# together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
 LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
 # Limit on elapsed seconds, because code that sleeps in each call uses little processor time.
 MOST_SECONDS = 60.0
@@ -83,7 +83,7 @@ def find_slips(
 ) -> dict[str, Repair | Mistake]:
     """Return the proven slips of exercises that lost points, by the exercise's name.
 
-    A slip is the edit that repairs the exercise, or the named mistake that explains all its
+    A slip is the edit that repairs the exercise, or the named mistake that explains all its wrong
     answers. If the notebook's own cells do not finish, no edit is tried, because each exercise
     would have to wait for them again.
     """
@@ -98,9 +98,9 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            # No minimum number of edits is tried if the checks already earn more than a slip
-            # keeps, because an edit then only explains the mistake. Nor is it if the failed calls
-            # have used up the limit of one call, because calls with edits would be slow too.
+            # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
+            # because an edit then only explains the mistake. It is also 0 if the failed calls have
+            # used up the time of one call, because calls with edits would be slow too.
             earns_less = _share(outcomes) < ONE_SLIP_KEEPS
             has_time = not _has_used_its_time(setting, exercise.name)
             likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
@@ -116,7 +116,7 @@ def find_slips(
 
 
 def _has_used_its_time(setting: Setting, exercise: str) -> bool:
-    """Return whether an exercise's failed calls together have used up the limit of one call."""
+    """Return whether an exercise's failed calls together have used up the time of one call."""
     if setting.budget is None:
         return False
     limit = (setting.limits or Limits()).call_seconds

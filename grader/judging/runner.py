@@ -169,7 +169,7 @@ class _Runner:
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo
     ) -> pytest.TestReport:
-        """Record how a test ended, without formatting a traceback, half of pytest's time."""
+        """Record how a test ended; omit the traceback, which would take half of pytest's time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
             self.record(check_of(item), error)
@@ -282,7 +282,7 @@ def run_checks(
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
     budget : grader.sandbox.time_budget.Budget, optional
-        The student's budget, which counts the time of failed checks like that of failed calls.
+        The student's budget, in which failed checks count as failed calls.
 
     Returns
     -------

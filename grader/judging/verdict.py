@@ -61,7 +61,7 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Slip:
-    """The only error in an answer, given by the edit that corrects it or as a named mistake.
+    """The only error in an answer: either an edit that corrects it, or a named mistake.
 
     Attributes
     ----------

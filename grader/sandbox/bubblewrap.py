@@ -44,7 +44,7 @@ class Bubblewrap:
         _program()
 
     def label(self) -> str:
-        """Name the program in use; see `grader.sandbox.protocol.Sandbox`."""
+        """Return the program's version and origin; see `grader.sandbox.protocol.Sandbox`."""
         program = _program()
         return f"{program.version()} ({program.origin})"
 

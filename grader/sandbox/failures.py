@@ -82,7 +82,7 @@ class StudentStopped(RemoteStopped):
     Attributes
     ----------
     reason : str
-        A text that is equal for all stops with the same cause; by default the sentence.
+        A text that identifies the cause of the stop; by default the sentence.
     out_of_time : bool
         Whether a call of the student's function took too long.
     """

@@ -150,7 +150,7 @@ def enter(pid: int, has_user_namespace: bool) -> None:
     Raises
     ------
     OSError
-        If the kernel refuses.
+        If the kernel does not allow it.
     """
     opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
     if has_user_namespace:

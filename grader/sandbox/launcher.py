@@ -52,7 +52,7 @@ class WorkerProcess:
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
     killed_before : int
-        The result of `killed_for_memory` at the start.
+        The result of `killed_for_memory` when the worker started.
     """
 
     process: subprocess.Popen
@@ -67,7 +67,7 @@ class WorkerProcess:
 
     @property
     def pids(self) -> list[int]:
-        """IDs, outside the sandbox, of the processes whose descendants belong to the worker."""
+        """IDs (outside the sandbox) of the processes whose descendants belong to the worker."""
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int | None:

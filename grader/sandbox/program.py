@@ -29,7 +29,7 @@ class Given:
     names : tuple of str
     source : str
     open : tuple of str
-        Names that a notebook may redefine. Its own definitions are then used.
+        Names that a notebook may redefine. If it does, its own definitions are used.
     """
 
     names: tuple[str, ...] = ()

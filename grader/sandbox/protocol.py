@@ -124,7 +124,8 @@ class Worker(Protocol):
     def threads(self) -> dict[int, Thread] | None:
         """Return the current threads of the worker by ID, or None if they are unknown.
 
-        Threads that lowered their own scheduling priority are left out, because they chose to wait.
+        Threads that lowered their own scheduling priority are left out. Otherwise student code
+        could extend its time limit by making a thread wait.
         """
 
     def has_ended(self, seconds: float) -> bool:
@@ -153,7 +154,7 @@ class Sandbox(Protocol):
     Attributes
     ----------
     name : str
-        The name for the option ``--sandbox``.
+        Value of the option ``--sandbox`` that selects this sandbox.
     warning : str
         The risks of this sandbox, for the instructor; empty if it is safe for a class.
     """

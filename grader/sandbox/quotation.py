@@ -1,4 +1,4 @@
-"""Describe exceptions outside hidden tests, without words that student code chose while running.
+"""Describe exceptions outside hidden tests, without text that student code chose at run time.
 
 At this point, student code has not received the data of its own hidden tests, but it may have
 received data from another notebook's tests. Notebooks that are judged on one machine can send each

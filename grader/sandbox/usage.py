@@ -31,7 +31,7 @@ def tree(pid: int) -> Iterator[int]:
 
 
 def memory_of_tree(pid: int) -> int:
-    """Return the bytes that a process and its descendants have mapped, plus those for their files.
+    """Return the bytes mapped by a process and its descendants, plus kernel memory for their files.
 
     Mapped memory is counted instead of resident memory, because a shared page may occupy memory
     without being in the page tables of any process.
@@ -133,7 +133,7 @@ def _threads(pid: int) -> list[str]:
 
 
 def _files(pid: int) -> int:
-    """Return the kernel memory in bytes of files in the folders that student code can write to."""
+    """Return the bytes of kernel memory for files in the folders that student code can write to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:

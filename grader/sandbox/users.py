@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """Return whether this process is root and has other user IDs; some containers have none."""
+    """Return whether this process is root and can use other user IDs; some containers have none."""
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 

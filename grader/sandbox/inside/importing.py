@@ -14,8 +14,8 @@ from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finder that refuses to import forbidden modules, with a clear error message.
 
-    If an allowed library imports a forbidden module, it gets a stand-in. Forbidden code is
-    therefore never in memory.
+    If an allowed library imports a forbidden module, it gets a stand-in. The code of a forbidden
+    module is therefore never in memory.
     """
 
     def __init__(self, modules: Iterable[str]) -> None:
@@ -77,7 +77,8 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     return statement
 
 
-# The sandbox has no widgets, so tqdm's notebook module is replaced by its bars for terminals.
+# The sandbox has no widgets, so tqdm's progress bars for notebooks are replaced with its progress
+# bars for terminals.
 WITHOUT_WIDGETS = {"tqdm.notebook": "from tqdm.std import tqdm, trange"}
 
 

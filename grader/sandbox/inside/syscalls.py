@@ -8,9 +8,9 @@ The main reasons are:
 - Keyrings are inherited from the instructor's session.
 - Virtual sockets reach the host even from a namespace.
 - All notebooks see the same files. Notebooks could exchange messages through locks, watches, hints
-  and futexes on these files, and through the choice of file pages that are in memory.
+  and futexes on these files, or by choosing which pages of the files are in memory.
 
-A seccomp filter answers these calls with "no such system call", in this process and in all
+A seccomp filter makes these calls fail with "no such system call", in this process and in all
 processes that it starts. A request to ignore SIGCHLD appears to succeed but does nothing.
 Otherwise student code could hide processor time, because the kernel adds a child's time only when
 its parent waits for it.

@@ -20,7 +20,7 @@ class WireClosed(Exception):
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Return a limit on elapsed time, as a function.
+    """Return a function that limits elapsed time.
 
     Returns
     -------

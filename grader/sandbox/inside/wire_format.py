@@ -23,7 +23,7 @@ MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
 # Limits on the numbers of values and containers in a tree. They are about twice as large as needed
 # for the largest array, sent as a list of rows. Without them, a message could fill the memory,
-# because a decoded value may take forty times as much memory as its bytes in the message.
+# because a decoded value may take forty times as much memory as its encoded bytes.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19
 MAXIMUM_GENERATORS = 100
@@ -224,7 +224,10 @@ class _Remainder:
         return taken
 
     def take_generator(self) -> None:
-        """Count a generator against the limit, because it takes as long as a hundred numbers."""
+        """Count a generator against the limit.
+
+        Creating a generator takes as long as creating a hundred numbers.
+        """
         if not self.generators:
             raise WireError("more generators than any answer has")
         self.generators -= 1

@@ -473,7 +473,7 @@ def reply(write_end: int, number: int, content: dict) -> None:
                 },
             },
         )
-    except Exception as error:  # a student's object may raise when it is converted
+    except Exception as error:  # a student's object may raise when it is encoded
         wire.send(write_end, {"id": number, "error": describe(error)})
 
 
