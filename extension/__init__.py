@@ -1,1 +1,1 @@
-"""What this course adds to the grader: samples for hidden tests, and a league."""
+"""The course's additions to the grader: samples for hidden tests, and a league."""

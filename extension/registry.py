@@ -1,4 +1,4 @@
-"""Additions of this course to the grader; see `grader.course.extension`."""
+"""The course's additions to the grader; see `grader.course.extension`."""
 
 from extension.league.command import add_league, league_links
 

@@ -1,8 +1,8 @@
 """Clouds and right answers for the hidden tests.
 
-Fresh scenes are drawn from the course's secret seed. Right answers come from plain brute force
-and from libraries that students may not use, never from the reference solution. Both are cached,
-because a class of two hundred uses the same ones two hundred times.
+Fresh scenes are drawn from the course's secret seed. Right answers come from brute force and from
+libraries that students may not use, never from the reference solution. Both are cached, because
+judging a class of two hundred needs each of them two hundred times.
 """
 
 import functools
@@ -23,7 +23,7 @@ def course_cloud() -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)
 def patch_of_course_cloud(seed: int, n: int) -> np.ndarray:
-    """Return n random rows of the course's cloud within 25 m, read-only."""
+    """Return n random points of the course's cloud within 25 m of the scanner, read-only."""
     cloud = course_cloud()
     rng = np.random.default_rng(seed)
     rows = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 25)
@@ -32,7 +32,7 @@ def patch_of_course_cloud(seed: int, n: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def fresh_street(seed: int) -> np.ndarray:
-    """Return a scan of an unknown street: one full turn, read-only, shape (n, 4)."""
+    """Return a scan of a street that students have not seen, read-only, shape (n, 4)."""
     from utils.scenes import random_street
 
     return frozen(random_street(seed).cloud)
@@ -40,7 +40,7 @@ def fresh_street(seed: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)
 def obstacles_of_street(seed: int, n: int) -> np.ndarray:
-    """Return at most n points above the road of a fresh street within 20 m, read-only."""
+    """Return at most n random points within 20 m, above the road of a fresh street, read-only."""
     cloud = fresh_street(seed)
     near = np.hypot(cloud[:, 0], cloud[:, 1]) < 20
     rows = np.flatnonzero(near & (cloud[:, 2] > -1.0))
@@ -50,23 +50,24 @@ def obstacles_of_street(seed: int, n: int) -> np.ndarray:
 
 @cached_by_content
 def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Return right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
+    """Return the right labels for `euclidean_clustering` from scikit-learn, shape (n,)."""
     from sklearn.cluster import DBSCAN
 
     if not len(cloud):
         return np.empty(0, dtype=int)
-    # With min_samples=1 every point is a core point, and DBSCAN is single linkage. It includes the
-    # radius and the exercise excludes it, so `without_ties` removes distances close to the radius.
+    # With min_samples=1, every point is a core point, so DBSCAN does single-linkage clustering.
+    # DBSCAN joins pairs exactly at the radius and the exercise does not, so `without_ties` removes
+    # such pairs.
     clusters = DBSCAN(eps=float(threshold), min_samples=1)
     return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
 @cached_by_content
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
-    """Return rows of a cloud so that no two are within `margin` metres of the threshold distance.
+    """Return a cloud with no pair of points whose distance is within `margin` of `threshold`.
 
-    Whether a pair exactly at the threshold counts depends on ``<`` or ``<=`` and on rounding;
-    neither says whether an algorithm is right.
+    Whether a pair exactly at the threshold counts depends on ``<`` or ``<=`` and on rounding.
+    Neither should decide whether an answer is right. All lengths are in metres.
     """
     from scipy.spatial import cKDTree
 

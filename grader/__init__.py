@@ -1,1 +1,1 @@
-"""Build, release, collect and judge the course: ``python -m grader``."""
+"""Build and release the course, and collect and judge submissions: ``python -m grader``."""

@@ -4,5 +4,5 @@ import sys
 
 from grader.cli import main
 
-if __name__ == "__main__":  # the judge's processes also import this file
+if __name__ == "__main__":  # worker processes also import this file
     sys.exit(main())

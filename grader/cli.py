@@ -38,12 +38,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : list of str, optional
-        By default, the arguments of the process.
+        By default, ``sys.argv[1:]``.
 
     Returns
     -------
     int
-        Exit status: 0 for success, 1 if the command found a fault, 2 for a usage error.
+        Exit status: 0 for success, 1 if the command found a fault, 2 for a usage error, 130 after
+        Ctrl+C.
     """
     options = build_parser().parse_args(arguments)
     try:
@@ -101,7 +102,7 @@ def add_command(
     description: str,
     *examples: str,
 ) -> argparse.ArgumentParser:
-    """Add a command to the command line.
+    """Add a command to the command line and return its parser.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def add_command(
     description : str
         What the command does. The list of all commands shows its first sentence.
     *examples : str
-        Arguments of sample calls.
+        Arguments of the sample calls in the help text.
     """
     first, _, _ = description.partition(". ")
     command = subparsers.add_parser(
@@ -256,7 +257,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
 
 
 def _parse_answer(text: str) -> tuple[str, str]:
-    """Split NAME=ID at its last equals sign, because a name may contain one."""
+    """Split NAME=ID at the last equals sign, because the name may contain one."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
         raise argparse.ArgumentTypeError(f"{text!r} has no =; write NAME=ANSWER")
@@ -515,7 +516,7 @@ COMMANDS = (
 """Functions that add one command each, in the order of ``--help``; a course may add more."""
 
 
-# ---- options of several commands -----------------------------------------------------------------
+# ---- shared options ------------------------------------------------------------------------------
 
 
 def add_stages_argument(command: argparse.ArgumentParser) -> None:
@@ -549,7 +550,7 @@ def add_judging_options(command: argparse.ArgumentParser) -> None:
 
 
 def add_sandbox_option(command: argparse.ArgumentParser) -> None:
-    """Add the option that says where student code runs."""
+    """Add the option that selects a sandbox for student code."""
     command.add_argument(
         "--sandbox",
         choices=(AUTO, *SANDBOXES),

@@ -34,7 +34,7 @@ SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
 
 
 def run_new(options: argparse.Namespace) -> int:
-    """Run ``new NN_NAME``."""
+    """Run the command ``new NN_NAME``."""
     from grader.authoring.skeleton import UnusableName, write_skeleton
 
     try:
@@ -50,7 +50,7 @@ def run_new(options: argparse.Namespace) -> int:
 
 
 def run_try(options: argparse.Namespace) -> int:
-    """Run ``try NN``."""
+    """Run the command ``try NN``."""
     from grader.authoring.trial import try_lesson
     from grader.course.lessons import every_lesson
 
@@ -79,7 +79,7 @@ def run_try(options: argparse.Namespace) -> int:
 
 
 def run_build(options: argparse.Namespace) -> int:
-    """Run ``build [--check]``."""
+    """Run the command ``build [--check]``."""
     from grader import documentation
     from grader.course import build
 
@@ -100,7 +100,7 @@ def run_build(options: argparse.Namespace) -> int:
 
 
 def run_release(options: argparse.Namespace) -> int:
-    """Run ``release [--standalone | --solutions] [STAGE ...]``."""
+    """Run the command ``release [--standalone | --solutions] [STAGE ...]``."""
     from grader.course.release import write_zips
     from grader.course.standalone import ReleaseError, write_standalone
 
@@ -147,7 +147,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
 
 
 def run_site(options: argparse.Namespace) -> int:
-    """Run ``site [--to DIR] [--live]``."""
+    """Run the command ``site [--to DIR] [--live]``."""
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import ReleaseError
@@ -177,7 +177,7 @@ def run_site(options: argparse.Namespace) -> int:
 
 
 def run_collect(options: argparse.Namespace) -> int:
-    """Run ``collect ARCHIVE... --stage STAGE``."""
+    """Run the command ``collect ARCHIVE... --stage STAGE``."""
     from grader.classroom.collect import CollectError
     from grader.classroom.collect.collection import collect
     from grader.classroom.lock import AlreadyRunning, course_lock
@@ -212,7 +212,7 @@ def run_collect(options: argparse.Namespace) -> int:
 
 
 def stages_exist(names: Sequence[str]) -> bool:
-    """Return whether the course has all these stages; otherwise print an error."""
+    """Return whether the course has all these stages; print an error if not."""
     unknown = set(names) - set(stages())
     if unknown:
         print(
@@ -224,7 +224,7 @@ def stages_exist(names: Sequence[str]) -> bool:
 
 
 def run_judge(options: argparse.Namespace) -> int:
-    """Run ``judge NOTEBOOK``."""
+    """Run the command ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
     from grader.judging.judge import UnknownLesson, judge, lesson_of_file
 
@@ -254,7 +254,7 @@ def run_judge(options: argparse.Namespace) -> int:
 
 
 def run_grade(options: argparse.Namespace) -> int:
-    """Run ``grade [STAGE ...]``."""
+    """Run the command ``grade [STAGE ...]``."""
     from grader.classroom.executors import processors
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.course.deadlines import read_deadlines
@@ -265,7 +265,7 @@ def run_grade(options: argparse.Namespace) -> int:
     if not has_one_executor(options):
         return USAGE_ERROR
     course = Course()
-    read_deadlines(course)  # to report a faulty file before hours of judging
+    read_deadlines(course)  # report a faulty file now, not after hours of judging
     try:
         student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
@@ -287,7 +287,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
 
 def has_one_executor(options: argparse.Namespace) -> bool:
-    """Return whether at most one executor is named; otherwise print an error."""
+    """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
             "--workers is for this machine and --scheduler is for a cluster. Use one of the two.",
@@ -305,7 +305,7 @@ def sandbox_of_workers(choice: str) -> Sandbox:
 
 
 def run_report(options: argparse.Namespace) -> int:
-    """Run ``report``."""
+    """Run the command ``report``."""
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import write_report
     from grader.lms.standings import class_results
@@ -321,7 +321,7 @@ def run_report(options: argparse.Namespace) -> int:
 
 
 def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
-    """Return all submissions that have a verdict, with the verdict of each."""
+    """Return all submissions that have a verdict, each with its verdict."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
@@ -331,7 +331,7 @@ def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
 
 
 def run_export(options: argparse.Namespace) -> int:
-    """Run ``export``."""
+    """Run the command ``export``."""
     from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
     from grader.lms.exporters.destination import write_export
     from grader.lms.standings import class_results
@@ -362,7 +362,7 @@ def run_export(options: argparse.Namespace) -> int:
 
 
 def run_autograder(options: argparse.Namespace) -> int:
-    """Run ``autograder NAME``."""
+    """Run the command ``autograder NAME``."""
     from grader.classroom.executors import EXECUTORS, processors
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
     from grader.course.seed import course_seed
@@ -380,7 +380,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     try:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # only the course's own code runs
+        sandbox = SANDBOXES["process"]  # safe, because only the course's own code runs
     seed, counter = course_seed(course), itertools.count()
     try:
         with (
@@ -402,7 +402,7 @@ def run_autograder(options: argparse.Namespace) -> int:
 
 
 def run_feedback(options: argparse.Namespace) -> int:
-    """Run ``feedback [STAGE ...]``."""
+    """Run the command ``feedback [STAGE ...]``."""
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
 
@@ -434,7 +434,7 @@ def run_feedback(options: argparse.Namespace) -> int:
 
 
 def run_similarity(options: argparse.Namespace) -> int:
-    """Run ``similarity STAGE``."""
+    """Run the command ``similarity STAGE``."""
     from grader.classroom.similarity.page import write_similarity
     from grader.classroom.similarity.stage import compare_stage
 
@@ -457,7 +457,7 @@ def run_similarity(options: argparse.Namespace) -> int:
 
 
 def run_doctor(options: argparse.Namespace) -> int:
-    """Run ``doctor``."""
+    """Run the command ``doctor``."""
     from grader.classroom.doctor import examine
     from grader.classroom.executors import EXECUTORS
     from grader.course.seed import course_seed
@@ -467,7 +467,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     try:
         sandbox = choose_sandbox()
     except SandboxUnavailable:
-        sandbox = SANDBOXES["process"]  # only the course's own code runs
+        sandbox = SANDBOXES["process"]  # safe, because only the course's own code runs
     all_good = True
     with EXECUTORS["processes"](options.workers) as executor:
         seed = course_seed(course)
@@ -479,7 +479,7 @@ def run_doctor(options: argparse.Namespace) -> int:
 
 
 def run_demo(options: argparse.Namespace) -> int:
-    """Run ``demo``."""
+    """Run the command ``demo``."""
     from grader.classroom.demo import STAGE, make_class
 
     if not stages_exist(options.stages or ()):
@@ -513,7 +513,7 @@ def _sample_feedback(course: Course, stage: str) -> Path:
 
 
 def _sample_similarity(course: Course, stage: str) -> Path:
-    """Write the page with similar answers of the sample class, and return its path."""
+    """Write the page of similar answers in the sample class, and return its path."""
     from grader.classroom.similarity.page import write_similarity
     from grader.classroom.similarity.stage import compare_stage
 
@@ -602,7 +602,7 @@ def _judge_all(
     scheduler: str | None,
     student: str | None,
 ) -> tuple[JudgedSubmissions, int]:
-    """Return the submissions with their verdicts, and the number of stored verdicts among them."""
+    """Return the submissions with their verdicts, and how many verdicts were already stored."""
     from grader.classroom.grade import judge_class
 
     counts = []
@@ -685,7 +685,7 @@ def _print_summary(
 
 @contextlib.contextmanager
 def executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
-    """Yield a function that opens an executor; it connects to a cluster only once."""
+    """Yield a function that opens an executor; all executors share one cluster connection."""
     from grader.classroom.executors import EXECUTORS
 
     with contextlib.ExitStack() as stack:

@@ -41,13 +41,13 @@ LEGEND = {
 
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
-    """Show a progress bar on stderr; yield a function (done, total, what).
+    """Show a progress bar on stderr; yield a function that updates it with (done, total, what).
 
-    While nothing can be counted, `what` is a sentence about the work. The bar appears only when
-    the work begins, so that an earlier error does not look like an interruption.
+    Until the total is known, `what` is a sentence about the work. The bar appears only when work
+    begins, so that an error before that does not look like an interruption.
     """
     columns = (
-        TextColumn("{task.description}", markup=False),  # it may name a folder
+        TextColumn("{task.description}", markup=False),  # a folder's name may contain brackets
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
@@ -85,7 +85,7 @@ def warn_if_unprotected(sandbox: Sandbox) -> None:
 
 
 def print_verdict(verdict: Verdict) -> None:
-    """Print one verdict for a person."""
+    """Print one verdict in readable form."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for sentence in verdict.problems:
         console.print(f"! {plain(sentence)}", markup=False)
@@ -111,7 +111,7 @@ def print_verdict(verdict: Verdict) -> None:
 
 
 def _print_with_mark(console: Console, mark: str, text: str, style: str = "") -> None:
-    """Print a text with a mark next to its first line, and with equal indents."""
+    """Print a mark and a text side by side, with all lines of the text equally indented."""
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, width=8)
     grid.add_row(Text(f"  {mark}"), Text(plain(text), style))
@@ -119,7 +119,7 @@ def _print_with_mark(console: Console, mark: str, text: str, style: str = "") ->
 
 
 def print_finding(finding: Finding) -> None:
-    """Print one finding of the doctor."""
+    """Print one finding of the command ``doctor``."""
     mark = "ok   " if finding.good else "FIX  "
     style = "" if finding.good else "bold red"
     text = f"{mark} {finding.subject}: {plain(finding.text)}"
@@ -129,7 +129,7 @@ def print_finding(finding: Finding) -> None:
 def print_class(
     judged: Sequence[tuple[Submission, Verdict]], results: ClassResults | None = None
 ) -> None:
-    """Print one line per student, with marks from the gradebook, or else from the verdicts."""
+    """Print one row per student, with marks from the gradebook or else scores from verdicts."""
     lessons = sorted({verdict.lesson for _, verdict in judged})
     students = {person.id: {} for person in results.people} if results else {}
     entered = set(students)
@@ -192,7 +192,7 @@ def print_history(changes: Sequence[MarkChange]) -> None:
 
 
 def print_similarity(compared: StageComparison, limit: int = 10) -> None:
-    """Print the similar answers in a stage, the most unusual ones first."""
+    """Print the similar answers in a stage, most unusual first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
         sameness = "the same file" if same.same_bytes else "the same cells"
@@ -229,13 +229,13 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
 
 
 def print_notes(sentences: Sequence[str]) -> None:
-    """Print notes about things that a person should know or decide."""
+    """Print notes that need the instructor's attention."""
     for sentence in sentences:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
 
 
 def print_exported(exported: ExportResult, path: Path, backup: Path | None, next_step: str) -> None:
-    """Print what an exported file contains, what is missing, and what to do with the file."""
+    """Print a summary of an exported file: its marks, missing marks, and the next step."""
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
     if backup:
@@ -253,7 +253,7 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
 
 
 def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
-    """Print which lessons an autograder judges, and what to do with it."""
+    """Print which lessons an autograder judges, and how to upload it."""
     exercises = [exercise for lesson in lessons for exercise in lesson.exercises]
     machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
     by_hand = [exercise for exercise in exercises if exercise.by_hand]
@@ -271,7 +271,7 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
 
 
 def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
-    """Print the students who get feedback, and the feedback that was left out."""
+    """Print where feedback was written, and which feedback was left out."""
     for one in feedback:
         if one.pages:
             count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
@@ -369,9 +369,9 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """Return how late each student was, with the penalty; "undecided" if that is not known.
+    """Return the delay and penalty of each late student, or "undecided" if they are not known.
 
-    If there are several stages, each one is named: ``stage3 1.4 d -18``.
+    If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
     """
     late = {}
     for one in results.stages if results else ():
@@ -386,7 +386,7 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
 
 
 def _mark_text(result: NotebookResult) -> str:
-    """Return a student's mark or sign for a lesson; `LEGEND` explains the signs."""
+    """Return a student's mark for a lesson, or a sign that `LEGEND` explains."""
     if result.standing in ("missing", "excused"):
         return {"missing": "-", "excused": "ex"}[result.standing]
     if result.score is None:

@@ -57,7 +57,7 @@ def write(parser: argparse.ArgumentParser) -> list[tuple[str, Path]]:
 
 
 def check(parser: argparse.ArgumentParser) -> list[str]:
-    """Return a sentence for each page that is stale."""
+    """Return a sentence for each page that is out of date."""
     stale = [path.relative_to(PROJECT) for path in _changed(parser)]
     return [f"{path} is stale. Run: python -m grader build" for path in stale]
 
@@ -74,7 +74,7 @@ def _minutes(lesson: Lesson) -> int:
 
 
 def lesson_title(lesson: Lesson) -> str:
-    """Return the heading of a lesson's notebook without its number."""
+    """Return the heading of a lesson's notebook, without the lesson's number."""
     heading = nbformat.read(lesson.released, as_version=4).cells[0].source.partition("\n")[0]
     return re.sub(r"^# (\d\d · )?", "", heading)
 
@@ -121,7 +121,7 @@ def _outcomes() -> str:
 
 
 def _work() -> str:
-    """Return the steps for students, from the README in the zips that students get."""
+    """Return the steps for students, from the README in the students' zips."""
     path = PROJECT / "solutions" / "student_readme.md"
     if not path.is_file():
         return ""

@@ -13,7 +13,7 @@ from grader.sandbox import choose_sandbox
 
 
 def add_league(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command to the command line."""
+    """Add the command ``league`` to the command line."""
     league = cli.add_command(
         subparsers,
         "league",
@@ -30,7 +30,7 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
 
 
 def run_league(options: argparse.Namespace) -> int:
-    """Run ``league STAGE``."""
+    """Run the command ``league STAGE``."""
     from extension.league.page import write_league
     from extension.league.season import drive_class, lesson_of_league
     from grader.classroom.executors import processors
@@ -77,7 +77,7 @@ def run_league(options: argparse.Namespace) -> int:
 
 
 def league_links(course: Course) -> list[tuple[str, str]]:
-    """Return (address, link text) of the pages of each league, for the report."""
+    """Return links to the pages of each league, as (address, link text), for the report."""
     links = []
     for path in sorted(course.report.glob("league_*.csv")):
         stage = path.stem.removeprefix("league_")

@@ -1,8 +1,8 @@
 """Drive one street with one detector.
 
-The car, the street and the measurement are in this process, and the detector is in a sandbox. It
-receives scans and returns boxes. Its computing time does not count within the limits, because on a
-shared machine tenths of a second would otherwise decide the ranking.
+This process simulates the car and the street, and measures the drive. The detector runs in a
+sandbox, receives scans and returns boxes. Computing time within the limits does not count.
+Otherwise tenths of a second, which vary on a shared machine, would decide the ranking.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ FARTHEST = 1000.0
 
 @dataclass(frozen=True)
 class DriveResult:
-    """The result of a drive: plain data, and sentences that contain no text of the student.
+    """The result of a drive. Its sentences contain no text that the student chose.
 
     Attributes
     ----------
@@ -69,15 +69,16 @@ class DriveResult:
     stopped : str
         Why the drive ended early, if the detector is at fault.
     failed : int
-        Number of scans for which the detector gave no boxes.
+        Number of scans for which the detector failed to return boxes.
     failure : str
-        A sentence about its first failure.
+        A sentence about the detector's first failure.
     answers : str
         All answers of the detector, packed for `repeat_drive`.
     starved : bool
-        Whether it was stopped before it had used up its time, because this machine was busy.
+        Whether the detector was stopped before it had used up its time, because this machine was
+        busy.
     fault : str
-        A failure on the grader's side; the drive then says nothing about the detector.
+        A failure of the grader, which makes the result meaningless; empty if there was none.
     key : str
         Fingerprint of everything the drive depends on.
     """
@@ -111,12 +112,14 @@ def from_json(text: str) -> DriveResult:
 def drive_one(
     submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> DriveResult:
-    """Drive one street. It takes and returns plain data, so any machine with the course can run it.
+    """Return the result of driving one street.
+
+    Arguments and result are plain data, so any machine that has the course can run this.
 
     Parameters
     ----------
     submitted_files : grader.intake.submission.SubmittedFiles or None
-        The submission; None drives on the true boxes.
+        The submission, or None to drive with the true boxes.
     lesson : str
         Name of the submission's lesson.
     number : int
@@ -133,7 +136,7 @@ def drive_one(
     try:
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
-        # The verdict gives the reason, which may contain a file name that the student chose.
+        # Only the verdict states the reason, which may contain a file name that the student chose.
         return DriveResult(number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return DriveResult(number, fault=str(error))
@@ -184,7 +187,7 @@ def _result_of(
 
 
 class _SandboxedDetector:
-    """A detector in a sandbox; the caller gets only a few finite boxes, whatever it answers."""
+    """A detector in a sandbox that returns at most `MOST_BOXES` finite boxes for a scan."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student
@@ -201,7 +204,7 @@ class _SandboxedDetector:
         return boxes / 1000
 
     def _detect(self, cloud: np.ndarray) -> tuple[np.ndarray, str]:
-        """Return boxes in whole millimetres, ready to be stored; or no boxes and the reason."""
+        """Return boxes in whole millimetres and an empty text, or no boxes and the reason."""
         no_boxes = np.empty((0, 8, 3), dtype=np.int32)
         try:
             found = getattr(self._student, DETECTOR)(cloud)
@@ -211,7 +214,7 @@ class _SandboxedDetector:
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
             boxes = checked_boxes(found)
-        except Exception:  # NumPy may raise anything on untrusted data
+        except Exception:  # NumPy may raise any exception on untrusted data
             return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
         if len(boxes) > MOST_BOXES:
             return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
@@ -227,7 +230,7 @@ def repeat_drive(
     Parameters
     ----------
     result : DriveResult
-        A drive that reached its end.
+        The result of a drive that was not stopped.
     street : utils.drive.Street
         The street of that drive.
     """
@@ -263,6 +266,6 @@ def key_of(submitted_files: SubmittedFiles | None, street: Street, lesson: Lesso
 @functools.cache
 def _rules(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
-    # The lesson's header lists what a detector may use; the notebooks contain its given code.
+    # The header of the lesson's source lists forbidden modules; the notebooks contain given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return key_of_files("league", with_imports(entries) | notebooks)

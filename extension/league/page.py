@@ -39,7 +39,7 @@ FILM_SIZE = (720, 404)
 
 @dataclass(frozen=True)
 class LeagueFilm:
-    """A film for the page.
+    """The film on the page.
 
     Attributes
     ----------
@@ -48,11 +48,11 @@ class LeagueFilm:
     street : utils.drive.streets.Street
         The street in the film.
     comparison : str
-        A sentence on how the rest of the class did there; may be empty.
+        A sentence about the other students' drives in that street; empty if there are none.
     description : str
-        Description of the film.
+        A text for readers who cannot see the film.
     data : str
-        The file in Base64.
+        Content of the file, in Base64.
     is_video : bool
         Whether the file is a video; otherwise it is an image.
     """
@@ -66,7 +66,7 @@ class LeagueFilm:
 
 
 def page_path(course: Course, stage: str) -> Path:
-    """Return the path of the page for a stage."""
+    """Return the path of the league's page for a stage."""
     return course.root / "league" / f"{stage}.html"
 
 
@@ -93,7 +93,8 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
     def display_name(standing: Standing) -> str:
         return names[standing.entrant.name] if standing.entrant.student else standing.entrant.name
 
-    # In the order of their real names, students with equal points would be easier to identify.
+    # Students with equal points are sorted by pseudonym, because the order of their real names
+    # would make them easier to identify.
     ranked = sorted(
         standings(season),
         key=lambda standing: (-standing.points, standing.entrant.student, display_name(standing)),
@@ -124,7 +125,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 
 
 def events_of(result: DriveResult) -> Iterator[str]:
-    """Yield sentences on what went wrong in a drive; they contain no text of the student."""
+    """Yield a sentence about each problem in a drive, without text that the student chose."""
     if result.fault:
         yield "This street could not be driven. That is not the detector's fault."
     if result.stopped:
@@ -141,12 +142,12 @@ def events_of(result: DriveResult) -> Iterator[str]:
 
 
 def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
-    """Film the best student in the street in which most others scored no metres.
+    """Film the best student's drive in the street where the most other students earned nothing.
 
     Returns
     -------
     LeagueFilm or None
-        None if no student has scored.
+        None if no student has earned a point.
     """
     students = [standing for standing in ranked if standing.entrant.student]
     if not students or not students[0].points:

@@ -1,7 +1,7 @@
-"""Pseudonyms of students on a league's page: the same each time, and different in each course.
+"""Students' pseudonyms on a league's page, which stay the same within a course.
 
-Without the course's seed, the student behind a pseudonym cannot be found, not even by trying the
-names of all candidates.
+Another course gives the same student another pseudonym. Without the course's seed, the student
+behind a pseudonym cannot be found, not even by trying every student's name.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Count the metres of a league, and rank its entrants.
 
-Standing still earns nothing, and neither does driving blind. A street counts only if the car has no
-collision in it, and only the metres count that are beyond the stopping distance of a car that
-brakes at once.
+A drive with a collision earns nothing. In other drives, a metre counts only if it is beyond the
+stopping distance of a car that brakes at once. So neither standing still nor driving blind earns
+anything.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ class Standing:
     ----------
     entrant : Entrant
     place : int or None
-        Shared by all students with the same points; None for the reference entrants.
+        Rank among the students, shared by equal points; None for the reference entrants.
     points : int
         Whole metres that count.
     drives : tuple of (Street, DriveResult, int)
-        The drive in each street that counts, with the metres that count there.
+        For each street that counts: the street, the drive, and the metres that count.
     """
 
     entrant: Entrant
@@ -61,12 +61,12 @@ class Standing:
 
     @property
     def stopped(self) -> int:
-        """Number of drives that the detector's failures ended early."""
+        """Number of drives that ended early because the detector failed."""
         return sum(bool(result.stopped) for _, result, _ in self.drives)
 
 
 def counted_metres(street: Street, result: DriveResult) -> int:
-    """Return the metres of a drive that count."""
+    """Return the metres of a drive that count as points."""
     if result.collision or result.stopped or result.fault:
         return 0
     free = stopping_distance(street.limit)
@@ -74,7 +74,7 @@ def counted_metres(street: Street, result: DriveResult) -> int:
 
 
 def standings(season: Season) -> list[Standing]:
-    """Return the results of all entrants, the best first."""
+    """Return the results of all entrants, best first."""
     results = [_standing(season, entrant, drives) for entrant, drives in season.drives.items()]
     students_points = sorted(standing.points for standing in results if standing.entrant.student)
     placed = [

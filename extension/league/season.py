@@ -1,4 +1,4 @@
-"""Drive all students' detectors through all streets, in parallel.
+"""Drive every street with every student's detector, in parallel.
 
 Finished drives are stored and not repeated.
 """
@@ -39,7 +39,7 @@ class Entrant:
     student : bool
         Whether the entrant belongs to the class.
     read : callable
-        Returns the submission; None for the true boxes.
+        Returns the submission, or None for the true boxes.
     folder : Path
         Folder in which the drives are stored.
     """
@@ -58,11 +58,11 @@ class Season:
     ----------
     lesson : Lesson
     streets : tuple of Street
-        Streets that count, because a drive with the true boxes completes them.
+        Streets that count, because a drive with the true boxes has no collision there.
     left_out : tuple of Street
         Streets in which even a drive with the true boxes fails.
     drives : dict of Entrant to dict of int to DriveResult
-        Drives of each entrant, by number of the street.
+        Drives of each entrant, by street number.
     """
 
     lesson: Lesson
@@ -87,7 +87,7 @@ class Season:
 
 
 def lesson_of_league(stage: str) -> Lesson | None:
-    """Return the lesson of a stage that asks for a detector; None if there is none."""
+    """Return the lesson of a stage in which students write a detector, or None."""
     return next(
         (
             lesson
@@ -108,11 +108,11 @@ def drive_class(
     workers: int,
     progress: Callable[[int, int, object], None],
 ) -> Season:
-    """Drive all streets without a stored drive, or none without a submission.
+    """Return the drives of a class; run those that are not stored yet.
 
-    The processes that drive exchange only data with this one, which reads and writes all files and
-    stores each drive as soon as it has ended. A drive is repeated once, by itself, if its process
-    died or got no processor time.
+    If there are no submissions, nothing is run. Worker processes only exchange data with this
+    process, which reads and writes all files and stores each drive as soon as it ends. If a drive's
+    process died or got hardly any processor time, the drive is repeated once, on its own.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def drive_class(
     seed : int
     sandbox : grader.sandbox.Sandbox
     open_executor : callable
-        One of `grader.classroom.executors`; takes the number of workers.
+        Takes the number of workers and returns an executor; see `grader.classroom.executors`.
     workers : int
     progress : callable
         Called with (done, total, None) after each drive.
@@ -162,7 +162,7 @@ def drive_class(
         with open_executor(1) as executor:
             result = _result(executor.submit(*job(entrant, street)), street)
         result = result or DriveResult(street.number, fault=PROCESS_DIED)
-        # This drive had the machine to itself, so its time counts.
+        # Nothing else ran at the same time, so a detector that was stopped was too slow.
         store(entrant, street, replace(result, starved=False))
     return _season(lesson, streets, drives)
 
@@ -170,7 +170,7 @@ def drive_class(
 def _as_completed(
     missing: list[tuple[Entrant, Street]], job: Callable[..., tuple], executor: Executor
 ) -> Iterator[tuple[Entrant, Street, Future]]:
-    """Submit drives while the executor has room, and yield each when it has ended."""
+    """Submit drives while the executor has room, and yield each as soon as it ends."""
     waiting, running = deque(missing), {}
     while waiting or running:
         while waiting and len(running) < capacity(executor):
@@ -181,7 +181,7 @@ def _as_completed(
 
 
 def _result(future: Future, street: Street) -> DriveResult | None:
-    """Return the drive of a future, with a fault if the grader failed; None if a process died."""
+    """Return a future's drive, with `fault` set if the grader failed; None if a process died."""
     try:
         return future.result()
     except BrokenExecutor:
@@ -232,7 +232,7 @@ def _file(entrant: Entrant, street: Street) -> Path:
 def _stored(
     entrant: Entrant, streets: tuple[Street, ...], lesson: Lesson
 ) -> dict[int, DriveResult]:
-    """Read the drives on disk that belong to this submission, these rules and these streets."""
+    """Return the stored drives that are still valid: same submission, rules and street."""
     submitted, stored = entrant.read(), {}
     for street in streets:
         try:

@@ -1,8 +1,8 @@
-"""The streets of a league, drawn from the course's secret seed, so that students cannot practise.
+"""The streets of a league, drawn from the secret seed so that students cannot practise on them.
 
-In each street a vehicle blocks our lane until the car has waited for it. Further on, a road user
-gets in the way of the car. A car that sees nothing therefore hits one of them, whether it is fast
-or slow.
+In each street, a vehicle blocks our lane and drives off only some seconds after our car comes near.
+Further on, another road user gets in the way. A car that sees nothing therefore hits one of them,
+whether it drives fast or slowly.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ The car has to brake by then.
 
 
 def _waiting_vehicle(rng: np.random.Generator) -> Actor:
-    """Return a car or lorry in our lane that drives off some seconds after our car is near."""
+    """Return a car or lorry in our lane that drives off some seconds after our car comes near."""
     vehicle = (
         truck(width=2.3)
         if rng.random() < 0.3
@@ -42,7 +42,7 @@ def _waiting_vehicle(rng: np.random.Generator) -> Actor:
 
 
 def _later_place(rng: np.random.Generator) -> float:
-    """Return a place along the road, in metres, beyond that of the waiting vehicle."""
+    """Return a random position along the road, in metres, beyond the waiting vehicle."""
     return rng.uniform(88.0, 100.0)
 
 
@@ -98,8 +98,8 @@ def streets_of(seed: int) -> tuple[Street, ...]:
     Parameters
     ----------
     seed : int
-        The course's secret. Streets are drawn from digests of it, from which the seed cannot be
-        recovered, and which no hidden question uses.
+        The course's secret. Streets are drawn from digests of the seed. A digest does not reveal
+        the seed, and no hidden test uses it.
     """
     return tuple(_street(seed, number) for number in range(1, len(KINDS) + 1))
 
@@ -114,6 +114,6 @@ def _street(seed: int, number: int) -> Street:
 
 
 def secret(seed: int, label: str) -> int:
-    """Return a number for a label, from which neither the seed nor other numbers can be found."""
+    """Return a number for a label that reveals neither the seed nor other labels' numbers."""
     digest = hashlib.sha256(f"league: {seed} {label}".encode()).digest()
     return int.from_bytes(digest, "big")

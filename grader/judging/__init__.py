@@ -1,1 +1,1 @@
-"""Judging: decides every point, outside the process that runs the student's code."""
+"""Judge submissions; every point is decided outside the process that runs the student's code."""

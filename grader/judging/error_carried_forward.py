@@ -1,13 +1,14 @@
-"""Judge an exercise that calls a wrong helper a second time, with correct helpers.
+"""Judge an exercise again with correct helpers, if it calls a wrong helper.
 
-The student can then still earn points for the exercise itself. The second run has a separate
+The student can then still earn points for the exercise itself. The second run uses a separate
 process, in which no other exercise runs. The correct helper therefore cannot give away the answer
-to another exercise. Messages of that run are not shown, because they could reveal the helper.
+to another exercise. Messages about that run contain no more detail than messages about hidden
+tests, because more detail could reveal the helper.
 
-Two tries must not be better than one. The exercise therefore also runs once more with the
-student's own helpers. If a check fails both times, the run with correct helpers decides. If a
-check passed, it has to pass again. A deterministic answer loses nothing by this. An answer that
-passes by chance with probability p earns p² + (1 - p)² p, which is never more than p.
+An answer must not gain from having a second try. The exercise therefore also runs once more with
+the student's own helpers. If a check fails both times, the run with correct helpers decides. A
+check that passed has to pass again. A deterministic answer loses nothing. An answer that passes by
+chance with probability p earns p² + (1 - p)² p, which is never more than p.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class CarriedForward:
     ----------
     outcomes : tuple of Outcome
     sentence : str
-        A sentence that names the function at fault.
+        A sentence for the student that explains the new result.
     program : grader.sandbox.program.Program
         The notebook, with correct helpers if they improved the result.
     """
@@ -52,7 +53,7 @@ class CarriedForward:
 def carry_forward(
     setting: Setting, program: Program, results: RunResults
 ) -> tuple[dict[str, CarriedForward], bool]:
-    """Judge the exercises that call a wrong helper a second time.
+    """Repeat the judging of each exercise that calls a wrong helper.
 
     Parameters
     ----------
@@ -60,13 +61,13 @@ def carry_forward(
     program : grader.sandbox.program.Program
         The notebook.
     results : grader.judging.program_run.RunResults
-        The results of the first run. They include which function calls which. The sandbox finds
-        this out, because untrusted code is not parsed here.
+        The results of the first run. Its `uses` come from the worker, because this process does
+        not parse untrusted code.
 
     Returns
     -------
     improved : dict of str to CarriedForward
-        The new results by exercise, of those exercises whose result changes.
+        The new result of each exercise whose result changes, by the exercise's name.
     starved : bool
         Whether code reached a time limit because it got hardly any processor time.
     """
@@ -74,7 +75,8 @@ def carry_forward(
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     improved, starved = {}, False
     for number, exercise in enumerate(exercises):
-        # Later functions may build on this one, so a correct version could contain its answer.
+        # Only earlier exercises are replaced. The solution of a later exercise may call this one,
+        # and could therefore contain this one's answer.
         earlier = [before.name for before in exercises[:number]]
         called = failing.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
@@ -87,12 +89,12 @@ def carry_forward(
             run_program(setting, code, lambda check, e=exercise: check.exercise == e.name)
             for code in programs
         ]
-        if any(run.fault for run in runs):  # the first run reported it, and counts
+        if any(run.fault for run in runs):  # in this case the first run counts
             continue
         starved |= any(run.starved for run in runs)
         first = results.outcomes_of(exercise.name)
         by_check = [{outcome.check: outcome for outcome in run.outcomes} for run in runs]
-        # If every check passed, both runs use the student's helpers: the checks have to pass again.
+        # If every check passed, the only new run uses the student's helpers, and has to pass again.
         outcomes = tuple(
             decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
             for outcome in first
@@ -110,8 +112,9 @@ def carry_forward(
 def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outcome) -> Outcome:
     """Return the outcome that counts for a check.
 
-    If a run with the student's helpers was stopped, it gave no answer. If the check passed in the
-    first run, it still passes. If the check failed, a stop is not a second failure.
+    A stopped run gave no answer. A check that passed in the first run therefore still passes if the
+    second run was stopped. If the first run failed, the run with correct helpers counts only if the
+    second run failed in the same way: both with a wrong answer, or both by being stopped.
 
     Parameters
     ----------
@@ -135,8 +138,8 @@ def _with_right_helpers(
 ) -> Program:
     """Return the notebook with the lesson's helpers in place of the student's.
 
-    The helpers come from the built solution, which the rehearsal has judged. The source may have
-    changed since then.
+    The helpers come from the built solution, which the rehearsal has judged. The lesson's source
+    may have changed since then.
     """
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     right = [

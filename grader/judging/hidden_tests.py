@@ -15,7 +15,7 @@ MOST_CACHED = 256
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
-    """Mark a test of a lesson's ``hidden_tests.py``, which students do not see.
+    """Mark a test in a lesson's ``hidden_tests.py``, which students do not see.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def check_of(item: pytest.Item) -> Check:
 
 
 def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
-    """Make a slow oracle cache its answers by the content of its array.
+    """Cache the answers of a slow oracle by the content of its array.
 
     The answers are read-only. All arguments after the array must be hashable.
     """
@@ -67,7 +67,7 @@ def generator_for_students(seed: int, label: str) -> np.random.Generator:
     seed : int
         The secret.
     label : str
-        Purpose of the generator. Each purpose gets a different digest.
+        Purpose of the generator. Each label results in a different digest.
     """
     digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))

@@ -1,4 +1,4 @@
-"""Judge one notebook: read it, call the student's functions, and decide in this process."""
+"""Judge one notebook: read it, call the student's functions, and award points in this process."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ JUDGE_FAILED_NOTE = (
 
 
 class UnknownLesson(Exception):
-    """The lesson of a notebook is unknown; `str()` is the sentence to show."""
+    """The lesson of a notebook is unknown; `str()` returns the message to show."""
 
 
 def judge(
@@ -55,15 +55,15 @@ def judge(
         The course's secret, from which the input of hidden tests is drawn.
     sandbox : grader.sandbox.Sandbox
     lesson : grader.course.lessons.Lesson, optional
-        By default, the lesson that the notebook's file name or metadata states.
+        By default, the notebook's file name or metadata determines the lesson.
     student : str, optional
-        The student's identity, which the verdict records.
+        The student's ID, which the verdict records.
     limits : grader.sandbox.Limits, optional
 
     Returns
     -------
     grader.judging.verdict.Verdict
-        There is always a verdict, whatever the student's code does.
+        Always returned, whatever the student's code does.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def lesson_of_file(path: Path) -> Lesson:
 
 
 def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
-    """Return the lesson that the notebook's name or metadata states."""
+    """Return the lesson that the notebook's file name or metadata identifies."""
     if lesson := find_lesson(Path(submitted_files.name).stem):
         return lesson
     try:
@@ -146,7 +146,7 @@ def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
 
 @dataclass(frozen=True)
 class _Decision:
-    """The part of a verdict that depends on what the student's code does."""
+    """The part of a verdict that depends on the behaviour of the student's code."""
 
     exercises: tuple[ExerciseResult, ...]
     problems: tuple[str, ...]
@@ -204,7 +204,7 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
         *(better.sentence for better in carried.values()),
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
-    # A notebook with full marks has nothing to gain from another try.
+    # A notebook with full marks cannot gain from another try, so it does not count as starved.
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
@@ -269,10 +269,10 @@ def given_code(lesson: Lesson) -> str:
 
 @functools.cache
 def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    """Return the complaints of a lesson's tests about its own solution.
+    """Return a sentence for each failure of a lesson's own solution.
 
-    Such a complaint means that a test is faulty. Before a class is judged, the list must be empty.
-    If there are complaints, the tests run again, because a busy machine may cause a failure once.
+    Such a failure means that a check is faulty, so a class is judged only if there are none. If
+    there are any, the checks run again, because a busy machine may cause a failure once.
     """
     return _complaints(lesson, seed, sandbox) and _complaints(lesson, seed, sandbox)
 

@@ -1,9 +1,9 @@
 """The key of a verdict: a fingerprint of everything that the verdict depends on.
 
-A stored verdict is valid as long as its key is the same. A new comment in a plotting module does
-not change the key, so submissions are not judged again. The code that a verdict depends on is not
-listed by hand. It is found by following import statements from the judge, the sandbox's server,
-and the lesson's tests and checks.
+A stored verdict is valid as long as its key does not change. The key does not depend on plotting
+modules, for example, so a change there does not cause submissions to be judged again. The code that
+a verdict depends on is not listed by hand. It is found by following import statements from the
+judge, the sandbox's fork server, and the lesson's tests and checks.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grader.course.paths import PROJECT
 from grader.intake.submission import SubmittedFiles
 from grader.sandbox.boundary import SHOWN
 
-# Modules in which judging begins: the judge, and the server that forks processes for student code.
+# Entry points of judging: the judge, and the server that forks processes for student code.
 ENTRY_MODULES = (
     PROJECT / "grader" / "judging" / "judge.py",
     PROJECT / "grader" / "sandbox" / "fork_server.py",
@@ -32,14 +32,14 @@ DISPLAY_MODULES = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 ARRAYS = tuple((PROJECT / "data").glob("*.npz"))
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
-# A regular expression, because a syntax tree takes ten times as long. It may also match text in a
-# docstring, which does no harm.
+# A regular expression, because parsing a syntax tree takes ten times as long. It may also match
+# text in a docstring, which does no harm.
 _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.*)|import (.*))$", re.M)
 
 
 def versions() -> dict[str, str]:
     """Return the versions of Python and of each library that verdicts depend on, by name."""
-    # Patch releases are ignored, because they do not change answers.
+    # Python's patch releases are ignored, because they do not change answers.
     python = ".".join(map(str, sys.version_info[:2]))
     return {"Python": python} | {name: metadata.version(name) for name in LIBRARIES}
 
@@ -47,7 +47,7 @@ def versions() -> dict[str, str]:
 def verdict_key(
     submitted_files: SubmittedFiles, lesson: Lesson, seed: int, student: str = ""
 ) -> str:
-    """Return the fingerprint of a submission and of everything that is used to judge it."""
+    """Return the fingerprint of a submission and everything that is used to judge it."""
     parts = (str(seed), student, rules_key(lesson), submitted_files.fingerprint())
     return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 
@@ -71,7 +71,8 @@ def key_of_files(subject: str, files: Iterable[Path]) -> str:
 def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
     entries = {*ENTRY_MODULES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
-    # The source lists forbidden modules and functions; the solution contains correct helpers.
+    # The source lists forbidden modules, the solution contains correct helpers, and the released
+    # notebook contains given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return frozenset(with_imports(entries) | notebooks | {*ARRAYS})
 
@@ -96,7 +97,7 @@ def _imported_by(file: Path) -> set[Path]:
     for package, names, whole in _IMPORT.findall(file.read_text("utf-8")):
         modules |= {f"{package}.{name}" for name in re.findall(r"\w+", names)}
         modules |= set(re.findall(r"[\w.]+", whole))
-    # Importing a module also runs the packages that contain it.
+    # Importing a module also runs the `__init__.py` of each package that contains it.
     parts = [module.split(".") for module in modules]
     modules = {".".join(part[:end]) for part in parts for end in range(1, len(part) + 1)}
     modules = {module for module in modules if not f"{module}.".startswith(DISPLAY_MODULES)}

@@ -1,9 +1,9 @@
 """Messages about failed checks and about an exercise as a whole.
 
-Messages never contain test input or text that student code controls. They say what kind of mistake
-the student made and on which line, and give the lesson's hint. They never show the student's
-answer, not even for visible checks, because the answer might contain the input of another check.
-In the notebook, `check()` shows everything.
+Messages never contain test input or text that student code controls. They name the kind of mistake
+and its line, and include the lesson's hint. They never show the student's answer, not even for
+visible checks, because the answer might contain the input of another check. In the notebook,
+`check()` shows everything.
 """
 
 import dataclasses
@@ -37,7 +37,7 @@ _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
 def shareable(outcome: Outcome, open_to_all: bool) -> Outcome:
-    """Return the outcome of a check, with a failure whose message may be shown to the student.
+    """Return an outcome with its failure replaced by one that may be shown to the student.
 
     Parameters
     ----------
@@ -64,9 +64,9 @@ class Message:
 
 
 def messages_of(story: Summary) -> dict[Outcome, Message]:
-    """Return the message about each failed check. A shared cause is explained only once.
+    """Return the message about each failed check, explaining a shared cause only once.
 
-    Only the message about the first failure has a hint, as in `check()`. The hints of the other
+    Only the message about the first failure includes a hint, as in `check()`. Hints of the other
     checks may not match the cause of their failures.
     """
     if story.first is None:
@@ -88,7 +88,7 @@ def messages_of(story: Summary) -> dict[Outcome, Message]:
 
 
 def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:
-    """Return the message about a failure, with one line for each part."""
+    """Return the message about a failure, with each part on its own line."""
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
     hint = hint and f"Hint: {hint}"
@@ -183,7 +183,7 @@ with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
 
 
 def _notebook_pointer(outcome: Outcome) -> str:
-    """Return a sentence about what the notebook shows in addition, or an empty text."""
+    """Return a sentence that points to more information in the notebook, or an empty text."""
     if outcome.check.is_shown and outcome.failure.is_about_an_answer:
         return "The check in the notebook shows your answer next to the right one."
     if outcome.check.is_shown and isinstance(outcome.failure, Raised):

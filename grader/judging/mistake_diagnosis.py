@@ -34,7 +34,7 @@ def _solution(lesson: Lesson, exercise: str) -> Callable:
 
 
 class _SubstituteProxy:
-    """A student proxy in which another function takes the place of one exercise.
+    """A student proxy in which another function replaces the student's for one exercise.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def explains(
 def _failed_by(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
-    """Return the checks that fail when a function takes the place of the student's."""
+    """Return the checks of an exercise that fail when a function replaces the student's."""
     proxy = _SubstituteProxy(student, exercise, function)
     outcomes = run_checks(
         setting.lesson, proxy, setting.seed, lambda check: check.exercise == exercise

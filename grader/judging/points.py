@@ -1,4 +1,4 @@
-"""Divide and add points to the cent, so that the checks of an exercise add up to its points."""
+"""Divide and add points in exact hundredths, so that checks add up to the exercise's points."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from utils.checks.outcomes import Outcome
 
 
 def shares(points: float, weights: Sequence[float]) -> list[float]:
-    """Divide points by weight, to the cent, so that the shares add up exactly.
+    """Divide points by weight into whole hundredths that add up exactly.
 
-    This is the largest remainder method (Hamilton's method). Each share is rounded down to a cent,
-    and the remaining cents go to the largest fractions. If fractions are equal, the first wins.
+    This is the largest remainder method (Hamilton's method). Each share is rounded down to a
+    hundredth, and the remaining hundredths go to the shares with the largest remainders. If
+    remainders are equal, the first share wins.
 
     Parameters
     ----------
     points : float
-        With at most two decimals.
+        At most two decimals.
     weights : sequence of float
         Positive.
 
@@ -35,7 +36,7 @@ def shares(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def total(points: Sequence[float]) -> float:
-    """Return the sum of some points, to the cent."""
+    """Return the exact sum of points that have at most two decimals."""
     return sum(round(100 * share) for share in points) / 100
 
 

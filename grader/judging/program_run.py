@@ -28,7 +28,7 @@ class Setting:
     sandbox : grader.sandbox.Sandbox
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
-        Remaining time of the notebook, shared by all runs. By default, each run has its own.
+        Remaining time of the notebook, shared by all runs. By default, each run gets a new budget.
     """
 
     lesson: Lesson
@@ -47,15 +47,15 @@ class RunResults:
     outcomes : tuple of Outcome
         One for each check that was run; empty if there is a fault.
     problems : tuple of str
-        One sentence for each thing that is wrong with the notebook's own cells.
+        One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
         The functions that each exercise calls.
     starved : bool
         Whether code reached a time limit because it got hardly any processor time.
     mistakes : dict of str to utils.checks.diagnosis.Mistake
-        The mistake that explains the answers to an exercise, by the exercise's name.
+        The mistake that explains the wrong answers to an exercise, by the exercise's name.
     fault : str
-        Why a check could not be run. If this is not empty, the student cannot be judged.
+        The reason why a check could not be run. If there is one, the student cannot be judged.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -120,7 +120,7 @@ def untouched_results(lesson: Lesson) -> RunResults:
 def _mistakes(
     outcomes: Iterable[Outcome], student: StudentProxy, budget: Budget
 ) -> dict[str, Mistake]:
-    """Return the mistake that explains the answers to each exercise, by the exercise's name."""
+    """Return the mistake that explains an exercise's wrong answers, by the exercise's name."""
     found = {}
     for outcome in outcomes:
         exercise = outcome.check.exercise

@@ -1,15 +1,15 @@
-"""Look for the one edit that makes a wrong answer right.
+"""Look for a single edit that makes a wrong answer right.
 
 The search applies one edit after another to the student's functions (see `utils.notebooks.edits`)
 and repeats the checks that the answer failed, all in one process. If these checks pass, the edited
 notebook is judged like a submission, including hidden tests. If it then earns full marks, the
 answer is proven to have a single slip, and the student keeps part of the points.
 
-An empty answer gains nothing, because no edit repairs it. An answer that guesses gains nothing
-either, because an edit would have to make every guess right.
+An empty answer gains nothing, because no edit repairs it. An answer that returns guesses gains
+nothing either, because an edit would have to make every guess right.
 
 Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) use the answers
-of other students for repairs. Here they are not needed, because the checks decide.
+of other students for repairs. This search does not need them, because the checks decide.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ from utils.checks.run_cache import one_run
 # If a mark depends on the search, this many edits are always tried, so that the mark does not
 # depend on the speed of the machine. Only the upper time limits can end the search earlier.
 LIKELIEST_EDITS = 320
-# Processor seconds for the edits of one exercise, in the judge and the sandbox together. The lower
-# limit is for edits beyond the likeliest ones, the upper limit for all.
+# Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
+# together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
 LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
-# Seconds of wall-clock time, for code that sleeps a little in each call.
+# Limit on elapsed seconds, because code that sleeps in each call uses little processor time.
 MOST_SECONDS = 60.0
-# A limit per call, because an edit may create an endless loop. A right answer needs less time.
+# Limit per call, because an edit may create an endless loop. A right answer needs less time.
 SECONDS_OF_A_CALL = 0.25
 SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # after the first edit that did not finish
-# How many processes may end because of an edit. The time limit is usually reached first.
+# Maximum number of worker processes that edits may end. The time limit is usually reached first.
 MOST_RESTARTS = 100
-# The search stops after this many edits that pass the failed checks.
+# The search stops after it has found this many edits that pass the failed checks.
 MOST_JUDGED = 3
 # Missing modules are not listed here: deleting a progress bar may make an answer right.
 UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
@@ -81,9 +81,9 @@ class Repair:
 def find_slips(
     setting: Setting, program: Program, results: RunResults, carried: dict[str, CarriedForward]
 ) -> dict[str, Repair | Mistake]:
-    """Return the proven slip of each exercise that lost points, by the exercise's name.
+    """Return the proven slips of exercises that lost points, by the exercise's name.
 
-    A slip is the edit that repairs the exercise, or the named mistake that explains all its
+    A slip is the edit that repairs the exercise, or the named mistake that explains all its wrong
     answers. If the notebook's own cells do not finish, no edit is tried, because each exercise
     would have to wait for them again.
     """
@@ -98,8 +98,9 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            # If the checks already earn more, an edit only explains what is wrong. If the failed
-            # calls have taken as long as one call may, the edits would take as long.
+            # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
+            # because an edit then only explains the mistake. It is also 0 if the failed calls have
+            # used up the time of one call, because calls with edits would be slow too.
             earns_less = _share(outcomes) < ONE_SLIP_KEEPS
             has_time = not _has_used_its_time(setting, exercise.name)
             likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
@@ -115,7 +116,7 @@ def find_slips(
 
 
 def _has_used_its_time(setting: Setting, exercise: str) -> bool:
-    """Return whether the failed calls of an exercise have taken as long as one call may."""
+    """Return whether an exercise's failed calls together have used up the time of one call."""
     if setting.budget is None:
         return False
     limit = (setting.limits or Limits()).call_seconds
@@ -129,7 +130,7 @@ def _share(outcomes: Sequence[Outcome]) -> float:
 
 
 def _is_unrepairable(outcome: Outcome) -> bool:
-    """Return whether a check failed at an unwritten function or at a forbidden import.
+    """Return whether a check failed because of an unwritten function or a forbidden import.
 
     A forbidden import is not a slip: the function would not work without that line.
     """
@@ -138,7 +139,7 @@ def _is_unrepairable(outcome: Outcome) -> bool:
 
 
 def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
-    """Return the cell and line numbers at which the student's code raised, or called such code."""
+    """Return the cell and line numbers where student code raised, or called code that raised."""
     errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
     locations = [
         location for error in errors for location in (error.place, error.calling) if location
@@ -182,8 +183,8 @@ def _likeliest_first(
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
     """Return numbered edits in the order in which to try them.
 
-    These edits come first: edits of lines that raised, edits that end a function that had to be
-    stopped, and edits that return a value from a function that returned None.
+    The first edits are those of lines that raised an exception, those that end a function that had
+    to be stopped, and those that return a value from a function that returned None.
     """
     raised_at = _raising_lines(failed)
     was_stopped = any(_was_stopped(outcome.failure) for outcome in failed)
@@ -202,7 +203,7 @@ def _likeliest_first(
 
 
 def _unchanged_cells(lesson: Lesson, program: Program) -> frozenset[int]:
-    """Return the numbers of the cells that are unchanged since the release."""
+    """Return the numbers of the cells that the student did not change."""
     given = {cell.source.strip() for cell in cells_as_released(lesson)}
     cells = enumerate(program.cells, start=1)
     return frozenset(number for number, cell in cells if cell.strip() in given)
@@ -238,8 +239,8 @@ class _FailedChecks:
     def first_fails(self) -> bool:
         """Return whether the first check fails.
 
-        Most edits that cause an endless loop do so here. After the first such edit, the others get
-        much less time.
+        An edit that causes an endless loop usually does so in this check. After the first such
+        edit, the other edits get much less time here.
         """
         self._student.interrupts_after = self._first_seconds
         with one_run():
@@ -258,7 +259,7 @@ class _FailedChecks:
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
-        with one_run():  # answers of another edit must not be reused
+        with one_run():  # answers that were computed with another edit must not be reused
             for index, call in enumerate(self):
                 failure = _failure_of(call) if index else None
                 if failure is not None:
@@ -300,7 +301,7 @@ def _passing_edits(
     limits = replace(limits, call_seconds=seconds, restarts=MOST_RESTARTS)
     budget = setting.budget or Budget(limits)
     with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
-        # A separate name, so that a stopped edit is not blamed on the student's own answer.
+        # A separate name, so that a stopped edit does not count against the student's own answer.
         student.exercise = f"an edit of {exercise}"
         try:
             student.start()
@@ -309,7 +310,7 @@ def _passing_edits(
         begin, slept, found, next_look = time.process_time() + student.cpu_seconds, 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
         failed_checks = _FailedChecks(setting, student, budget, failed)
-        if not failed_checks.first_fails():  # the answer guesses, and gets only one try
+        if not failed_checks.first_fails():  # the answer passed by chance, and gets no second try
             return
         given = _unchanged_cells(setting.lesson, program)
         edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]

@@ -1,4 +1,4 @@
-"""Turn the outcomes of an exercise's checks into the result in the verdict."""
+"""Turn the outcomes of an exercise's checks into the exercise's result in the verdict."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def result_of(
 
 
 def _slip(proven: Repair | Mistake, points: float, score: float, keeps: float) -> Slip:
-    """Return the slip with the points that it adds to those of the checks."""
+    """Return the slip, with the points that the answer keeps in addition to those of its checks."""
     kept = max(round(100 * keeps * points) - round(100 * score), 0) / 100
     if isinstance(proven, Mistake):
         return Slip(0, 0, "", "", kept)

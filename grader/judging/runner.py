@@ -35,11 +35,11 @@ from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Processor seconds that one test may take in this process, without the student's code. All failed
-# checks of an exercise together may also take so long.
+# Limit on the processor seconds of one test in this process, not counting the student's code. The
+# same limit applies to all failed checks of an exercise together.
 SECONDS_OF_A_TEST = 15.0
-# After this many answers that are far too large, an exercise is no longer called: reading each
-# takes seconds.
+# After this many answers that are far too large, an exercise is not called again, because reading
+# each of them takes seconds.
 MOST_TOO_LARGE = 5
 # Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
@@ -65,15 +65,15 @@ class JudgeTimeout(Exception):
 
 
 class JudgeFault(Exception):
-    """The tests themselves could not be run. This is a fault of the course, not the student."""
+    """The tests themselves could not be run. This is the course's fault, not the student's."""
 
 
-# Exceptions that a wrong answer causes in a check. Any other may be a fault of the check.
+# Exceptions that a wrong answer may cause in a check. Any other exception may be the check's fault.
 EXPECTED_FAILURES = (CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 
 
 class _Runner:
-    """Runs one check after another and records the outcomes. It is also a pytest plugin."""
+    """A pytest plugin that also runs visible checks, and records the outcome of each check."""
 
     def __init__(
         self,
@@ -89,7 +89,7 @@ class _Runner:
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
-        self.own_seconds: Counter[str] = Counter()  # of failed checks
+        self.own_seconds: Counter[str] = Counter()  # only those of failed checks
         self.sandbox_error = self.interrupted = None
         self.complaints: list[str] = []
 
@@ -105,7 +105,7 @@ class _Runner:
 
     @contextlib.contextmanager
     def under_test(self, check: Check) -> Iterator[None]:
-        """Set the exercise under test, and limit the processor time of the judge itself."""
+        """Set the exercise under test and limit the judge's own processor time, in a with block."""
         self.proxy.exercise = exercise = check.exercise
         if not self.continues:
             raise StudentStopped("Not tried: another check has failed.")
@@ -149,19 +149,19 @@ class _Runner:
 
     @pytest.fixture
     def student(self) -> StudentProxy:
-        """Return the functions under test."""
+        """Return the proxy for the student's functions."""
         return self.proxy
 
     @pytest.fixture
     def seed(self, request: pytest.FixtureRequest) -> int:
-        """Return a number that depends on the course's secret and on the lesson."""
+        """Return the seed of a lesson's hidden tests, derived from the course's secret."""
         # Verdicts of earlier releases depend on this text, so it must not change.
         text = f"{self.course_seed} test_{request.path.parent.name}.py"
         return int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> object:
-        """Run a hidden test."""
+        """Run a hidden test within the limits of `under_test`."""
         with self.under_test(check_of(item)):
             return (yield)
 
@@ -169,7 +169,7 @@ class _Runner:
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo
     ) -> pytest.TestReport:
-        """Record how a test ended, without a traceback, which takes half of pytest's time."""
+        """Record how a test ended; omit the traceback, which would take half of pytest's time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
             self.record(check_of(item), error)
@@ -182,15 +182,15 @@ class _Runner:
             self.complaints.append(str(report.longrepr))
 
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
-        """Record whether a person interrupted the run, or pytest itself did."""
+        """Record whether the run was interrupted by a person and not by pytest itself."""
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
 
 
 def _release_answers(error: Exception | None) -> None:
-    """Drop the frames of an exception and of those that led to it, because they hold answers.
+    """Remove the tracebacks of an exception and its causes, because their frames hold answers.
 
-    An answer may have 64 MB, and the outcomes are kept until the whole notebook is judged. If the
-    exception is unexpected, a note keeps the text of its traceback.
+    An answer may take 64 MB, and the outcomes are kept until the whole notebook is judged. If the
+    exception is unexpected, the text of its traceback is kept as a note.
     """
     if error is not None and not isinstance(error, EXPECTED_FAILURES):
         error.add_note("".join(traceback.format_tb(error.__traceback__)))
@@ -208,7 +208,7 @@ def _release_answers(error: Exception | None) -> None:
 
 
 class _UntouchedRunner(_Runner):
-    """Records each check as not started, without calling the student's functions."""
+    """A runner that records each check as not started, without calling the student's functions."""
 
     def under_test(self, check: Check) -> NoReturn:
         """Raise the error of an untouched stub."""
@@ -216,7 +216,7 @@ class _UntouchedRunner(_Runner):
 
 
 class _Collector(_Runner):
-    """Collects the hidden tests, so that they can run later and several times."""
+    """A runner that collects hidden tests, so that they can run later and more than once."""
 
     def __init__(self, student: StudentProxy, seed: int, selected: Callable[[Check], bool]) -> None:
         super().__init__(student, seed, selected)
@@ -233,7 +233,7 @@ class _Collector(_Runner):
 def visible_calls(
     student: StudentProxy, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Return the visible checks as callables, which raise an exception for a wrong answer."""
+    """Return the visible checks as callables that raise an exception for a wrong answer."""
     return tuple(
         functools.partial(check.run, getattr(student, object_to_diagnose(check.exercise)))
         for check in checks
@@ -244,7 +244,7 @@ def visible_calls(
 def hidden_calls(
     lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Return the hidden tests as callables, which raise an exception for a wrong answer."""
+    """Return the hidden tests as callables that raise an exception for a wrong answer."""
     names = {check.name for check in checks if not check.is_shown}
     if not names:
         return ()
@@ -254,7 +254,7 @@ def hidden_calls(
 
 
 def every_check(check: Check) -> bool:
-    """Select every check."""
+    """Return True, which selects every check."""
     return True
 
 
@@ -282,7 +282,7 @@ def run_checks(
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
     budget : grader.sandbox.time_budget.Budget, optional
-        The student's. The time of failed checks is counted there as that of failed calls.
+        The student's budget, in which failed checks count as failed calls.
 
     Returns
     -------

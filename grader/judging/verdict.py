@@ -17,7 +17,7 @@ JUDGED, FAILED = "judged", "judge_failed"
 
 
 class MessageKind(enum.StrEnum):
-    """The kind of a check's message. Feedback pages depend on it, and not on the words."""
+    """The kind of a check's message. Feedback pages use the kind instead of parsing the text."""
 
     OWN = "own"  # the message explains this check; also used if there is no message
     SAME_REASON = "same reason"  # the check fails for the same reason as another check
@@ -61,7 +61,7 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Slip:
-    """The one thing that is wrong in an answer: an edit that makes it right, or a named mistake.
+    """The only error in an answer: either an edit that corrects it, or a named mistake.
 
     Attributes
     ----------
@@ -129,12 +129,12 @@ class Verdict:
     ----------
     lesson, student : str
     status : {"judged", "judge_failed"}
-        Whether the score says anything about the student.
+        Whether judging succeeded. If it failed, the score is meaningless.
     score, max_score : float
         Points of the machine-graded exercises.
     exercises : tuple of ExerciseResult
     problems : tuple of str
-        One sentence for each thing that is wrong with the notebook as a whole.
+        One sentence for each problem with the notebook as a whole.
     seconds : float
         Wall-clock time that judging took.
     key : str
@@ -167,7 +167,7 @@ class Verdict:
         for private in ("key", "faults", "starved", "fingerprint"):
             del content[private]
         for exercise in content["exercises"]:
-            # Reports use both. They repeat what the checks' messages say.
+            # Only reports need these fields, which repeat the checks' messages.
             del exercise["cause"], exercise["first"]
             for test in exercise["tests"]:
                 del test["kind"], test["subject"], test["hint"]
@@ -180,7 +180,7 @@ class Verdict:
         return dataclasses.replace(self, starved=False)
 
     def compact(self) -> Verdict:
-        """Return an equal verdict that shares equal parts with others, to save memory.
+        """Return an equal verdict that shares equal parts with other verdicts, to save memory.
 
         Most checks end the same way for most students, and a class may have ten thousand.
         """
@@ -200,7 +200,7 @@ def _interned(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseRes
 
 
 def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
-    """Write a verdict atomically, so that a reader finds a complete file or none."""
+    """Write a verdict atomically, so that readers find either a complete file or none."""
     write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
 
 

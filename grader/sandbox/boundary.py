@@ -1,7 +1,7 @@
 """The security boundary: the list of files that student code can see.
 
 Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
-names with their dependencies, and the system's libraries. All other files are hidden, such as
+allows and their dependencies, and the system's libraries. All other files are hidden, such as
 tests, checks, solutions, grades and other submissions. New files and packages are also hidden,
 unless they are in a listed folder. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build
 sandboxes from this list.
@@ -23,7 +23,7 @@ from utils import in_sandbox
 
 INSIDE = Path(__file__).resolve().parent / "inside"
 WORKER = INSIDE / "worker.py"
-# The worker runs the slicer in `utils.notebooks` on the notebook.
+# `utils.notebooks` is shown because the worker uses its slicer.
 SHOWN = (
     INSIDE,
     PROJECT / "utils" / "notebooks",
@@ -31,7 +31,7 @@ SHOWN = (
     *(PROJECT / "utils" / name for name in in_sandbox.PACKAGES),
     *in_sandbox.FILES,
 )
-# Packages that every lesson needs: NumPy for arrays, and IPython to parse magics.
+# Packages that the worker always needs: NumPy for arrays, and IPython to parse magics.
 ALWAYS = ("numpy", "ipython")
 
 # The path of a virtual environment may contain "..", which `abspath` removes.

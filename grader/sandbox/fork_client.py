@@ -35,7 +35,7 @@ LONGEST_REPORT = 400
 
 @dataclass
 class ForkClient:
-    """Client of a `grader.sandbox.fork_server`, which it starts with the first request.
+    """Client of a `grader.sandbox.fork_server`, which it starts on the first request.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ForkClient:
     _turn: threading.Lock = field(default_factory=threading.Lock)
 
     def fork(self, request: dict, read_end: int, write_end: int) -> Forked:
-        """Let the server fork a worker.
+        """Make the server fork a worker, and return the worker.
 
         Parameters
         ----------
@@ -148,7 +148,7 @@ def read_line(descriptor: int, seconds: float) -> str:
     while not text.endswith(b"\n") and len(text) < LONGEST_REPORT:
         if not poll.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
             break
-        # One byte at a time, because the next line is for a later call.
+        # Read one byte at a time, because the next line is for a later call.
         byte = os.read(descriptor, 1)
         if not byte:
             break
@@ -163,5 +163,5 @@ def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
 
 @functools.cache
 def client_for(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> ForkClient:
-    """Return the client for these preloaded and forbidden modules, always the same one."""
+    """Return the shared client for these preloaded and forbidden modules."""
     return ForkClient(modules, forbidden, ENVIRONMENT)

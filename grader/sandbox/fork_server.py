@@ -1,9 +1,9 @@
 """A process that has imported NumPy and forks workers, which then join a sandbox.
 
 Starting Python and importing NumPy takes ten times as long as building the sandbox, so this process
-does both only once. It never sees a submission or a grade. It contains the worker's code, and each
-request names the sandbox to join and the ends of three pipes. The forked worker joins the
-namespaces that bubblewrap created, gives up all privileges, and runs `worker.py`.
+does both only once. It never sees a submission or a grade. It has already imported the worker's
+code, and each request names the sandbox to join and passes the ends of three pipes. The forked
+worker joins the namespaces that bubblewrap created, gives up all privileges, and runs `worker.py`.
 
 `grader.sandbox.fork_client` runs it: ``python -I -B fork_server.py SOCKET SETTINGS``.
 """
@@ -27,9 +27,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 import privileges  # noqa: E402
 import worker  # noqa: E402
 
-sys.path.pop(0)  # importing the worker added the folder a second time
+sys.path.pop(0)  # importing the worker inserted the same folder again
 
-# The namespaces that bubblewrap creates, without the user namespace; see namespaces(7).
+# The namespaces that bubblewrap creates, except the user namespace; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
 _PARENT_NAMESPACE = 0xB702  # see ioctl_ns(2)
 
@@ -40,7 +40,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
     """Serve requests until the client closes the socket."""
     _import([], forbidden)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
-    # Each worker has a separate process, so a worker that misbehaves does not end the server.
+    # A separate process serves each request, so a worker that misbehaves does not end the server.
     while True:
         data, pipes = _receive(requests)
         if not data:
@@ -76,7 +76,7 @@ def _import(names: list[str], forbidden: list[str]) -> None:
 
 
 def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
-    """Return a request and the ends of the pipes that come with it."""
+    """Return a request and the pipe ends that were sent with it."""
     data, ancillary, _, _ = requests.recvmsg(4096, socket.CMSG_SPACE(3 * 4))
     pipes = array.array("i")
     for _, _, content in ancillary:
@@ -87,8 +87,8 @@ def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
 def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     """Join the sandbox, fork the worker there, and report its exit code.
 
-    Joining a PID namespace affects only children, so this process forks once more. When the worker
-    ends, this process kills the sandbox, and with it everything that the worker started.
+    Joining a PID namespace affects only later children, so this process forks once more. When the
+    worker ends, this process kills the sandbox, and with it everything that the worker started.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
@@ -150,7 +150,7 @@ def enter(pid: int, has_user_namespace: bool) -> None:
     Raises
     ------
     OSError
-        If the kernel refuses.
+        If the kernel does not allow it.
     """
     opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
     if has_user_namespace:

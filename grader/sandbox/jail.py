@@ -1,7 +1,7 @@
 """Build a root directory for `chroot` that contains only the files that a worker may see.
 
-This works without mounts. Files are hard links, which do not take any space, or copies if the
-folder is on another disk.
+No mounts are needed. The files are hard links, which take no space, or copies if the folder is on
+another disk.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from grader.sandbox.boundary import (
     folders_of_packages,
 )
 
-# Devices that programs expect on every system: name and minor number; see null(4), random(4).
+# Devices that programs expect on every system, with their minor numbers; see null(4), random(4).
 DEVICES = {"null": 3, "zero": 5, "full": 7, "random": 8, "urandom": 9}
 HOME = "/tmp"
 WRITABLE = (HOME, "/dev/shm")
-# Parts of Python's library that are not shown: installed packages (the boundary lists those that
-# are), Python's own tests, and graphical programs.
+# Parts of Python's library that are not shown: installed packages (the boundary lists the ones that
+# are shown), Python's own tests, and graphical programs.
 LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
 
 _waiting: list[subprocess.Popen] = []
@@ -47,8 +47,8 @@ def build(
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
     within : pathlib.Path, optional
-        Parent folder, which only root may be able to enter. The new folder is not deleted. By
-        default the new folder is deleted when this process ends.
+        Parent folder, which must be accessible to root alone. The new folder is not deleted. By
+        default, the new folder is in a temporary folder and is deleted when this process ends.
 
     Raises
     ------
@@ -90,12 +90,12 @@ def _folder_of_jails() -> str:
 
 
 def _python() -> Iterator[Path]:
-    """Yield the paths of the running Python and its library."""
+    """Yield the paths of the running Python, its library, and the system files that both need."""
     yield Path(PYTHON)
     yield Path(PREFIX, "pyvenv.cfg")
     library = Path(sysconfig.get_path("stdlib"))
     yield from (path for path in library.iterdir() if path.name not in LEFT_OUT)
-    if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # ldconfig may not list this library
+    if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # ldconfig does not always list this library
         yield Path(sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("INSTSONAME"))
     yield Path("/usr/lib/locale/C.utf8")
     yield Path("/etc/ld.so.cache")
@@ -107,7 +107,7 @@ def _libraries() -> Iterator[Path]:
     known = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
     for path in sorted(set(re.findall(r" => (/.*)$", known.stdout, re.M))):
         yield Path(path)
-    for folder in map(Path, ("/lib", "/lib64")):  # programs name their loader by this path
+    for folder in map(Path, ("/lib", "/lib64")):  # programs expect their loader at this path
         yield from folder.glob("ld-*.so*")
 
 

@@ -24,7 +24,7 @@ _SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 
 def main(folder: str, home: str, user: int, command: list[str]) -> int:
-    """Run a command in a chroot; return its exit code in the form that shells use."""
+    """Run a command in a chroot; return its exit code as a shell would report it."""
     # Make orphaned processes children of this process, so that it can reap them.
     ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
     woken, waker = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
@@ -38,14 +38,14 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
             print(error, file=sys.stderr, flush=True)
         finally:
             os._exit(1)
-    # Only the worker may hold its ends of the pipes, so that they close when the worker ends.
+    # Close the worker's ends of the pipes here, so that no copy stays open when the worker ends.
     os.closerange(3, min(woken, waker))
     os.closerange(max(woken, waker) + 1, MOST_FILES)
     code = None
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), woken], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # it may still be root, so `kill_all_of` would miss it
+            os.kill(worker, signal.SIGKILL)  # it may still be root and survive `kill_all_of`
         if woken in ready:
             os.read(woken, 4096)
         code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
@@ -90,7 +90,7 @@ def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
 
 
 def kill_all_of(user: int) -> None:
-    """Kill all processes of a user with one system call, so that none can fork in the meantime."""
+    """Kill all processes of a user with one system call, so that none can fork in between."""
     pid = os.fork()
     if pid == 0:
         try:

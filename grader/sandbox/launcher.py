@@ -33,26 +33,26 @@ KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
 LEAST_MEMORY_LEFT = 0.03
 MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
 # The first process in the sandbox reports that the sandbox is built, then waits until its input
-# closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent does not
-# suffice: if bubblewrap is killed while it builds, it leaves a process behind.
+# closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent is not
+# enough: if bubblewrap is killed while it builds the sandbox, it leaves a process behind.
 WAIT = "echo ready && read line"
 
 
 @dataclass
 class WorkerProcess:
-    """A `grader.sandbox.protocol.Worker` that is a process of this machine.
+    """A `grader.sandbox.protocol.Worker` that is a process on this machine.
 
     Attributes
     ----------
     process : subprocess.Popen
-        The sandbox with everything in it, or the worker itself if there is no sandbox.
+        The sandbox's own process, or the worker itself if there is no sandbox.
     read_end, write_end : int
     forked : grader.sandbox.fork_client.Forked, optional
         The worker, if a fork server created it and it joined the sandbox later.
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
     killed_before : int
-        The result of `killed_for_memory` at the start.
+        The result of `killed_for_memory` when the worker started.
     """
 
     process: subprocess.Popen
@@ -67,7 +67,7 @@ class WorkerProcess:
 
     @property
     def pids(self) -> list[int]:
-        """Process IDs (as seen outside the sandbox) whose descendants belong to the worker."""
+        """IDs (outside the sandbox) of the processes whose descendants belong to the worker."""
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int | None:
@@ -81,8 +81,8 @@ class WorkerProcess:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
         if code in KILLED and not self._above_limit and not had_to_be_killed:
-            # If the kernel killed other processes instead, this one has killed itself. Then it is
-            # judged once more, which gains it nothing.
+            # The kernel may have killed other processes while the worker killed itself. The
+            # notebook is then judged once more, which does not help the student.
             self._lacked_memory |= killed_for_memory() > self.killed_before
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
@@ -92,7 +92,7 @@ class WorkerProcess:
         return code
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether the worker ends by itself in the given time; call `stop` in any case."""
+        """Return whether the worker ends by itself within `seconds`; call `stop` in either case."""
         if self.forked:
             return self.forked.has_ended(seconds)
         deadline = time.monotonic() + seconds
@@ -103,7 +103,7 @@ class WorkerProcess:
         return True
 
     def lacked_memory(self) -> bool:
-        """Return whether it was killed below its own limit because the machine lacked memory."""
+        """Return whether the worker died below its own limit because the machine lacked memory."""
         return self._lacked_memory
 
     def cpu_seconds(self) -> float:
@@ -290,13 +290,13 @@ def _run(
 def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
-    """Build a sandbox around a process that only waits, and let a worker join it."""
+    """Build a sandbox around a process that only waits, and make a forked worker join it."""
     info, number = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        # Bubblewrap gets both ends of the pipe, so that its write to the pipe cannot fail. After a
-        # failed write, bubblewrap would end and leave its child behind.
+        # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.
+        # After a failed write, bubblewrap would end and leave its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
         process = _run([*sandbox_command, *options], request["home"], pipes, *both)

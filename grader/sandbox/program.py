@@ -9,8 +9,8 @@ from utils import in_sandbox
 
 PACKAGES = in_sandbox.INSTALLED
 
-# Solved lessons have fewer lines. If a notebook has more, its lines are not shown, because student
-# code could send a message by choosing the line that fails.
+# If a notebook has more lines than this, messages do not show its lines, because student code could
+# send a message by choosing the line that fails. Solved lessons have fewer lines.
 MAX_NOTEBOOK_LINES = 4096
 
 
@@ -22,14 +22,14 @@ def cell_and_line(place: str) -> tuple[int, int] | None:
 
 @dataclass(frozen=True)
 class Given:
-    """Code of the lesson that replaces the notebook's own versions of some names.
+    """Code of the lesson that replaces the notebook's own definitions of some names.
 
     Attributes
     ----------
     names : tuple of str
     source : str
     open : tuple of str
-        Names that a notebook may redefine. If it does, its own versions are used.
+        Names that a notebook may redefine. If it does, its own definitions are used.
     """
 
     names: tuple[str, ...] = ()
@@ -46,7 +46,7 @@ class Program:
     cells : tuple of str
         Source of the notebook's code cells.
     names : tuple of str
-        The functions and classes that will be called.
+        The functions and classes that the judge may call.
     modules : dict of str to str
         Source of the modules that were submitted with the notebook, by name.
     given : Given
@@ -74,7 +74,7 @@ class Program:
         return tuple(name for name in self.packages if any(name in source for source in sources))
 
     def edited(self, cell: int, first: int, last: int, text: str) -> Program:
-        """Return a copy in which a text replaces lines `first` to `last` (from 1) of a cell."""
+        """Return a copy in which `text` replaces lines `first` to `last` of a cell."""
         lines = self.cells[cell - 1].split("\n")
         changed = "\n".join([*lines[: first - 1], text, *lines[last:]])
         return replace(self, cells=(*self.cells[: cell - 1], changed, *self.cells[cell:]))

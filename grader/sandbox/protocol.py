@@ -23,7 +23,7 @@ class SandboxUnavailable(Exception):
     reason : str
         The reason in sentences.
     advice : str
-        What to do on your own machine. ``str()`` adds it to the reason.
+        What the user can do instead. ``str()`` appends it to the reason.
     """
 
     def __init__(self, reason: str, advice: str = "") -> None:
@@ -41,21 +41,22 @@ class Limits:
     Attributes
     ----------
     start_seconds : float
-        For the cells that the exercises need. This limit and the next three count the seconds in
-        which the process works or sleeps, but not those in which it waits for a processor. They
-        are measured by `grader.sandbox.time_budget`.
+        Time for the cells that the exercises need. This limit and the next three count seconds in
+        which the process works or sleeps, but not seconds in which it waits for a processor. See
+        `grader.sandbox.time_budget`.
     whole_seconds : float
-        For all cells, which run if a name is still missing.
+        Time for all cells, which run if a name is still missing.
     call_seconds : float
-        For one call. Once the failed calls of an exercise have taken this long in total, each later
-        call gets an eighth of it. A call fails if it raises an exception or has to be stopped.
+        Time for one call. Once the failed calls of an exercise have taken this long in total, each
+        later call gets an eighth of it. A call fails if it raises an exception or has to be
+        stopped.
     total_seconds : float
-        For the whole notebook, over all runs.
+        Time for the whole notebook, over all runs.
     wall_seconds : float
-        The same in elapsed time.
+        Elapsed time for the whole notebook, over all runs.
     restarts : int
-        How often a new process may replace one that died or took too long, for each exercise and
-        for the notebook's own cells. After that, the judge skips the remaining tests.
+        How often a new process may replace a process that died or took too long, for each exercise
+        and for the notebook's own cells. After that, the judge skips the remaining tests.
     memory, total_memory : int
         Bytes for one process, and for all processes of the worker together.
     processes : int
@@ -76,7 +77,7 @@ class Limits:
     temporary_space: int = 64 * MEBIBYTE
 
     def resources(self) -> dict[str, int]:
-        """Return resource limits by the names of Python's `resource` module."""
+        """Return resource limits by their names in Python's `resource` module."""
         return {
             "RLIMIT_AS": self.memory,
             "RLIMIT_CPU": int(2 * self.total_seconds),
@@ -92,7 +93,7 @@ class Thread(NamedTuple):
     Attributes
     ----------
     delayed : float
-        Seconds for which the thread has waited for a processor since it began.
+        Seconds for which the thread has waited for a processor since it started.
     ready : bool
         Whether the thread is running or waiting for a processor.
     """
@@ -123,14 +124,15 @@ class Worker(Protocol):
     def threads(self) -> dict[int, Thread] | None:
         """Return the current threads of the worker by ID, or None if they are unknown.
 
-        Threads that lowered their own scheduling priority are left out, because they chose to wait.
+        Threads that lowered their own scheduling priority are left out. Otherwise student code
+        could extend its time limit by making a thread wait.
         """
 
     def has_ended(self, seconds: float) -> bool:
-        """Return whether the worker ends by itself in the given time; call `stop` in any case."""
+        """Return whether the worker ends by itself within `seconds`; call `stop` in either case."""
 
     def lacked_memory(self) -> bool:
-        """Return whether it was killed below its own limit because the machine lacked memory.
+        """Return whether the worker died below its own limit because the machine lacked memory.
 
         The result is valid after `stop`.
         """
@@ -141,18 +143,18 @@ class Worker(Protocol):
         Returns
         -------
         int or None
-            Exit code of the worker, or None if unknown. After a signal, its negative number, as in
-            `subprocess`, or 128 plus the number, as in a shell.
+            Exit code of the worker, or None if unknown. If a signal ended the worker, the code is
+            the negative signal number, as in `subprocess`, or 128 plus the number, as in a shell.
         """
 
 
 class Sandbox(Protocol):
-    """One way to run a student's code; `grader.sandbox.SANDBOXES` lists them all.
+    """A way to run student code; `grader.sandbox.SANDBOXES` lists all sandboxes.
 
     Attributes
     ----------
     name : str
-        The name for the option ``--sandbox``.
+        Value of the option ``--sandbox`` that selects this sandbox.
     warning : str
         The risks of this sandbox, for the instructor; empty if it is safe for a class.
     """

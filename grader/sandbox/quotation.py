@@ -1,8 +1,8 @@
-"""Describe exceptions outside hidden tests, without words that student code chose while running.
+"""Describe exceptions outside hidden tests, without text that student code chose at run time.
 
-At this point, student code does not know the data of its own hidden tests, but it may know the data
-of another notebook's tests. Notebooks that are judged on one machine can send signals to each
-other, for example by how long they take. A message therefore contains only fixed text and:
+At this point, student code has not received the data of its own hidden tests, but it may have
+received data from another notebook's tests. Notebooks that are judged on one machine can send each
+other signals, for example by how long they take. A message therefore contains only fixed text and:
 
 - an exception type that is well known or appears in the failing line
 - the failing line of the submission
@@ -18,7 +18,7 @@ from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from utils.in_sandbox import ABSENT
 from utils.notebooks.forbidden import forbidden_part, refusal
 
-# Number of characters of a line that are shown and searched. People seldom write longer lines.
+# Only this many characters of a line are shown and searched. Longer lines are rare.
 LONGEST_LINE = 120
 NAMED_EXCEPTIONS = frozenset(
     (
@@ -30,7 +30,8 @@ NAMED_EXCEPTIONS = frozenset(
         ),
     )
 )
-# (exception type, its message, the text to show). A name is shown only if it is in the line.
+# Exception types, a pattern for the message, and the text to show. A name is shown only if it
+# occurs in the failing line.
 SENTENCES = (
     ("NameError", r"name '(\w+)' is not defined", "name '{}' is not defined"),
     ("NameError", r"the notebook does not define it", "the notebook does not define it"),
@@ -56,7 +57,7 @@ SENTENCES = (
 def sentence_on(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
     where = _place_and_line(error.place, error.line)
-    if error.calling:  # the function that raised may be right but called with wrong arguments
+    if error.calling:  # the caller may have passed wrong arguments to a right function
         where = f"{_place_and_line(error.calling, error.calling_line)}, which calls {where}"
     return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 

@@ -14,7 +14,7 @@ MOST_ITEMS = 20
 
 
 def texts(values: object) -> list[str]:
-    """Return the first few sentences of an untrusted list, each on one line."""
+    """Return the first few texts of an untrusted list, each as one line."""
     return [readable(value) for value in values[:MOST_ITEMS]] if isinstance(values, list) else []
 
 
@@ -24,9 +24,9 @@ def readable(value: object) -> str:
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:
-    """Yield the rows of an untrusted list of columns, if they begin with a number and a name.
+    """Yield the rows that begin with a number and a name, from an untrusted list of columns.
 
-    If there are not exactly `width` columns, no row is yielded.
+    If there are not exactly `width` columns, nothing is yielded.
     """
     if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
         return

@@ -24,18 +24,18 @@ from utils.remote_objects import ENDLESS, Observed, Remote
 
 # Names of the steps that are not exercises: running the cells that exercises need, or all cells.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
-# When failed or stopped calls of a step have used up its time limit once, later calls get only this
-# share of it. An endless loop then costs little more than one limit.
+# Once the failed calls of a step have together used up its time limit, each later call gets only
+# this share of the limit. An endless loop then costs little more than one limit.
 SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
-# Number of failed cells that are described. Later cells usually fail because of these.
+# Maximum number of failed cells that are described. Later cells usually fail because of these.
 MOST_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
 class _Reference:
-    """A reference to an object in a worker, which may have been stopped since."""
+    """A reference to an object in a worker that may have been stopped since then."""
 
     number: int
     worker: Worker
@@ -54,7 +54,7 @@ class RemoteFunction(Remote):
         return self._student._call_or_get(self.__name__, [arguments], keywords, self._reference)
 
     def observe(self, *arguments: object) -> Observed:
-        """Return the result of a call and the arguments after it."""
+        """Return the result of a call, and the arguments as they are after the call."""
         return self._student._call_or_get(
             self.__name__, [arguments], reference=self._reference, observe=True
         )
@@ -72,7 +72,7 @@ class RemoteFunction(Remote):
         return answer, meter.seconds
 
     def each(self, calls: Sequence[Sequence]) -> list:
-        """Return the results of several calls, sent in one message with the limit of one call."""
+        """Return the results of several calls that share one message and one call's time limit."""
         return (
             self._student._call_or_get(self.__name__, calls, reference=self._reference, each=True)
             if calls
@@ -83,7 +83,8 @@ class RemoteFunction(Remote):
 class RemoteObject(Remote):
     """An object of a student's own class, which stays in the sandbox.
 
-    ``tree.root`` is plain data, None or another `RemoteObject`. ``tree.insert(p, 0)`` is a call.
+    ``tree.root`` returns plain data, None or another `RemoteObject`. ``tree.insert(p, 0)`` calls a
+    method.
     """
 
     def __init__(self, student: StudentProxy, reference: _Reference, type_name: str) -> None:
@@ -128,7 +129,7 @@ class StudentProxy:
         The exercise to which the next calls belong. Failed calls are counted separately for each
         exercise, so that an endless loop does not use up the restarts of other exercises.
     edits : tuple of tuple
-        Edits of the exercise `edited`, the likeliest first; empty before the start. Each consists
+        Edits of the exercise `edited`, likeliest first; empty before the start. Each edit consists
         of the cell's number, the first and last line, and the text that replaces these lines.
     interrupts_after : float or None
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
@@ -149,8 +150,8 @@ class StudentProxy:
         self._edited, self.edits = edited, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
-        # A reply may contain further attributes of an object and of the objects that it refers to.
-        # They are valid until the next call. Methods stay valid.
+        # A reply may contain more attributes than requested. They are valid until the next call,
+        # which may change them. Methods stay valid.
         self._known: dict[tuple[int, str], object] = {}
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[StudentStopped]] = {}
@@ -159,7 +160,7 @@ class StudentProxy:
         self._timed_out_before = frozenset(self._budget.timeouts)
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
-        self._meter: Meter | None = None  # while a call is timed
+        self._meter: Meter | None = None  # only while a call is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -332,9 +333,9 @@ class StudentProxy:
         )
 
     def _calling(self, place: str, through: list[str]) -> str | None:
-        """Return where the exercise calls the function that contains a place.
+        """Return the place where the exercise calls the function that raised an exception.
 
-        Return None if the place is in the exercise itself, or if the exercise is long.
+        Return None if the exception was raised in the exercise itself, or if the exercise is long.
         """
         own = self._own_lines.get(self.exercise, ())
         if _is_in_short_ranges(place, own):
@@ -422,7 +423,7 @@ class StudentProxy:
         try:
             found = self._start({"all_cells": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
-        except StudentStopped:  # by a cell that no exercise needs
+        except StudentStopped:  # because of a cell that no exercise needs
             self._ensure_running()
 
     def _start(
@@ -492,7 +493,7 @@ class StudentProxy:
 def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
     """Return whether a place is in ranges of lines with at most `MOST_LINES` lines in total.
 
-    The student's process reports the place, so in a long exercise the line could be a message.
+    The place comes from the student's process. In a long exercise, its line could encode a message.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits, Thread, Worker
 from grader.sandbox.usage import own_seconds
 
-# Elapsed time that a step may take, in multiples of its limit. It is used if the kernel does not
-# show whether a process sleeps or waits for a processor.
+# Elapsed time that a step may take, in multiples of its limit. This applies only if the kernel does
+# not show whether a process sleeps or waits for a processor.
 MOST_ELAPSED = 3
 SOON = 0.05  # seconds; most replies arrive within this time
 # The next measurement follows after one to two times this share of the elapsed time. The moment is
@@ -48,9 +48,9 @@ class Budget:
 
     @contextlib.contextmanager
     def charge_if_failed(self, what: str) -> Iterator[None]:
-        """Count all seconds used in the context as those of failed calls if it raises.
+        """Count all seconds used in a with block as seconds of failed calls, if the block raises.
 
-        So a wrong function that is slow gets no more time than one that hangs.
+        A wrong function that is slow thus gets no more time than one that hangs.
         """
         seconds, failed = self.seconds, self.failed_seconds.get(what, 0.0)
         try:
@@ -66,12 +66,12 @@ class Budget:
 
 
 class Meter:
-    """Measures the time that a worker uses from now on.
+    """A meter of the time that a worker uses from now on.
 
-    This is its processor time plus the time that it sleeps. A worker sleeps if none of its threads
-    is ready to run at the time of a measurement. The sum cannot exceed the elapsed time minus the
-    time in which the worker waits for a processor or for the judge, unless the processor time
-    alone exceeds it.
+    This time is the worker's processor time plus the time for which it sleeps. A worker counts as
+    asleep if none of its threads is ready to run at the time of a measurement. The sum is at most
+    the elapsed time minus the time for which the worker waits for a processor or for the judge,
+    unless the processor time alone exceeds that.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Meter:
         return self._threads is not None
 
     def measure(self, answered: bool = False) -> None:
-        """Measure again. Frequent measurements give a better estimate of the time spent asleep.
+        """Update the measured time. Frequent updates improve the estimate of the time asleep.
 
         Parameters
         ----------

@@ -18,7 +18,7 @@ from grader.sandbox.protocol import Thread
 PAGE = os.sysconf("SC_PAGE_SIZE")
 TICK = os.sysconf("SC_CLK_TCK")
 PROC = os.path.exists("/proc/self/stat")
-# Kernel memory of an empty file, which our memory limit does not include.
+# Kernel memory in bytes that even an empty file takes. No resource limit includes it.
 BYTES_OF_A_FILE = 1024
 
 
@@ -31,7 +31,7 @@ def tree(pid: int) -> Iterator[int]:
 
 
 def memory_of_tree(pid: int) -> int:
-    """Return the bytes that a process and its descendants have mapped, plus those of their files.
+    """Return the bytes mapped by a process and its descendants, plus kernel memory for their files.
 
     Mapped memory is counted instead of resident memory, because a shared page may occupy memory
     without being in the page tables of any process.
@@ -101,7 +101,7 @@ def memory_left() -> float:
 
 
 def killed_for_memory() -> int:
-    """Return how many processes the kernel has killed since it started, for lack of memory."""
+    """Return how many processes the kernel has killed for lack of memory since it booted."""
     try:
         lines = Path("/proc/vmstat").read_text().splitlines()
     except OSError:
@@ -133,7 +133,7 @@ def _threads(pid: int) -> list[str]:
 
 
 def _files(pid: int) -> int:
-    """Return the kernel memory in bytes of files in the folders that student code can write to."""
+    """Return the bytes of kernel memory for files in the folders that student code can write to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:

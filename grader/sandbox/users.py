@@ -6,14 +6,14 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """Return whether this process is root and other users exist, unlike in some containers."""
+    """Return whether this process is root and can use other user IDs; some containers have none."""
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 
 def unused() -> int:
     """Return a random user ID from the upper half of all IDs, which is rarely used.
 
-    The kernel counts resource limits by user, and does not apply them to root.
+    The kernel counts processes separately for each user, and does not limit those of root.
     """
     count = _user_count()
     return count // 2 + secrets.randbelow(count // 2 - 2)

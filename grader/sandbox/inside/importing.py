@@ -14,8 +14,8 @@ from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finder that refuses to import forbidden modules, with a clear error message.
 
-    If an allowed library imports a forbidden module, it gets a stand-in. Forbidden code is
-    therefore never in memory.
+    If an allowed library imports a forbidden module, it gets a stand-in. The code of a forbidden
+    module is therefore never in memory.
     """
 
     def __init__(self, modules: Iterable[str]) -> None:
@@ -29,8 +29,8 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return None
         if not _is_imported_by_library():
             raise refusal(fullname)
-        # A module that is not installed does not get a stand-in. A hidden module is found, because
-        # its folder still exists, although it is empty.
+        # Only installed modules get a stand-in. The finder also finds hidden modules, because their
+        # folders still exist, although they are empty.
         inside = isinstance(sys.modules.get(fullname.rpartition(".")[0]), StandInModule)
         if inside or importlib.machinery.PathFinder.find_spec(fullname, path):
             return importlib.machinery.ModuleSpec(fullname, self, is_package=True)
@@ -45,7 +45,7 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 def _is_imported_by_library() -> bool:
-    """Return whether a library is importing: its file has an absolute path, unlike student code."""
+    """Return whether a library does the import: its path is absolute, unlike student code's."""
     frame = sys._getframe(1)
     while frame.f_code.co_filename == __file__ or _is_importlib(frame):
         frame = frame.f_back
@@ -77,7 +77,8 @@ def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     return statement
 
 
-# The sandbox has no widgets, so progress bars for notebooks are replaced by those for terminals.
+# The sandbox has no widgets, so tqdm's progress bars for notebooks are replaced with its progress
+# bars for terminals.
 WITHOUT_WIDGETS = {"tqdm.notebook": "from tqdm.std import tqdm, trange"}
 
 

@@ -19,8 +19,8 @@ def give_up(*, keep_user_changes: bool) -> None:
     Parameters
     ----------
     keep_user_changes : bool
-        Keep the capabilities to change user and group. A worker that root started needs them for
-        its next step.
+        Whether to keep the capabilities to change user and group. A worker that root started needs
+        them for its next step.
 
     Raises
     ------
@@ -33,12 +33,12 @@ def give_up(*, keep_user_changes: bool) -> None:
         if not kept >> capability & 1:
             _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
     header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)
-    # Effective, permitted and inheritable sets, for the first 32 capabilities and for the others.
+    # Effective, permitted and inheritable sets: for the first 32 capabilities, then for the others.
     sets = (ctypes.c_uint32 * 6)(kept, kept, 0, 0, 0, 0)
     if _LIBC.capset(header, sets):
         number = ctypes.get_errno()
         raise OSError(number, f"capset: {os.strerror(number)}")
     _LIBC.prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), 0, 0, 0)
-    # /proc hides a process that has joined a user namespace, even from its own user. The judge has
-    # to measure the process's files there.
+    # After a process joins a user namespace, even its own user cannot read parts of its /proc
+    # folder. The judge needs these parts to measure the files that the process writes.
     _LIBC.prctl(_SET_DUMPABLE, ctypes.c_ulong(1), 0, 0, 0)

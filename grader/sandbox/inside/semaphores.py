@@ -2,7 +2,7 @@
 
 To wait for another process or to wake it, a semaphore normally uses a shared futex. `syscalls`
 makes shared futexes do nothing. All locks, queues and pools of `multiprocessing` are built on one
-class of semaphores. It is replaced by a class that tries, sleeps, and tries again.
+semaphore class. This module replaces that class with one that tries, sleeps, and tries again.
 """
 
 import _multiprocessing

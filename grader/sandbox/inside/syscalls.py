@@ -8,14 +8,14 @@ The main reasons are:
 - Keyrings are inherited from the instructor's session.
 - Virtual sockets reach the host even from a namespace.
 - All notebooks see the same files. Notebooks could exchange messages through locks, watches, hints
-  and futexes on these files, and through the choice of file pages that are in memory.
+  and futexes on these files, or by choosing which pages of the files are in memory.
 
-A seccomp filter answers these calls with "no such call", in this process and in all processes that
-it starts. A request to ignore the end of child processes appears to succeed but does nothing.
+A seccomp filter makes these calls fail with "no such system call", in this process and in all
+processes that it starts. A request to ignore SIGCHLD appears to succeed but does nothing.
 Otherwise student code could hide processor time, because the kernel adds a child's time only when
 its parent waits for it.
 
-The filter is a program for the kernel's packet filter; see seccomp(2) and ``linux/filter.h``.
+The filter is a BPF program; see seccomp(2) and ``linux/filter.h``.
 """
 
 import ctypes
@@ -141,13 +141,13 @@ MACHINES = {
 # These calls are allowed only with some values of an argument.
 LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
 NEW_USER_NAMESPACE = 0x10000000
-ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
-# Commands for descriptors and their flags, but not for locks, leases, watches or hints.
+ORDINARY_SOCKETS = (1, 2, 10)  # UNIX, IPv4, IPv6: harmless in a sandbox without a network
+# Commands of fcntl for descriptors and their flags, but not for locks, leases, watches or hints.
 ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
-# Requests with the letter "T" are for terminals, pipes and sockets. Requests for file systems are
-# denied, because notebooks could exchange messages through the settings of a file system.
+# Requests of ioctl with the letter "T" are for terminals, pipes and sockets. Requests for file
+# systems are denied, because notebooks could exchange messages through a file system's settings.
 KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
-# Advice to merge equal pages of two processes, to remove pages from memory, or to build huge pages.
+# Values of madvise that merge equal pages, remove pages from memory, or build huge pages.
 MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
 MERGE_ALL = 67
 # A futex without this flag may be on a page of a shared file.
@@ -159,13 +159,13 @@ END_OF_A_CHILD = 17
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
 _IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT = 0x15, 0x35, 0x45
 _NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16, 8, 4
-_FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
+_FOREIGN_NUMBERS = 0x40000000  # x32 system calls on x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
 _ANSWER = 0x00050000  # to be combined with an error number, or 0 for success
-# Libraries have a fallback for this answer, "no such call", because old kernels give it too.
+# Libraries have a fallback for this answer, "no such system call", because old kernels return it.
 _DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
-# A wait returns at once, which callers must expect anyway. A wake-up does not wake any process.
+# A wait returns at once, which callers must always expect. A wake-up does not wake any process.
 _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
 _DONE = (_RETURN, 0, 0, _ANSWER)
 
@@ -177,8 +177,8 @@ class _Program(ctypes.Structure):
 def deny(*, sockets: bool = True) -> None:
     """Permanently install the filter for this process and its children.
 
-    The filter is only an additional protection. Architectures that are not in `MACHINES` do
-    without it.
+    The filter is only an additional protection. On architectures that are not in `MACHINES`,
+    nothing is installed.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ _Instruction = tuple[int, int, int, int]
 
 
 def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
-    """Yield instructions: operation, how many to skip if true and if false, and value."""
+    """Yield instructions: operation, number to skip if true, number to skip if false, value."""
     name, numbers = MACHINES[machine]
     yield _LOAD, 0, 0, _MACHINE
     yield _IF_EQUAL, 1, 0, name

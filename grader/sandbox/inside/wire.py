@@ -20,7 +20,7 @@ class WireClosed(Exception):
 
 
 def within(seconds: float) -> Callable[[], float]:
-    """Return a limit on elapsed time.
+    """Return a function that limits elapsed time.
 
     Returns
     -------

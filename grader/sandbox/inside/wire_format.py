@@ -21,16 +21,16 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
-# Limits on the values and containers in a tree, about twice as many as in the largest array as a
-# list of rows. Without these limits a message could fill the memory, because a decoded value may
-# take forty times as much memory as its bytes in the message.
+# Limits on the numbers of values and containers in a tree. They are about twice as large as needed
+# for the largest array, sent as a list of rows. Without them, a message could fill the memory,
+# because a decoded value may take forty times as much memory as its encoded bytes.
 MAXIMUM_COMMAS = 2**20
 MAXIMUM_BRACKETS = 2**19
 MAXIMUM_GENERATORS = 100
 MAXIMUM_DEPTH = 60
 MAXIMUM_DIMENSIONS = 16
 HEADER = struct.Struct(">II")  # the sizes of the tree and of the arrays, in bytes
-# A text without a closing quote extends to the end, so that the search takes linear time.
+# A string without a closing quote extends to the end, so that the search takes linear time.
 _TEXT = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _SCALARS = (type(None), bool, int, float, str, np.generic)
 _DEEP = "a very deeply nested value"
@@ -112,7 +112,7 @@ def sizes_in(header: bytes) -> tuple[int, int]:
 
 
 def decode(tree: bytes, blob: bytes) -> object:
-    """Return the value of a message, and check every type and size that it states.
+    """Return the value of a message, after checking every type and size in it.
 
     Parameters
     ----------
@@ -135,12 +135,12 @@ def decode(tree: bytes, blob: bytes) -> object:
         return _from_tree(json.loads(tree), _Remainder(blob), 0)
     except WireError:
         raise
-    except Exception as error:  # hostile bytes may make json or numpy raise anything
+    except Exception as error:  # hostile bytes may cause any exception in json or numpy
         raise WireError(f"not a message: {type(error).__name__}") from None
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value can be sent, unlike objects of a student's class."""
+    """Return whether a value can be sent as plain data, unlike objects of a student's class."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -183,8 +183,8 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
 
 
 def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
-    # Only scalars are allowed. Student code can make a million tuples with the same hash, and the
-    # judge would take hours to build a set of them.
+    # Only scalars are allowed as keys. Student code can create a million tuples with the same hash,
+    # and the judge would take hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"
     if not all(isinstance(key, _SCALARS) for key in value):
         return {"opaque": _NON_SCALAR_KEYS[name]}
@@ -219,14 +219,17 @@ class _Remainder:
         self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
 
     def take(self, size: int) -> memoryview:
-        """Return the next bytes for an array, so that two arrays never share bytes."""
+        """Return the next bytes and remove them, so that two arrays never share bytes."""
         if size > len(self.blob):
             raise WireError("array outside its message")
         taken, self.blob = self.blob[:size], self.blob[size:]
         return taken
 
     def take_generator(self) -> None:
-        """Count a generator, because creating one takes as long as creating a hundred numbers."""
+        """Count a generator against the limit.
+
+        Creating a generator takes as long as creating a hundred numbers.
+        """
         if not self.generators:
             raise WireError("more generators than any answer has")
         self.generators -= 1
@@ -272,7 +275,7 @@ def _key_from_tree(tree: object, rest: _Remainder, depth: int) -> object:
 
 def _array_from_tree(content: list, rest: _Remainder) -> np.ndarray:
     dtype, shape = content
-    # Only the listed types are allowed, because NumPy parses many other strings as types.
+    # Only the listed types are allowed, because NumPy accepts many other strings as dtypes.
     if dtype not in PLAIN_TYPES:
         raise WireError("array of unknown type")
     if not isinstance(shape, list) or not _is_possible_shape(shape):
@@ -314,8 +317,8 @@ def _generator_from(content: object) -> np.random.Generator:
 
 
 def _is_possible_shape(shape: Sequence[int]) -> bool:
-    # Each length is checked, because an array with a length of 0 has no data and could state any
-    # other lengths.
+    # Each length is checked, because an array with a length of 0 has no data, so its other lengths
+    # could be arbitrarily large.
     return len(shape) <= MAXIMUM_DIMENSIONS and all(
         type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
     )
@@ -329,7 +332,7 @@ def _is_within_limits(tree: bytes) -> bool:
     commas, brackets = tree.count(b","), tree.count(b"[") + tree.count(b"{")
     if commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS:
         return True
-    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # strings are values
+    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # each string is a value
         return False
     for text in _TEXT.finditer(tree):
         begin, end = text.span()

@@ -1,8 +1,8 @@
 """The process in which a student's code runs.
 
 The process reads its limits and the notebook's code cells, and answers calls until the pipe closes.
-It does not know any expected answer, score or secret. Student code can make it send anything, but
-the judge treats every reply as an answer and decides whether it is right.
+It does not contain any expected answer, score or secret. Student code can make it send anything,
+but the judge treats every reply as an answer and decides whether it is right.
 
 `grader.sandbox` runs the process inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
@@ -41,14 +41,14 @@ MOST_PLACES = 8
 # Limits on the data sent along with an attribute. They are large enough for a tree of small nodes.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
-# Names that are undefined because an import was refused, each with the refused module.
+# Names that are undefined because an import was refused, mapped to the refused module.
 _REFUSED: dict[str, str] = {}
-# Names that are undefined because a module is missing, each with Python's message.
+# Names that are undefined because a module is missing, mapped to Python's message.
 _ABSENT: dict[str, str] = {}
 
 
 def main(read_end: int, write_end: int) -> None:
-    """Serve one notebook."""
+    """Run one notebook and answer the judge's requests."""
     rules = wire.receive(read_end)
     prefer_for_oom_kill()
     change_user(rules["user"])
@@ -67,7 +67,7 @@ def main(read_end: int, write_end: int) -> None:
     statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
     # No student code has run yet, so these facts about the source can be trusted. An answer may be
-    # a method of a class that the student wrote.
+    # a method of a redefined class, so the parts of an answer include all redefined names.
     uses = {
         name: used_by((name, *redefined), start["names"], statements) for name in start["names"]
     }
@@ -200,7 +200,7 @@ def add_missing_methods(redefined: Iterable[str], source: str, namespace: dict) 
     if not redefined:
         return
     lessons = {}
-    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name is not a class
+    with contextlib.suppress(BaseException):  # a metaclass may raise, or a name may not be a class
         for statement in slicing.parse_notebook([source])[0]:
             exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
         for name in redefined:
@@ -215,8 +215,8 @@ def without_forbidden(
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Remove forbidden imports; also return a sentence for each cell that contains one.
 
-    The names that such an import binds are recorded in `_REFUSED`, for the message when one of
-    them is used. An import inside another statement becomes a statement that raises an error.
+    The names that such an import binds are recorded in `_REFUSED`, for the message if one of them
+    is used. An import inside another statement becomes a statement that raises an error.
     """
     kept, sentences = [], {}
     for statement in statements:
@@ -375,7 +375,7 @@ class TookTooLong(BaseException):
 def interrupted_after(seconds: float | None) -> Iterator[None]:
     """Raise `TookTooLong` after some seconds of processor time.
 
-    After that, the judge can continue to use the process. Code that catches the exception is
+    The judge can continue to use the process afterwards. Code that catches the exception is
     interrupted again. Code that sleeps does not use processor time, so only the judge's own limit
     ends it.
     """
@@ -473,7 +473,7 @@ def reply(write_end: int, number: int, content: dict) -> None:
                 },
             },
         )
-    except Exception as error:  # a student's object may raise when it is read or converted
+    except Exception as error:  # a student's object may raise when it is encoded
         wire.send(write_end, {"id": number, "error": describe(error)})
 
 
@@ -511,7 +511,7 @@ def describe(error: BaseException) -> dict:
 
 
 def serve(read_end: int, write_end: int) -> None:
-    """Serve one notebook with standard input, output and error connected to the null device."""
+    """Call `main` with standard input, output and error connected to the null device."""
     silence = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
         os.dup2(silence, standard)

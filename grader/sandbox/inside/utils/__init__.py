@@ -26,7 +26,7 @@ _REAL = tuple(f"utils.{name}." for name in ("in_sandbox", "notebooks", *in_sandb
 
 
 class StandIn:
-    """A stand-in that has every attribute and can be called, entered and iterated."""
+    """An object that has every attribute and can be called, entered and iterated."""
 
     def __getattr__(self, name: str) -> StandIn:
         if name.startswith("__"):
@@ -79,7 +79,7 @@ def _stand_in(name: str) -> StandIn:
 
 
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
-    """Raise an error, because the sandbox has only one notebook."""
+    """Raise an error, because the sandbox contains only one notebook."""
     raise FileNotFoundError(
         f"There is no notebook {str(name)!r} here. The judge sees only one notebook, so "
         "paste the functions that it needs into that notebook."
