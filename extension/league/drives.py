@@ -41,7 +41,7 @@ DETECTOR = "detect_obstacles"
 SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MOST_BOXES = 300
-"""Maximum number of boxes in a scan. One for every square metre in front of the car is fewer."""
+"""Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
 MOST_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
 FARTHEST = 1000.0
