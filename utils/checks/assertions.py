@@ -4,8 +4,8 @@ Each assertion compares an answer with the expected one. Its failure says what d
 and can draw the difference. Answers are accepted in any reasonable form: lists instead of arrays,
 float32, or other labels for the same clusters.
 
-Checks write out `utils.plots` instead of importing names from it, so that it is loaded only when
-the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
+Checks refer to `utils.plots` by its full name instead of importing names from it. It is then loaded
+only when the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
 """
 
 import contextlib
@@ -69,12 +69,12 @@ def table(text: str) -> np.ndarray:
 
 
 def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return points and a mask of those with a plus, from a text such as ``"8 8 -; 6.5 6.5 +"``.
+    """Parse a text such as ``"8 8 -; 6.5 6.5 +"`` into points and a mask.
 
     Parameters
     ----------
     text : str
-        Rows of numbers, each with a plus or a minus at its end.
+        Rows of numbers, each followed by a plus (True in the mask) or a minus (False).
     last : float
         Numbers that are appended to every row.
     """
@@ -107,20 +107,20 @@ def point_text(point: ArrayLike, digits: int = 2) -> str:
     point : array_like, shape (2,), (3,) or (4,)
         A fourth number is ignored.
     digits : int
-        Digits after the point.
+        Number of decimal places.
     """
     return "(" + ", ".join(f"{value:.{digits}f}" for value in point[:3]) + ")"
 
 
 def points_text(points: np.ndarray, digits: int = 2) -> str:
-    """Return points as text, (x, y, z), (x, y, z), rounded to the centimetre.
+    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)", rounded to the centimetre.
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is ignored.
     digits : int
-        Digits after the point.
+        Number of decimal places.
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], digits) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -143,7 +143,7 @@ def distinct_texts(
     Parameters
     ----------
     show : callable
-        Takes a value and the number of digits after the point; returns a text.
+        Takes a value and the number of decimal places; returns a text.
     yours, expected : object
     """
     for digits in range(2, 8):
@@ -225,7 +225,7 @@ def as_array(
 
 
 def _is_result_of_where(answer: object) -> bool:
-    """Return whether an answer is a tuple with one array of row numbers, as from `np.where`."""
+    """Return whether an answer is a tuple with one array of row numbers, as `np.where` returns."""
     if not (isinstance(answer, tuple) and len(answer) == 1 and isinstance(answer[0], np.ndarray)):
         return False
     return answer[0].ndim == 1 and answer[0].dtype.kind == "i"
@@ -251,7 +251,7 @@ def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
 def in_shape(
     yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
 ) -> np.ndarray:
-    """Return an answer in the expected shape, or explain which common slip gives another shape.
+    """Return an answer in the expected shape, or raise an error that explains a common slip.
 
     If no rows are expected, any array without rows is accepted.
 
@@ -488,7 +488,8 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     from scipy.spatial import cKDTree
 
     distances, partners = cKDTree(expected).query(yours)
-    partners = np.minimum(partners, len(expected) - 1)  # the tree gives n if the distance overflows
+    # cKDTree returns the index n if the distance overflows.
+    partners = np.minimum(partners, len(expected) - 1)
     extra = np.flatnonzero(distances > TOLERANCE)
     if len(extra):
         row, partner = yours[extra[0]], expected[partners[extra[0]]]
@@ -616,9 +617,9 @@ def assert_close(
 
 
 def observe(function: Callable, *arguments: object) -> Observed:
-    """Call a function on copies of its arguments; return the result and the arguments after it.
+    """Call a function on copies of its arguments; return its result and these copies.
 
-    In the judge, the function is in the sandbox, and the call is observed there.
+    In the judge, the function runs in the sandbox, and the call is observed there.
     """
     if isinstance(function, Remote):
         return function.observe(*arguments)
@@ -705,7 +706,7 @@ def assert_new_array(function: Callable, *arguments: object) -> None:
 def _unchanged(before: object, after: object) -> bool:
     """Return whether two values are equal; the second is untrusted and may be of any type."""
     if isinstance(before, np.random.Generator):
-        return True  # drawing from a generator changes its state, and is allowed
+        return True  # a function may draw from a generator, which changes its state
     if isinstance(before, (list, tuple)):
         return (
             type(before) is type(after)

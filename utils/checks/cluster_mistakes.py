@@ -14,11 +14,11 @@ from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 
 # Directions of lines along which a distance in the plane, or along one axis, differs from the
-# distance in space. The axes change places from one direction to the next.
+# distance in space. The coordinates rotate from one direction to the next.
 _DIRECTIONS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
 
 
-# Gaps as multiples of the threshold. Each measure along one or two axes closes other gaps.
+# Gaps as multiples of the threshold. Each measure along one or two axes closes different gaps.
 _TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 

@@ -59,7 +59,7 @@ def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
 
 
 def _inside(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes inside a node, without those of functions and classes defined in it."""
+    """Yield the nodes inside a node, but not those of functions and classes defined in it."""
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
             yield child

@@ -81,7 +81,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
-            case.precondition(function)  # stray points are not to blame if this fails as well
+            case.precondition(function)  # if this also fails, stray points are not the cause
             raise
 
 

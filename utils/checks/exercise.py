@@ -50,8 +50,8 @@ PROMISES = {
 class Exercise:
     """The visible checks of one exercise.
 
-    Creating an exercise declares its first check, the plain case. While it fails, all other checks
-    wait.
+    Creating an exercise declares its first check, the plain case. All other checks wait until the
+    plain case passes.
 
     Parameters
     ----------

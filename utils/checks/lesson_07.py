@@ -858,8 +858,9 @@ mistakes(
     Mistake(
         "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, low, high: cloud,
-        "A point is inside if both comparisons are true, so combine them with &. With | one is "
-        "enough, and one of them is always true. Then index with the mask: cloud[inside].",
+        "A point is inside if both comparisons are true, so combine them with &. With |, one true "
+        "comparison is enough, and one of them is always true. Then index with the mask: "
+        "cloud[inside].",
         is_cheap=True,
     ),
     cases=_BOXES,

@@ -253,7 +253,7 @@ def finds_leaning_directions(principal_axes: Callable) -> None:
 
 
 def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
-    """Return the row whose sign alone is wrong, or None."""
+    """Return the row in which only the signs are wrong, or None."""
     for row in range(3):
         mirror = np.where(np.arange(3) == row, -1.0, 1.0)[:, None]
         with contextlib.suppress(CheckFailed):
@@ -347,7 +347,7 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
         points = cloud[near & (truth["objects"] == label)]
         if kind not in ("car", "truck") or len(points) < 100:
             continue
-        # At most 250 points each, so that a function which builds an n x n matrix is not slow.
+        # Keep at most 250 points, so that a function that builds an n x n matrix is not slow.
         points = points[:: -(-len(points) // 250)]
         _, spread, rows = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
         if (spread[1:] < 0.9 * spread[:-1]).all():
@@ -702,7 +702,7 @@ def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_block_text(size, heading)}, that leans by 5 cm per metre"
+        given = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
         assert_headings(answer, points, labels, (heading,), given)
 
 
@@ -811,7 +811,7 @@ def _box_parameters(box: np.ndarray) -> tuple[np.ndarray, float, float, float, f
 
 
 def _enclosing_sides(box: np.ndarray, degrees: float) -> tuple[float, float]:
-    """Return the sides of the smallest rectangle around a box that is turned relative to it."""
+    """Return the sides of the smallest rectangle around a box, turned by `degrees` from it."""
     _, length, width, _, heading = _box_parameters(box)
     cosine, sine = np.abs([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     return length * cosine + width * sine, length * sine + width * cosine
@@ -823,7 +823,7 @@ def _axis_aligned(box: np.ndarray) -> np.ndarray:
 
 
 def _degrees_as_radians(box: np.ndarray) -> np.ndarray:
-    """Return the box if its heading, in whole degrees from 0 to 89, is taken for radians."""
+    """Return the box if its heading, in whole degrees from 0 to 89, is mistaken for radians."""
     centre, _, _, height, heading = _box_parameters(box)
     yaw = np.degrees(np.round(heading) % 90)
     return _make_box(centre, *_enclosing_sides(box, yaw - heading), height, yaw)
@@ -939,7 +939,7 @@ mistakes(
         "np.argmin finds the position of the smallest area, np.argmax that of the largest.",
     ),
     Mistake(
-        "A number of degrees, or the index of the smallest area, is taken for an angle in radians.",
+        "A number of degrees, or the index of the smallest area, is used as an angle in radians.",
         _change_each(_degrees_as_radians),
         "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),

@@ -45,7 +45,7 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     TooLarge
         If the answer exceeds a limit.
     NotNumbers
-        If the answer is anything else.
+        If the answer is not an array of numbers or a list of them.
     """
     if not isinstance(answer, np.ndarray):
         _assert_plain_numbers(answer, most)
@@ -71,7 +71,7 @@ def short_text(value: object) -> str:
 
 
 class _Short(reprlib.Repr):
-    """Also shorten arrays, sets, dictionaries and huge numbers inside a list."""
+    """A `reprlib.Repr` that also shortens arrays, sets, dictionaries and huge numbers in a list."""
 
     def repr_int(self, value: int, level: int) -> str:
         return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."

@@ -269,7 +269,7 @@ def searches_deep_trees(KdTree: Callable) -> None:
 
 
 class _Split(NamedTuple):
-    """A node on the path to another node, as a search sees it.
+    """A node on the path to another node, compared with the box around the target.
 
     Attributes
     ----------
@@ -348,8 +348,8 @@ def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, toleran
     return right & found
 
 
-# Two different slips make a search follow a single path: an `else`, and an end at the first missing
-# child if the search visits the newest entry of its list first.
+# Two different slips make a search follow a single path: an `else`, or stopping at the first
+# missing child in a search that visits the newest entry of its list first.
 _ONE_PATH = (
     "Write two ifs, one for each child, without `else` or `elif`. If a node is None, `continue` "
     "with the next one: `break` and `return` end the whole search."
@@ -505,7 +505,7 @@ mistakes(
         "Take the square root of the sum of squares, or use math.dist.",
     ),
     Mistake(
-        "A single coordinate, the one of the split, decides whether a point is near.",
+        "A single coordinate, along the axis of the split, decides whether a point is near.",
         _judged_by(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),

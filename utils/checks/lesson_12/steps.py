@@ -286,8 +286,8 @@ def places_boxes_between(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Returns the found box, moved as a whole",
-    why="The size and heading of the found box were measured just now. The expected box has old "
-    "ones.",
+    why="The size and heading of the found box were measured just now. The expected box has an "
+    "old size and heading.",
     hint="Move all corners of found back by the same part of off: found - (1 - gain) * off[:, "
     "None].",
 )
@@ -570,7 +570,7 @@ def _counted_by(count: Callable) -> Callable:
 
 
 def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:
-    """Count with -1 used as an index, which means the last track."""
+    """Return the counts if -1 is used as an index, which means the last track."""
     counts = missed + 1
     counts[partners] = 0
     return counts
