@@ -28,7 +28,7 @@ TOLERANCE = 1e-3
 
 @contextlib.contextmanager
 def needs(basic: str) -> Iterator[None]:
-    """Turn failures in the context into `NotYet`, because a precondition is not met.
+    """Raise `NotYet` instead of the failures of a precondition, which the context tests.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def brief(value: object) -> str:
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
-        # NumPy shows the corners of an array, and each dimension doubles their number.
+        # Flatten many dimensions: NumPy shows the corners, and each dimension doubles their number.
         shown = value if value.ndim <= 3 else value.reshape(-1)
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"

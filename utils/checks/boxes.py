@@ -22,10 +22,11 @@ from utils.checks.assertions import (
 )
 from utils.checks.failures import fixed
 
-# Metres by which a point may be outside its box: more than rounding, less than a scanner resolves.
+# Metres by which a point may be outside its box: more than rounding errors, less than the
+# resolution of a scanner.
 _SLACK = 2 * TOLERANCE
-# A box is loose if its area exceeds this multiple of the smallest one. On the visible sides of a
-# car, a box along the principal axes is larger than the smallest box, but below this limit.
+# A box is loose if its area exceeds this multiple of the smallest box's area. On the visible sides
+# of a car, a box along the principal axes is larger than the smallest box, but below this limit.
 LOOSE = 1.5
 # Largest accepted angle in degrees between the sides of a box and those of its block. An answer
 # that tries headings in steps of 5° must pass.
@@ -150,7 +151,7 @@ def _corner_failure(
         _draw(points, mine, right, [place], view, "The circle should contain a corner of your box")
 
     if is_axis_aligned:
-        # Choose a corner at the wrong end, because the answer may have the corners at the other.
+        # Choose a corner at the wrong end, because the corners at the other end may be right.
         end = np.abs(ends[0] - ends[1])[:, axis].argmax()
         place = right[np.isclose(right[:, axis], ends[1][end, axis])][0]
         letter, given = "xyz"[axis], None

@@ -77,7 +77,7 @@ def cut_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
 
 
 def measured_by(measure: Callable) -> Callable:
-    """Return the prediction of a function that measures the gaps in a certain way.
+    """Return the prediction for a function that measures the gaps with `measure`.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def measured_by(measure: Callable) -> Callable:
 
 
 def length(steps: np.ndarray) -> np.ndarray:
-    """Return the length of each step over all its columns; shape (n,)."""
+    """Return the length of each step, computed from all its columns; shape (n,)."""
     return np.linalg.norm(steps, axis=1)
 
 

@@ -69,9 +69,9 @@ GROUPS, LABELS = frozen(_three_groups())
 
 @once
 def assert_works(euclidean_clustering: Callable) -> None:
-    """Require that the function clusters at all; otherwise raise `NotYet`.
+    """Assert that the function finds the simplest clusters; raise `NotYet` if not.
 
-    It must separate groups that are far apart, and join a row of neighbours.
+    The function must separate groups that are far apart, and join a row of neighbours.
     """
     with needs("groups of points that are far apart are separate clusters"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)

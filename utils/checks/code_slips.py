@@ -43,8 +43,8 @@ def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
     ----------
     function : callable
     returned_none : bool
-        Whether a check failed because the answer was None. Otherwise the function may print
-        without returning anything, as the `insert` of a tree may.
+        Whether a check failed because the answer was None. Otherwise the function may be one that
+        returns nothing, such as `insert`, and a `print` in it is not a slip.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body

@@ -88,7 +88,7 @@ class Case:
         return self.with_first(self.first[which], expected=self.expected[which])
 
     def answer_of(self, function: Callable) -> object:
-        """Return the answer of a function."""
+        """Call a function with copies of the arguments; return the answer."""
         return function(*self.copies.values())
 
     def assert_right(self, function: Callable) -> None:
@@ -165,7 +165,7 @@ def names(
     title: str = "The parameters keep their names",
     weight: float = 1,
 ) -> None:
-    """Check that the arguments may be passed by name."""
+    """Check that the arguments can be passed by name."""
     hint = f"{_FIRST_LINE}."
 
     @promise("names", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -230,7 +230,7 @@ def untouched(
         except (CheckFailed, TimeUp):
             raise
         except own:
-            return  # other checks test whether it accepts four columns or a label 0
+            return  # other checks test whether the function accepts four columns or the label 0
 
 
 def extended(given: Mapping[str, object]) -> dict[str, object]:

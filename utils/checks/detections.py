@@ -189,7 +189,7 @@ def assert_people_found(answer: object, frame: Frame) -> None:
 
 
 def require_cars_found(answer: object, frame: Frame) -> None:
-    """Assert that the clear cars are found, because other checks pass without any boxes.
+    """Assert that the clear cars are found; without boxes, other checks would pass by mistake.
 
     Raises
     ------
@@ -427,7 +427,7 @@ def _rectangle(box: np.ndarray) -> np.ndarray:
         return floor
     xy = box[:, :2]
     apart = (xy[:, None] - xy).reshape(-1, 2)
-    # The best rectangle has a side through two corners.
+    # The smallest rectangle has a side through two of the corners.
     angle = np.arctan2(apart[:, 1], apart[:, 0])
     along = np.stack([np.cos(angle), np.sin(angle)])
     across = np.stack([-along[1], along[0]])

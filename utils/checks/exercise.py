@@ -64,7 +64,7 @@ class Exercise:
     expected : object
         The right answer of that call.
     **words : object
-        Title, why, hint and weight of the check, as `utils.checks.core.visible` takes them.
+        Title, why, hint and weight of the check; see `utils.checks.core.visible`.
     """
 
     def __init__(

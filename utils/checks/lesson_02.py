@@ -683,7 +683,7 @@ def assert_mask_matches_line(
             expected="three numbers (a, b, c)",
         )
     distance = distances_from(line, points)
-    # Floats differ in the last digits, so both answers are accepted at the edge of the band.
+    # Rounding errors change the last digits, so both answers are accepted at the edge of the band.
     wrong = (mask != (distance <= tolerance)) & (np.abs(distance - tolerance) > TOLERANCE)
     if not wrong.any():
         return line, mask
@@ -721,9 +721,9 @@ def wall_and_clutter(
     seed : int or sequence of int
         Seed of the random generator that draws the line and the points.
     inliers, others : int
-        Number of points near the line and of points away from it.
+        Number of points near the line, and of points away from it.
     noise : float
-        Largest distance from the line of the points near it, in metres.
+        Largest distance between the line and the points near it, in metres.
 
     Returns
     -------

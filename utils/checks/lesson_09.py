@@ -439,7 +439,7 @@ def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
 
 
 def _renumbered_inside_the_loop(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Decrease all later labels by one, inside the loop, whenever a cluster is removed."""
+    """Predict a loop that decreases all later labels by one whenever it removes a cluster."""
     labels = labels.copy()
     for label in range(1, labels.max() + 1):
         if np.count_nonzero(labels == label) < minimum:
@@ -449,7 +449,7 @@ def _renumbered_inside_the_loop(right: np.ndarray, labels: np.ndarray, minimum: 
 
 
 def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Keep each cluster if the next one is large enough; the last cluster always stays."""
+    """Predict an answer that keeps each cluster if the next one is large enough, and the last."""
     sizes = np.append(np.bincount(labels)[1:], minimum)
     return np.where(sizes[labels] < minimum, 0, labels)
 

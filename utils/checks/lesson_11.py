@@ -91,7 +91,7 @@ def as_axes(answer: object) -> np.ndarray:
 
 
 def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Assert that some column is parallel to each expected axis, whatever its sign and length.
+    """Assert that each expected axis is parallel to some column, whatever its sign and length.
 
     Parameters
     ----------
@@ -332,7 +332,7 @@ def centres_the_points(principal_axes: Callable) -> None:
 
 @functools.cache
 def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
-    """Return name, points and axes of the vehicles in the lesson's street.
+    """Return the name, the points and the axes of each vehicle in the lesson's street.
 
     The points, shape (n, 3), are not centred. The axes, shape (3, 3), are singular vectors in
     columns. A vehicle with two nearly equal spreads is left out, because its axes have no clear
@@ -461,8 +461,8 @@ def returns_an_array(principal_axes: Callable) -> None:
         raise CheckFailed(f"The axes are a {type(answer).__name__}.")
 
 
-# Blocks away from the origin, each of them exactly in the direction of one of its axes. Without
-# centring, that axis becomes the first.
+# Blocks away from the origin, each moved exactly along one of its axes. Without centring, that axis
+# becomes the first.
 _BLOCKS = tuple(
     frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, axis],))
     for sides, degrees, axis in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
@@ -477,7 +477,7 @@ def _right_axes(points: np.ndarray) -> np.ndarray:
 
 
 def _uncentred_axes(right: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the axes, with the axis that points to the mean of the points first."""
+    """Return the axes, beginning with the axis that points to the mean of the points."""
     if not len(points):
         return right
     first = np.abs(points.mean(axis=0) @ right).argmax()
@@ -541,7 +541,7 @@ _LABELS = frozen(np.repeat([1, 2], 64))
 def _street(*headings: float) -> np.ndarray:
     """Return the points of two blocks with these headings in degrees; shape (128, 3).
 
-    `_LABELS` has the labels of the points.
+    `_LABELS` contains the labels of the points.
     """
     blocks = zip(_SIZES, headings, _PLACES, strict=True)
     return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
@@ -796,7 +796,7 @@ def returns_boxes_as_an_array(get_oriented_boxes: Callable) -> None:
 def _make_box(
     centre: np.ndarray, length: float, width: float, height: float, degrees: float
 ) -> np.ndarray:
-    """Return the corners of a turned box, shape (8, 3); its length is from corner 0 to 1."""
+    """Return the corners of a turned box, shape (8, 3); the side from 0 to 1 is its length."""
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
     floor = np.column_stack([signs * [length, width], np.full(4, -height / 2)])
     return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + centre
@@ -936,7 +936,7 @@ mistakes(
         "The boxes are the largest rectangles around their points, not the smallest, so they are "
         "off by 45°.",
         _change_each(_turned_by_45),
-        "np.argmin finds the position of the smallest area, np.argmax that of the largest.",
+        "np.argmin finds the position of the smallest area, np.argmax the position of the largest.",
     ),
     Mistake(
         "A number of degrees, or the index of the smallest area, is used as an angle in radians.",

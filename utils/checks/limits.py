@@ -23,7 +23,7 @@ class TimeUp(Exception):
 
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `TimeUp` in the context after some seconds, and MemoryError before memory runs out.
+    """Raise `TimeUp` in the context after a time limit, and MemoryError before memory runs out.
 
     Only the main thread can be interrupted; other threads have no time limit. If no thread can be
     started, as in a browser, a trace function reads the clock at each line. Loops are then several
@@ -40,7 +40,7 @@ def limited(seconds: float) -> Iterator[None]:
             while not over.wait(wait):
                 timed_out.set()
                 _thread.interrupt_main()
-                wait = 1.0  # interrupt code that catches all exceptions again
+                wait = 1.0  # interrupt again, because the code may catch all exceptions
 
         watch = threading.Thread(target=alarm, daemon=True)
         trace = _clock_tracer(seconds, timed_out)

@@ -107,7 +107,7 @@ def find_line_hint(
 def _lines_that_pass(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> set[int]:
-    """Return the numbers of the lines where an edit makes all checks pass, from a forked copy."""
+    """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
     if not hasattr(os, "fork"):
         return set()
     read_end, write_end = os.pipe()

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre, so that the whole car is within 10 m
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # most metres to the centre, so a whole car is within 10 m
 MANY = {"car": 1500, "pedestrian": 150}  # minimum number of returns, with every second azimuth
-SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
+SQUARE_REACH = 12.0  # in metres, 2 m beyond the farthest corner of a car
 FREE = 1.2  # minimum distance to the nearest other object, in metres
 EGO_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 

@@ -11,7 +11,8 @@ import numpy as np
 MOST_NUMBERS = 1_000_000
 MOST_ROWS = 250_000  # nested lists: a whole scan has 120 000 rows
 MOST_OF_A_POINT = 100
-_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}  # the judge removes digits
+# The limits in words, because the judge removes digits from messages.
+_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}
 MOST_DIMENSIONS = 3
 LARGEST_INTEGER = 2**64
 _NUMBERS = {bool, int, float}

@@ -152,7 +152,7 @@ def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, o
 
 
 def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the names of a module and its submodules in `names`; else of the value's module."""
+    """Yield the names of a module and its submodules in `names`, or of another value's module."""
     waiting, seen = [value], []
     while waiting:
         value = waiting.pop()

@@ -301,7 +301,7 @@ _TIPS = (
     (
         "ValueError",
         r"too many values to unpack \(expected 3",
-        # Only a name, one of its elements or its transpose: a call may return anything.
+        # Match only a name, one of its elements or its transpose: a call may return anything.
         r"(=|\bin)\s*(?=[^=]*(\.T\b|point|cloud|row|\b[pq]\b))[\w.]+(\[[^()]*\])*(\.T)?\s*:?\W*$",
         "There are more than three values on the right. A row of a cloud has four: x, y, z and the "
         "intensity. Use row[:3] or cloud[:, :3].",

@@ -110,7 +110,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
-    for cloud in (points, opposite, _FLOOR):  # leaving out one of few points moves the mean far
+    for cloud in (points, opposite, _FLOOR):  # the mean of few points moves far if one is left out
         assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
@@ -265,7 +265,7 @@ def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
-    """Return the last column of the SVD's third result, which students take for the last row."""
+    """Return the last column of the SVD's third result, which may be confused with the row."""
     return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
 
 

@@ -1,7 +1,7 @@
 """Functions that convert, compare, print and draw planes for the checks of lesson 03.
 
-A plane and its negative are the same plane, so everything here accepts both. Only
-`assert_unit_normal` judges the length of the normal.
+Four numbers and their negatives describe the same plane, so all functions here accept both. Only
+`assert_unit_normal` tests the length of the normal.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def triangle_text(triangle: np.ndarray) -> str:
 
 
 def expected_text(plane: np.ndarray, expected: np.ndarray) -> str:
-    """Return the right plane as text, with the sign whose normal is closer to that of `plane`."""
+    """Return the right plane as text, with the sign that makes it more similar to `plane`."""
     return f"{plane_text(expected if expected[:3] @ plane[:3] >= 0 else -expected)} or its negative"
 
 

@@ -83,7 +83,7 @@ def ramp_with_collinear_points(rng: np.random.Generator) -> tuple[np.ndarray, np
     """Return shuffled points of the ramp z = y / 4 - 3, most of them on one line.
 
     The coordinates are whole numbers, so that computations are exact. More than half of all samples
-    lie on a line and give no plane; all others give this plane.
+    lie on a line and do not define a plane; all others define the plane of the ramp.
 
     Returns
     -------

@@ -29,7 +29,7 @@ from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
 from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
 
-# Distances from the target at which nodes cut, from 8 times down to a tenth of the radius.
+# Distances of the splits from the target, from 8 times the radius down to a tenth of it.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 # Any two of these points are at least a quarter of a metre apart along x and along y.
 _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
@@ -66,7 +66,7 @@ def finds_the_target(KdTree: Callable) -> None:
     "split? Does it reach the split or beyond it?",
 )
 def searches_both_sides(KdTree: Callable) -> None:
-    # The root is far from the target, but its cut is between two neighbours of the target.
+    # The root is far from the target, but its split is between two neighbours of the target.
     root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(build_tree(KdTree, root), root, np.array([x, 0.0]), 1.0)
@@ -357,7 +357,7 @@ _ONE_PATH = (
 
 
 def _judged_by(is_near: Callable) -> Callable:
-    """Return the prediction of a search that uses `is_near` to decide which points are near.
+    """Return the prediction for a search that uses `is_near` to decide which points are near.
 
     `is_near` takes the absolute differences from the target, shape (k,), the tolerance and the
     depth.

@@ -393,7 +393,7 @@ def assert_in_time(
 
 
 def assert_timed_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) -> None:
-    """Assert that the clusters of a timed call are right, and hint at correctness if not.
+    """Assert that the clusters of a timed call are right; if not, say that time is not the problem.
 
     Parameters
     ----------
@@ -575,7 +575,7 @@ def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:
-    """Return the prediction of a mistake that joins neighbours on a line by their cells.
+    """Return the prediction for a function that joins neighbours on a line by their cells.
 
     Parameters
     ----------
@@ -605,7 +605,7 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
 
 
 def _joined_by_rows(uses_points: bool) -> Callable:
-    """Return the prediction of a mistake that confuses cells and points in the cheap step.
+    """Return the prediction for a function that confuses cells and points in the cheap step.
 
     If `uses_points` is true, rows of cells are mistaken for rows of points. Otherwise the distance
     between two cells is counted in cells and compared with metres. In both cases the exact step

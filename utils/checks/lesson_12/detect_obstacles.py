@@ -308,7 +308,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="Lists the four corners of the floor first, or those of the roof",
+    title="Lists the four floor corners first, or the four roof corners",
     why="The score card uses the first four corners as the ground that a box covers.",
 )
 def lists_the_floor_first(detect_obstacles: Callable) -> None:

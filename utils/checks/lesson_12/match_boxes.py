@@ -1,4 +1,4 @@
-"""Visible checks of `match_boxes`; most of them wait until boxes are found after a small move."""
+"""Visible checks of `match_boxes`; most wait until boxes are found again after a small move."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
-# Four boxes, far from each other, that move by half a metre and come in another order.
+# Four boxes, far from each other, that move by half a metre and are then listed in another order.
 _ORDER = frozen(np.array([2, 0, 3, 1]))
 _BEFORE = frozen(cubes([[4, 1], [9, -3], [15, 2], [-6, -4]]))
 _AFTER = frozen(_BEFORE[_ORDER] + [-0.5, 0.1, 0.0])
@@ -229,7 +229,7 @@ def assert_limit_respected(
 
 @once
 def require_matching(match_boxes: Callable) -> None:
-    """Assert that boxes are found after a small move; raise `NotYet` if not."""
+    """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with needs("each box is found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
@@ -458,7 +458,7 @@ def _right_partners(previous: np.ndarray, current: np.ndarray, max_distance: flo
 
 
 def _right_except(**answers: tuple) -> Callable:
-    """Return a prediction with these answers for the named calls, else the right answer."""
+    """Return a prediction: these answers for the named calls, the right answer for all others."""
     by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 

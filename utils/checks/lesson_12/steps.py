@@ -112,9 +112,9 @@ def _assert_moved(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
-    hint="The distance is velocity times time. The shape of velocities is (N, 3), that of boxes "
-    "(N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a box "
-    "alike.",
+    hint="The distance is velocity times time. velocities has the shape (N, 3), and boxes has the "
+    "shape (N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a "
+    "box alike.",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
@@ -219,7 +219,8 @@ def _filtered(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return boxes and velocities corrected by an alpha-beta filter.
 
-    A box is z - (1 - gain) r, where z is the detected box and r its offset from the expected box.
+    A corrected box is z - (1 - gain) r. Here z is the detected box, and r is its offset from the
+    expected box.
     """
     offset = _mean_corners(found) - _mean_corners(expected)
     beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
@@ -559,7 +560,7 @@ def keeps_the_counts_unchanged(coast: Callable) -> None:
 
 
 def _counted_by(count: Callable) -> Callable:
-    """Return a prediction with another rule for the counts, and the tracks that they keep."""
+    """Return a prediction with another rule for the counts, which decide which tracks stay."""
 
     def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
         has_box = np.isin(np.arange(len(missed)), partners)

@@ -39,7 +39,7 @@ _ROWS = frozen(
     )
 )
 _CELLS = 1, 4, 5, 8
-# Distances above and below that of the closest pair. Their squares are the limits.
+# One distance above and one below the distance of the closest pair. Their squares are the limits.
 _ABOVE, _BELOW = 0.6, 0.45
 
 

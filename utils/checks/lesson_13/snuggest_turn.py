@@ -152,7 +152,7 @@ def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
 
 
 def _minimises(measure: Callable) -> Callable:
-    """Return the prediction of the angle at which another measure is smallest."""
+    """Return a function that predicts the angle at which another measure is smallest."""
     return lambda right, points: int(measure(points).argmin())
 
 
