@@ -169,7 +169,7 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
 
 
 def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
-    """Assert that hardly any box contains only road or nothing."""
+    """Assert that at most `_MOST_GHOSTS` boxes contain mostly road or nothing at all."""
     boxes = as_boxes(answer)
     ghosts = [box for box in boxes if not _contains_obstacle(box, frame)]
     if len(ghosts) > _MOST_GHOSTS:

@@ -31,7 +31,7 @@ NOISE_MESSAGE = fixed("Points with label 0 belong to no cluster and must keep th
 def assert_right_clusters_left(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
-    """Assert that the right clusters are left, each with a different label, old or new.
+    """Assert that the right clusters are left and have different labels, which may be new.
 
     Parameters
     ----------

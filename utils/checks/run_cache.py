@@ -49,7 +49,7 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
             except FarTooMuch:  # the judge counts each answer that is too large
                 raise
             except CheckFailed as failure:
-                cache[key] = failure.with_traceback(None)  # its frames refer to the answer
+                cache[key] = failure.with_traceback(None)  # a traceback keeps the answer alive
             else:
                 cache[key] = None
         if cache[key] is not None:

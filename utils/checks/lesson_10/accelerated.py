@@ -423,7 +423,7 @@ def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return two heaps of n points in cubes of 0.1 m, `gap` metres apart, and their labels."""
+    """Return two heaps `gap` metres apart, each of n points in a cube of 0.1 m, and the labels."""
     rng = np.random.default_rng(3)
     heaps = rng.uniform(0, 0.1, (2, n, 3))
     heaps[1, :, 0] += 0.1 + gap
@@ -675,8 +675,8 @@ mistakes(
     _NAME,
     *distance_mistakes(),
     Mistake(
-        "The side of a cell is the threshold, so two points in one cell may be 1.7 thresholds "
-        "apart.",
+        "The side of a cell is the threshold, so two points in one cell may be 1.7 times the "
+        "threshold apart.",
         _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "The side is threshold / sqrt(3), which makes the diagonal equal to the threshold.",
     ),

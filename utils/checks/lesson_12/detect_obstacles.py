@@ -109,7 +109,10 @@ def avoids_ghosts(detect_obstacles: Callable) -> None:
 
 
 def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
-    """Assert that the objects of a kind on a climbing road are found, if simple cars are found."""
+    """Assert that the objects of a kind on a climbing road are in boxes.
+
+    Raise `NotYet` if even the cars in an ordinary street are not found.
+    """
     require_cars_found_in_frame(detect_obstacles, street_before())
     frame = climb(CLIMB_SEED)
     assert_kind_contained(detected(detect_obstacles, frame), kind, frame)

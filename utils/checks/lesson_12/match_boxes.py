@@ -412,7 +412,7 @@ common_checks.untouched(
     _MOVED_CASE,
     "keeps_the_boxes_unchanged",
     why="The boxes of this frame are the previous boxes of the next frame.",
-    hint="Write infinity into your own table of distances, and nothing into the boxes.",
+    hint="Write infinity into your own table of distances. Do not write into the boxes.",
 )
 
 

@@ -154,7 +154,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
 
 @visible(
     "predict_boxes",
-    title="Does not change boxes and velocities",
+    title="Does not change boxes or velocities",
     why="A later cell draws the boxes of the previous frame.",
     hint="boxes + ... creates new boxes. boxes += ... changes the input.",
 )
