@@ -70,7 +70,7 @@ def test_check_explains_an_exception(capsys):
     with pytest.raises(ChecksFailed):
         check(filter_ground)
     shown = capsys.readouterr().out
-    assert "A mask fits the array" in shown
+    assert "Use a mask only on the array" in shown
     assert "return cloud[np.ones(len(cloud) + 1, dtype=bool)]" in shown, "the line is named"
     assert shown.count("boolean index did not match") == 1, "one cause is explained once"
     assert "Hint" not in shown, "the hints about rows do not apply"
@@ -298,7 +298,7 @@ def test_messages_name_the_expected_labels_and_arrays():
 @pytest.mark.parametrize(
     "provoke, word",
     [
-        (lambda: CLOUD[np.ones(2, dtype=bool)], "A mask fits"),
+        (lambda: CLOUD[np.ones(2, dtype=bool)], "Use a mask only"),
         (lambda: CLOUD[(CLOUD > 0).all(axis=0)], "axis=1"),
         (lambda: np.arange(5)[np.ones(4, dtype=bool)], "one value for each column"),
         (lambda: linear_sum_assignment(np.full((2, 1), np.inf)), "a huge number"),

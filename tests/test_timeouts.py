@@ -70,7 +70,7 @@ def line_of(text):
             "Which line of the loop makes `queue.any()` false?",
         ),
         (no_way_out, "while True:", "Does the loop ever reach its `break` or `return`?"),
-        (list_that_grows, "for row in queue:", "Does the loop add items to what it goes through"),
+        (list_that_grows, "for row in queue:", "Does the loop add items to the list it runs over"),
     ],
 )
 def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch):

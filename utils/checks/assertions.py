@@ -4,8 +4,8 @@ Each assertion compares an answer with the expected one. Its failure says what d
 and can draw the difference. Answers are accepted in any reasonable form: lists instead of arrays,
 float32, or other labels for the same clusters.
 
-Checks write out `utils.plots` instead of importing names from it, so that it is loaded only when
-the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
+Checks refer to `utils.plots` by its full name instead of importing names from it. It is then loaded
+only when the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ TOLERANCE = 1e-3
 
 @contextlib.contextmanager
 def needs(basic: str) -> Iterator[None]:
-    """Turn failures in the context into `NotYet`, because a precondition is not met.
+    """Raise `NotYet` instead of the failures of a precondition, which the context tests.
 
     Parameters
     ----------
@@ -69,12 +69,12 @@ def table(text: str) -> np.ndarray:
 
 
 def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return points and a mask of those with a plus, from a text such as ``"8 8 -; 6.5 6.5 +"``.
+    """Parse a text such as ``"8 8 -; 6.5 6.5 +"`` into points and a mask.
 
     Parameters
     ----------
     text : str
-        Rows of numbers, each with a plus or a minus at its end.
+        Rows of numbers, each followed by a plus (True in the mask) or a minus (False).
     last : float
         Numbers that are appended to every row.
     """
@@ -90,7 +90,7 @@ def brief(value: object) -> str:
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
-        # NumPy shows the corners of an array, and each dimension doubles their number.
+        # Flatten many dimensions: NumPy shows the corners, and each dimension doubles their number.
         shown = value if value.ndim <= 3 else value.reshape(-1)
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
@@ -107,20 +107,20 @@ def point_text(point: ArrayLike, digits: int = 2) -> str:
     point : array_like, shape (2,), (3,) or (4,)
         A fourth number is ignored.
     digits : int
-        Digits after the point.
+        Number of decimal places.
     """
     return "(" + ", ".join(f"{value:.{digits}f}" for value in point[:3]) + ")"
 
 
 def points_text(points: np.ndarray, digits: int = 2) -> str:
-    """Return points as text, (x, y, z), (x, y, z), rounded to the centimetre.
+    """Return points as text, such as "(1, 2, 0), (3, 4.5, 0)", rounded to the centimetre.
 
     Parameters
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is ignored.
     digits : int
-        Digits after the point.
+        Number of decimal places.
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], digits) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -153,7 +153,7 @@ def distinct_texts(
     Parameters
     ----------
     show : callable
-        Takes a value and the number of digits after the point; returns a text.
+        Takes a value and the number of decimal places; returns a text.
     yours, expected : object
     """
     for digits in range(2, 8):
@@ -237,7 +237,7 @@ def as_array(
 
 
 def _is_result_of_where(answer: object) -> bool:
-    """Return whether an answer is a tuple with one array of row numbers, as from `np.where`."""
+    """Return whether an answer is a tuple with one array of row numbers, as `np.where` returns."""
     if not (isinstance(answer, tuple) and len(answer) == 1 and isinstance(answer[0], np.ndarray)):
         return False
     return answer[0].ndim == 1 and answer[0].dtype.kind == "i"
@@ -263,7 +263,7 @@ def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
 def in_shape(
     yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
 ) -> np.ndarray:
-    """Return an answer in the expected shape, or explain which common slip gives another shape.
+    """Return an answer in the expected shape, or raise an error that explains a common slip.
 
     If no rows are expected, any array without rows is accepted.
 
@@ -500,7 +500,8 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     from scipy.spatial import cKDTree
 
     distances, partners = cKDTree(expected).query(yours)
-    partners = np.minimum(partners, len(expected) - 1)  # the tree gives n if the distance overflows
+    # cKDTree returns the index n if the distance overflows.
+    partners = np.minimum(partners, len(expected) - 1)
     extra = np.flatnonzero(distances > TOLERANCE)
     if len(extra):
         row, partner = yours[extra[0]], expected[partners[extra[0]]]
@@ -628,9 +629,9 @@ def assert_close(
 
 
 def observe(function: Callable, *arguments: object) -> Observed:
-    """Call a function on copies of its arguments; return the result and the arguments after it.
+    """Call a function on copies of its arguments; return its result and these copies.
 
-    In the judge, the function is in the sandbox, and the call is observed there.
+    In the judge, the function runs in the sandbox, and the call is observed there.
     """
     if isinstance(function, Remote):
         return function.observe(*arguments)
@@ -717,7 +718,7 @@ def assert_new_array(function: Callable, *arguments: object) -> None:
 def _unchanged(before: object, after: object) -> bool:
     """Return whether two values are equal; the second is untrusted and may be of any type."""
     if isinstance(before, np.random.Generator):
-        return True  # drawing from a generator changes its state, and is allowed
+        return True  # a function may draw from a generator, which changes its state
     if isinstance(before, (list, tuple)):
         return (
             type(before) is type(after)

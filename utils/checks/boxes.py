@@ -22,10 +22,11 @@ from utils.checks.assertions import (
 )
 from utils.checks.failures import fixed
 
-# Metres by which a point may be outside its box: more than rounding, less than a scanner resolves.
+# Metres by which a point may be outside its box: more than rounding errors, less than the
+# resolution of a scanner.
 _SLACK = 2 * TOLERANCE
-# A box is loose if its area exceeds this multiple of the smallest one. On the visible sides of a
-# car, a box along the principal axes is larger than the smallest box, but below this limit.
+# A box is loose if its area exceeds this multiple of the smallest box's area. On the visible sides
+# of a car, a box along the principal axes is larger than the smallest box, but below this limit.
 LOOSE = 1.5
 # Largest accepted angle in degrees between the sides of a box and those of its block. An answer
 # that tries headings in steps of 5° must pass.
@@ -50,7 +51,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     boxes = as_array(answer, what="an array of boxes")
     sides = {"yours": f"shape {boxes.shape}", "expected": f"shape ({count}, 8, 3)"}
     if count == 0 and boxes.size == 0 and boxes.shape != (0, 8, 3):
-        raise CheckFailed("Even without boxes, make sure that the array keeps its form.", **sides)
+        raise CheckFailed("Even an array without boxes must have the usual shape.", **sides)
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise WrongForm(_wrong_shape(boxes.shape), **sides)
     if len(boxes) != count:
@@ -150,7 +151,7 @@ def _corner_failure(
         _draw(points, mine, right, [place], view, "The circle should contain a corner of your box")
 
     if is_axis_aligned:
-        # Choose a corner at the wrong end: at the other end, the answer may have a corner.
+        # Choose a corner at the wrong end, because the corners at the other end may be right.
         end = np.abs(ends[0] - ends[1])[:, axis].argmax()
         place = right[np.isclose(right[:, axis], ends[1][end, axis])][0]
         letter, given = "xyz"[axis], None
@@ -222,7 +223,7 @@ def assert_holds(
     """Assert that, seen from above, each box contains all points of its cluster.
 
     A tight box, at any heading, covers less than the square of the diagonal of the points'
-    bounding rectangle. Much larger boxes fail, as they would contain anything.
+    bounding rectangle. Much larger boxes fail, because they would contain anything.
 
     Parameters
     ----------
@@ -359,7 +360,7 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
 
 
 def _deviation_from_rectangle(corners: np.ndarray) -> float:
-    """Return the deviation of four corners (4, 2) in cyclic order from a rectangle, in metres."""
+    """Return by how many metres four corners (4, 2) in cyclic order deviate from a rectangle."""
     # For so few numbers, plain Python is several times as fast as NumPy.
     first, second, third, fourth = corners.tolist()
     sums = zip(first, third, second, fourth, strict=True)

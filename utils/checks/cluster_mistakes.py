@@ -14,11 +14,11 @@ from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 
 # Directions of lines along which a distance in the plane, or along one axis, differs from the
-# distance in space. The axes change places from one direction to the next.
+# distance in space. The coordinates rotate from one direction to the next.
 _DIRECTIONS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
 
 
-# Gaps as multiples of the threshold. Each measure along one or two axes closes other gaps.
+# Gaps as multiples of the threshold. Each measure along one or two axes closes different gaps.
 _TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 
@@ -77,7 +77,7 @@ def cut_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
 
 
 def measured_by(measure: Callable) -> Callable:
-    """Return the prediction of a function that measures the gaps in a certain way.
+    """Return the prediction for a function that measures the gaps with `measure`.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def measured_by(measure: Callable) -> Callable:
 
 
 def length(steps: np.ndarray) -> np.ndarray:
-    """Return the length of each step over all its columns; shape (n,)."""
+    """Return the length of each step, computed from all its columns; shape (n,)."""
     return np.linalg.norm(steps, axis=1)
 
 

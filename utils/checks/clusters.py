@@ -19,7 +19,7 @@ from utils.checks.assertions import (
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
-# The search for a wrong pair of points takes n² distances, so larger clouds are not searched.
+# The search for a wrong pair of points computes n² distances, so larger clouds are not searched.
 _MOST_COMPARED = 1000
 
 
@@ -62,16 +62,16 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
     return np.vstack(groups)[order], in_order(np.repeat([1, 2, 3], [4, 3, 3])[order])
 
 
-# Groups so dense and so far apart that even a function with a mistake about chains, cells or units
-# finds them.
+# These groups are so dense and so far apart that a function finds them even if it handles chains,
+# cells or units wrongly.
 GROUPS, LABELS = frozen(_three_groups())
 
 
 @once
 def assert_works(euclidean_clustering: Callable) -> None:
-    """Require that the function clusters at all; otherwise raise `NotYet`.
+    """Assert that the function finds the simplest clusters; raise `NotYet` if not.
 
-    It must separate groups that are far apart, and join a row of neighbours.
+    The function must separate groups that are far apart, and join a row of neighbours.
     """
     with needs("groups of points that are far apart are separate clusters"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
@@ -83,7 +83,7 @@ def assert_works(euclidean_clustering: Callable) -> None:
 def assert_clusters(
     answer: object, expected: np.ndarray, cloud: np.ndarray, threshold: float
 ) -> None:
-    """Assert that the points are grouped as `expected`; a failure names a pair of points.
+    """Assert that the points are grouped as in `expected`; a failure names a pair of points.
 
     Parameters
     ----------

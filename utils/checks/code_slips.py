@@ -43,8 +43,8 @@ def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
     ----------
     function : callable
     returned_none : bool
-        Whether a check failed because the answer was None. Otherwise the function may print
-        without returning anything, as the `insert` of a tree may.
+        Whether a check failed because the answer was None. Otherwise the function may be one that
+        returns nothing, such as `insert`, and a `print` in it is not a slip.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body
@@ -59,7 +59,7 @@ def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
 
 
 def _inside(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes inside a node, without those of functions and classes defined in it."""
+    """Yield the nodes inside a node, but not those of functions and classes defined in it."""
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
             yield child

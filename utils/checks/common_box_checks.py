@@ -20,7 +20,7 @@ _STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
 
 
 def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:
-    """Check labels with gaps; `labels` replace the labels 1, 2, ... of the case."""
+    """Check the boxes of labels with gaps; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
         "gaps",
@@ -81,7 +81,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
         try:
             replace(case, given=given).assert_right(function)
         except Exception:
-            case.precondition(function)  # stray points are not to blame if this fails as well
+            case.precondition(function)  # if this also fails, stray points are not the cause
             raise
 
 

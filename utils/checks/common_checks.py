@@ -31,7 +31,7 @@ _FIRST_LINE = "Keep the first line of the function as it was given"
 
 
 def _no_precondition(function: Callable) -> None:
-    """Require nothing of the function."""
+    """Accept any function."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +84,11 @@ class Case:
         return replace(self, given={**self.given, name: first}, **more)
 
     def with_rows(self, which: slice | np.ndarray) -> Case:
-        """Return the same call for some of the points; `expected` must have one entry for each."""
+        """Return the same call for some of the points; `expected` has one entry per point."""
         return self.with_first(self.first[which], expected=self.expected[which])
 
     def answer_of(self, function: Callable) -> object:
-        """Return the answer of a function."""
+        """Call a function with copies of the arguments; return the answer."""
         return function(*self.copies.values())
 
     def assert_right(self, function: Callable) -> None:
@@ -165,7 +165,7 @@ def names(
     title: str = "The parameters keep their names",
     weight: float = 1,
 ) -> None:
-    """Check that the arguments may be passed by name."""
+    """Check that the arguments can be passed by name."""
     hint = f"{_FIRST_LINE}."
 
     @promise("names", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -175,7 +175,7 @@ def names(
 
 
 def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
-    """Return a decorator for a function that omits an argument and asserts that it has its default.
+    """Return a decorator for an assertion that omits an argument to test its default.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def untouched(
         except (CheckFailed, TimeUp):
             raise
         except own:
-            return  # other checks test whether it accepts four columns or a label 0
+            return  # other checks test whether the function accepts four columns or the label 0
 
 
 def extended(given: Mapping[str, object]) -> dict[str, object]:
@@ -262,7 +262,7 @@ def extended(given: Mapping[str, object]) -> dict[str, object]:
 
 
 def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
-    """Check that a cloud may lack the intensity, which the cloud of the case has."""
+    """Check that the function accepts the cloud of the case without its intensity column."""
 
     @promise(
         "three_columns",
@@ -304,8 +304,8 @@ def fourth_column(
 
 
 def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
-    """Check that the function returns one number for one point, and none for no points."""
-    hint = "Compute with whole columns. You need no loop over the points and no special case."
+    """Check that the answer is one number for one point and empty for an empty cloud."""
+    hint = "Compute with whole columns. You do not need a loop over the points or a special case."
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
     def run(function: Callable) -> None:

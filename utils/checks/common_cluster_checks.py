@@ -59,7 +59,7 @@ def default(case: Case, name: str, *, why: str) -> None:
 
 
 def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1) -> None:
-    """Check that no points give no labels and one point gets label 1, also with intensity."""
+    """Check the labels of an empty cloud and of a single point, with and without intensity."""
     title = "Works on an empty cloud and on a single point"
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)

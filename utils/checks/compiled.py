@@ -23,8 +23,8 @@ def as_python(function: Callable) -> Callable:
     Returns
     -------
     callable
-        The function itself, unless it is compiled by Numba. Otherwise a copy whose globals keep
-        their present values.
+        The function itself if Numba has not compiled it; otherwise a copy whose globals keep their
+        current values.
     """
     if not _is_compiled(function):
         return function
@@ -46,7 +46,7 @@ def assert_compiles(python: Callable, call: Callable[[Callable], object]) -> Non
     Parameters
     ----------
     python : callable
-        From `as_python`; its answers are right.
+        A function from `as_python` whose answers are right.
     call : callable
         Calls a function and returns its answer, which is compared with ``==``.
     """
@@ -86,13 +86,13 @@ def _with_globals(function: FunctionType, names: dict) -> FunctionType:
 
 
 def _no_compilation(function: Callable | None = None, **options: object) -> Callable:
-    """Replace `njit`, with or without options, by a decorator that changes nothing."""
+    """Return a function unchanged; this decorator replaces `njit`, with or without options."""
     return function or _no_compilation
 
 
 def _reason(error: Exception, compiled: Callable) -> str:
     """Return Numba's explanation of an error as one sentence, with the line if Numba names it."""
-    # Addresses and paths on this computer do not help the student.
+    # Remove addresses and paths, which do not help the student.
     text = re.sub(r" at 0x\w+|, defined at .*", "", str(error))
     lines = [line.strip() for line in text.splitlines()]
     kept = [line for line in lines if line and not line.startswith(("Failed in", "- "))]

@@ -36,7 +36,8 @@ from utils.lent.stubs import own
 if TYPE_CHECKING:
     from utils.checks.display import Table
 
-# More than any right answer needs on a slow machine. An endless loop is stopped after this time.
+# Time limit of one check, more than any right answer needs on a slow machine. It stops endless
+# loops.
 SECONDS = 15
 # Processor time for all checks of an exercise. An answer that needs more is right but slow; the
 # solutions need less than one second.
@@ -56,7 +57,7 @@ class ChecksFailed(AssertionError):
 def visible(
     exercise: str, *, title: str, why: str, hint: str, weight: float = 1.0, slow: str = ""
 ) -> Callable:
-    """Declare a function that takes the student's function as a visible check.
+    """Declare the decorated function, which takes the student's function, as a visible check.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def _all_of(exercise: str) -> list[Check]:
     while exercise not in _CHECKS and modules:
         importlib.import_module(modules.pop(0))
     if exercise not in _CHECKS:
-        # The order of the lessons does not depend on the order of imports.
+        # Sort by lesson, because `_CHECKS` is in the order of imports.
         names = sorted(_CHECKS, key=lambda name: _CHECKS[name][0].lesson)
         raise LookupError(
             f"There are no checks for {exercise!r}. Pass one of these functions, without renaming "
@@ -219,7 +220,8 @@ def check(function: Callable, exercise: str | None = None) -> None:
     seconds = time.process_time() - begin
     failed = [outcome for outcome in outcomes if outcome.failure]
     mistake = wrong_helper = hint = slip = None
-    # A function that exceeded its time would do so again. Stubs and refusals need no diagnosis.
+    # A function that exceeded its time limit would exceed it again. Stubs and refusals need no
+    # diagnosis.
     if failed and not any(
         isinstance(outcome.failure, NotStarted | UnusableModule | Stopped) for outcome in failed
     ):
@@ -320,7 +322,7 @@ def _mistake(exercise: str, function: Callable) -> Mistake | None:
 def _find_wrong_helper(exercise: str, function: Callable) -> str | None:
     """Return an exercise of the same lesson that the function calls and that fails its checks.
 
-    Classes are not searched, as the exercises of a class call each other through it.
+    Classes are not searched, because the exercises of a class are methods that call each other.
     """
     if isinstance(function, type):
         return None

@@ -19,20 +19,19 @@ from utils.checks.scans import EGO_CAR, clear_cars, clear_people
 if TYPE_CHECKING:
     from utils.simulator.frames import Frame
 
-_MIN_SHARE = 0.8  # the share of an object's returns that its box must contain
-# A car may have four boxes: its own, one of a mirror, and those of clusters seen through windows.
+_MIN_SHARE = 0.8  # smallest share of an object's returns that its box must contain
+# A car may have four boxes: its own, and boxes of its mirror and of clusters seen through windows.
 _MOST_BOXES_ON_ONE = 4
 _MOST_BOXES = 1000  # more are refused: comparing them is slow, and no right answer has so many
-# If boxes have more than this many times the area of their cars, they are not turned. In forty
-# squares, turned boxes had less than 1.25 times the area of the cars, and boxes along the axes
-# more than 1.5 times.
+# Largest area of turned boxes, as a multiple of the area of their cars. In forty squares, turned
+# boxes had less than 1.25 times the area of the cars, and boxes along the axes more than 1.5 times.
 _MAX_AREA_RATIO = 1.33
 _LARGEST_OF_A_PERSON = 3.0  # square metres
 _CARS_FOUND = "in the scan of this check, isolated cars near the sensor have separate boxes"
 
 
 def detected(detect_obstacles: Callable, frame: Frame) -> object:
-    """Return the detector's answer for an unchanged frame, cached for the run."""
+    """Return the detector's answer for an unchanged frame, cached for the run of checks."""
     return answer_to(detect_obstacles, frame, frame.cloud)
 
 
@@ -67,8 +66,8 @@ def as_boxes(answer: object) -> np.ndarray:
         raise WrongForm(
             "A box has a corner that is not finite.",
             yours=brief(boxes[bad]),
-            hint="Remove returns that are not a number before you fit boxes. A cluster of one "
-            "point has no direction, so do not divide by its length.",
+            hint="Remove returns that are not finite before you fit boxes. A cluster of one point "
+            "has no direction and its length is 0, so do not divide by it.",
         )
     return boxes.astype(float)
 
@@ -125,7 +124,7 @@ _NAMES = {"pedestrian": "person", "truck": "lorry"}
 
 
 def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
-    """Assert that some box contains an object, whatever else it or other boxes contain."""
+    """Assert that at least one box contains an object; it may contain other things as well."""
     boxes, name = as_boxes(answer), _NAMES.get(obstacle.kind, obstacle.kind)
     returns = frame.cloud[frame.scan.objects == obstacle.identity, :3]
     returns = returns[returns[:, 2] > obstacle.centre[2] - obstacle.size[2] / 2 + 0.55]
@@ -143,7 +142,7 @@ def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
 
 
 def assert_kind_contained(answer: object, kind: str, frame: Frame) -> None:
-    """Assert that each object of a kind in the frame is in some box."""
+    """Assert that each object of a kind in the frame is inside at least one box."""
     for obstacle in frame.boxes:
         if obstacle.kind == kind:
             assert_contained(answer, obstacle, frame)
@@ -170,7 +169,7 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
 
 
 def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
-    """Assert that hardly any box contains only road or nothing."""
+    """Assert that at most `_MOST_GHOSTS` boxes contain mostly road or nothing at all."""
     boxes = as_boxes(answer)
     ghosts = [box for box in boxes if not _contains_obstacle(box, frame)]
     if len(ghosts) > _MOST_GHOSTS:
@@ -190,7 +189,7 @@ def assert_people_found(answer: object, frame: Frame) -> None:
 
 
 def require_cars_found(answer: object, frame: Frame) -> None:
-    """Assert that the clear cars are found, because other checks pass without any boxes.
+    """Assert that the clear cars are found; without boxes, other checks would pass by mistake.
 
     Raises
     ------
@@ -234,7 +233,7 @@ def assert_few_ghosts(answers: Sequence[object], frames: Sequence[Frame]) -> Non
         f"{len(ghosts)} of {total} boxes contain more road than obstacle, or nothing at all, for "
         f"example {point_text(box[:, :2].mean(axis=0))}.",
         yours=f"{inside_box or 'no'} return{'s' if inside_box != 1 else ''} in that box",
-        expected="boxes around cars, people, poles, walls",
+        expected="boxes around cars, people, poles and walls",
         draw=lambda: _draw(
             frame, boxes, [ghost for ghost, home, _ in ghosts if home is frame], "nothing in it"
         ),
@@ -422,13 +421,13 @@ def _name(obstacle: Box) -> str:
 
 
 def _rectangle(box: np.ndarray) -> np.ndarray:
-    """Return the floor (4, 2) of an upright box, else the smallest rectangle around a box."""
+    """Return the floor (4, 2) of an upright box, or the smallest rectangle around another box."""
     floor = footprint(box)
     if floor is not None:
         return floor
     xy = box[:, :2]
     apart = (xy[:, None] - xy).reshape(-1, 2)
-    # The best rectangle has a side through two corners.
+    # The smallest rectangle has a side through two of the corners.
     angle = np.arctan2(apart[:, 1], apart[:, 0])
     along = np.stack([np.cos(angle), np.sin(angle)])
     across = np.stack([-along[1], along[0]])
@@ -461,7 +460,7 @@ def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-    """Return the returns of a frame by ascending x, and whether each is from an obstacle."""
+    """Return the returns of a frame in ascending order of x, and a mask of those from obstacles."""
     order = np.argsort(frame.cloud[:, 0], kind="stable")
     return frame.cloud[order, :3], frame.scan.objects[order] > 0
 

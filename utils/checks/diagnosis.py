@@ -31,11 +31,11 @@ class Mistake:
     hint : str
         How to fix it; empty if the sentence says so already.
     is_cheap : bool
-        Whether the wrong answer takes no work, such as labels that are all equal. The mistake then
-        does not prove a slip; only an edit does.
+        Whether a student could give the wrong answer without any work, for example labels that are
+        all equal. The judge then counts it as a slip only if a single edit corrects the code.
     is_the_task : bool
-        Whether avoiding the mistake is the point of the exercise. The answer then keeps fewer
-        points than with another slip, and only an edit proves it.
+        Whether avoiding the mistake is the point of the exercise. The judge then counts it as a
+        slip only if a single edit corrects the code, and the answer keeps fewer points.
     """
 
     says: str
@@ -128,7 +128,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
     Returns
     -------
     Mistake or None
-        None also if a call fails.
+        None if no mistake or several mistakes fit, or if a call fails.
     """
     known = _KNOWN.get(exercise)
     if known is None:
@@ -143,7 +143,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
         try:
             answer = known.call(function, *copy.deepcopy(case))
             fitting = [mistake for mistake in fitting if known.same(answer, predicted[mistake])]
-        except Exception:  # in the student's code, or in comparing its result
+        except Exception:  # raised by the student's code or by comparing its result
             return None
         wrong_answers.update(
             mistake for mistake in fitting if not known.same(right, predicted[mistake])

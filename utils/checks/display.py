@@ -8,7 +8,8 @@ from utils.checks.outcomes import Check, Outcome
 from utils.checks.summary import Summary, details
 from utils.display import shell
 
-# White text on these colours has a contrast of at least 4.5:1. The words repeat what they mean.
+# White text on these colours has a contrast of at least 4.5:1. Words and symbols also name the
+# state, for readers who cannot distinguish the colours.
 _STATES = {
     "passed": ("#1a7f4b", "✓ passed"),
     "failed": ("#c4420b", "✗ failed"),

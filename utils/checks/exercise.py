@@ -50,8 +50,8 @@ PROMISES = {
 class Exercise:
     """The visible checks of one exercise.
 
-    Creating an exercise declares its first check, the plain case. While it fails, all other checks
-    wait.
+    Creating an exercise declares its first check, the plain case. All other checks wait until the
+    plain case passes.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Exercise:
     expected : object
         The right answer of that call.
     **words : object
-        Title, why, hint and weight of the check, as `utils.checks.core.visible` takes them.
+        Title, why, hint and weight of the check; see `utils.checks.core.visible`.
     """
 
     def __init__(

@@ -15,10 +15,10 @@ _BEGIN, _END = "\x0e", "\x0f"
 
 
 def fixed(text: str) -> str:
-    """Protect the numbers in a part of a message that do not depend on the test input.
+    """Protect the numbers in a text that does not depend on the test input.
 
-    The judge removes numbers from the messages of hidden checks, as they may reveal the input. It
-    keeps protected numbers.
+    The judge removes numbers from the messages of hidden checks, because they may reveal the
+    input. It keeps protected numbers.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class CheckFailed(AssertionError):
 
 
 class WrongForm(CheckFailed):
-    """The answer is not of the required kind, so its content was not compared."""
+    """The answer does not have the required form, so its content was not compared."""
 
     @property
     def cause(self) -> Hashable:  # noqa: D102 (as above)

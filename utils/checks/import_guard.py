@@ -1,7 +1,7 @@
 """Block the modules that a lesson forbids while a notebook checks a function.
 
-The judge's sandbox does not have these modules. In a notebook, other libraries have imported them,
-so student code could reach them through those libraries.
+The judge's sandbox does not have these modules. In a notebook, other libraries may have imported
+them, and student code could reach them through those libraries.
 """
 
 from __future__ import annotations

@@ -385,7 +385,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
             [3.0, 3.0, 0.0, 0.1],
             [-3.0, -3.0, 0.0, 0.1],
             [2.0, -3.0, 1.0, 0.1],
-            # Truncated to whole numbers, all coordinates of these points are 0.
+            # All coordinates of these points become 0 if they are truncated to whole numbers.
             [0.9, 0.0, 0.0, 0.1],
             [-0.9, 0.0, 0.0, 0.1],
             [0.0, 0.8, 0.0, 0.1],
@@ -467,7 +467,7 @@ def works_on_three_columns(drop_invalid: Callable) -> None:
     three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
     if not np.array_equal(three, four, equal_nan=True):
         raise CheckFailed(
-            "Without the intensity column, the function keeps other rows.",
+            "Without the intensity column, the function keeps different rows.",
             yours=f"{len(three)} of {len(cloud)} rows",
             expected=f"the same {len(four)} rows as with the intensity",
         )
@@ -666,16 +666,16 @@ mistakes(
         "Make the mask from cloud[:, :3] and index the whole cloud with it.",
     ),
     Mistake(
-        "`cloud != nan` is True for every number, even for NaN. A mask with the shape of the "
-        "cloud puts all numbers into one long row.",
+        "`cloud != nan` is True for every number, even for NaN. Indexing with a mask of the "
+        "cloud's shape returns all numbers in one long row.",
         lambda right, cloud: cloud.reshape(-1),
         "np.isfinite and .all(axis=1) make a mask with one entry per row.",
         is_cheap=True,
     ),
     *(
         Mistake(
-            f"The mask tests whether each number {test}. It has the shape of the cloud, so it "
-            "puts the selected numbers into one long row.",
+            f"The mask tests whether each number {test}. It has the shape of the cloud, so "
+            "indexing with it returns the selected numbers in one long row.",
             lambda right, cloud, passes=passes: np.array(list(filter(passes, cloud.flat))),
             ".all(axis=1) turns it into a mask with one entry per row.",
         )
@@ -688,7 +688,7 @@ mistakes(
         }.items()
     ),
     Mistake(
-        "Each mask is a single True or False for the whole cloud: axis=1 is missing in both.",
+        "The mask is a single True or False for the whole cloud, because axis=1 is missing.",
         lambda right, cloud: cloud[None][: int(np.isfinite(cloud[:, :3]).all())],
         ".all(axis=1) works along each row and gives one entry per row.",
     ),

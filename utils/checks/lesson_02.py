@@ -245,7 +245,7 @@ def _distance_between(p: np.ndarray, q: np.ndarray) -> float:
 
 
 def _same_line(answer: object, predicted: np.ndarray) -> bool:
-    """Return whether two lines have the same numbers or opposite ones."""
+    """Return whether two lines have the same numbers, or the same with opposite signs."""
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
@@ -643,7 +643,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
 
 
 def _kind_of_array(mask: np.ndarray) -> str:
-    """Return a sentence about the content of an array that is not a mask; "" if it is unclear."""
+    """Return a sentence about what an array that is not a mask contains; "" if unknown."""
     if mask.ndim == 2 and mask.shape[1] == 2:
         return " These are points."
     if mask.ndim == 1 and mask.dtype.kind in "iu" and (np.diff(mask) > 0).all():
@@ -683,7 +683,7 @@ def assert_mask_matches_line(
             expected="three numbers (a, b, c)",
         )
     distance = distances_from(line, points)
-    # Floats differ in the last digits, so both answers are accepted at the edge of the band.
+    # Rounding errors change the last digits, so both answers are accepted at the edge of the band.
     wrong = (mask != (distance <= tolerance)) & (np.abs(distance - tolerance) > TOLERANCE)
     if not wrong.any():
         return line, mask
@@ -714,16 +714,16 @@ def _inlier_count(mask: np.ndarray) -> str:
 def wall_and_clutter(
     seed: int | Sequence[int], inliers: int, others: int, noise: float = 0.1
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return points near a random line, mixed with points at least 1 m away from it.
+    """Return shuffled points near a random line and points at least 1 m away from it.
 
     Parameters
     ----------
     seed : int or sequence of int
         Seed of the random generator that draws the line and the points.
     inliers, others : int
-        Number of points near the line and of points away from it.
+        Number of points near the line, and of points away from it.
     noise : float
-        Largest distance from the line of the points near it, in metres.
+        Largest distance between the line and the points near it, in metres.
 
     Returns
     -------
@@ -877,9 +877,9 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
     weight=5,
     title="Finds the line among outliers",
     why="This is what RANSAC is for: it finds the wall behind a crowd and, in lesson 03, the road.",
-    hint="After each round, compare the number of inliers with that of the best mask so far. If "
-    "it is larger, replace both line and mask. Create rng before the loop. Return after the "
-    "loop.",
+    hint="After each round, compare the number of inliers with the number in the best mask so "
+    "far. If it is larger, replace both line and mask. Create rng before the loop. Return after "
+    "the loop.",
 )
 def finds_the_line(ransac_line: Callable) -> None:
     assert_finds(ransac_line, _CLOUDS, 8, 60, 0.4)
@@ -918,7 +918,7 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
         rng = np.random.default_rng(seed)
-        # The wall is so rough that another line would have other inliers.
+        # The wall is so rough that another line would have different inliers.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
         assert_mask_matches_line(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
@@ -1254,7 +1254,7 @@ def returns_for_equal_points(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Works on two points and returns (None, all False) for fewer",
-    why="A slice of the street may be empty, and the program must not stop for that.",
+    why="A slice of the street may be empty, and the program must not stop because of that.",
     hint="Test len(points) < 2 before the loop.",
 )
 def returns_for_too_few_points(ransac_line: Callable) -> None:

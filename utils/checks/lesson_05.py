@@ -1,8 +1,8 @@
 """Visible checks of lesson 05: `euclidean_clustering`.
 
 The clouds are chosen so that one mistake fails only a few checks. A fixed threshold of 0.5, or a
-missing or superfluous square, fails a single check. Balls instead of chains pass all checks that
-use pairs of points.
+missing or superfluous square, fails a single check. A function that labels balls instead of chains
+passes all checks that use pairs of points.
 """
 
 import sys
@@ -332,7 +332,7 @@ def _no_cluster_begins_at(row: int) -> Callable:
 
 
 def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
-    """Label each point by the row, counted from 1, of the first point of its cluster."""
+    """Label each point with the row, counted from 1, of the first point of its cluster."""
     return np.array([right.tolist().index(label) + 1 for label in right])
 
 

@@ -439,8 +439,9 @@ def uses_all_three_coordinates(voxel_grid: Callable) -> None:
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
-    # In the first case, all points are in the lower halves of their cells, so that rounding to the
-    # nearest gives the same cells. The second case has cells 1 and -1, which must not be merged.
+    # In the first case, all points are in the lower halves of their cells, so rounding to the
+    # nearest cell gives the same result. The second case has cells 1 and -1, which must not be
+    # merged.
     for axis in range(3):
         for coordinates in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
             cloud = np.full((len(coordinates), 4), 0.05)

@@ -59,7 +59,7 @@ _DIAGONAL = frozen(
     np.column_stack([np.arange(6.0), 5 - np.arange(6.0), np.arange(6.0), np.ones(6)])
 )
 # Points along the diagonal of a cube that does not contain the sensor, so that a function that
-# doubles a corner by mistake returns other rows.
+# doubles a corner by mistake returns different rows.
 _CUBE_DIAGONAL = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
 _CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
 _LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # lower and upper limits of x and z
@@ -858,8 +858,9 @@ mistakes(
     Mistake(
         "Nothing is removed: the whole cloud is returned unchanged.",
         lambda right, cloud, low, high: cloud,
-        "A point is inside if both comparisons are true, so combine them with &. With | one is "
-        "enough, and one of them is always true. Then index with the mask: cloud[inside].",
+        "A point is inside if both comparisons are true, so combine them with &. With |, one true "
+        "comparison is enough, and one of them is always true. Then index with the mask: "
+        "cloud[inside].",
         is_cheap=True,
     ),
     cases=_BOXES,

@@ -16,8 +16,8 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.run_cache import once
 
-# A cluster around the origin whose first point is not extreme on any axis. A search for its box may
-# start with any values and take the points in any order: separate checks cover these.
+# A cluster around the origin whose first point is not extreme on any axis. The initial values of a
+# search for its box and the order of the points do not matter here: separate checks cover these.
 _POINTS = table(
     "0.5 0.2 -0.1; -2 0.4 0.3; 3 -0.3 0.2; 0.1 -1.5 -0.4; -0.6 2.5 0.1; 1 0.7 -1.2; -0.2 -0.5 0.8"
 )
@@ -315,7 +315,7 @@ def _boxes_of(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 
 def _order_of_appearance(labels: np.ndarray) -> np.ndarray:
-    """Return the order of the boxes if labels are processed as they first occur."""
+    """Return the order of the boxes if labels are processed in the order of first occurrence."""
     in_use = np.unique(labels[labels > 0])
     return np.argsort([labels.tolist().index(label) for label in in_use])
 

@@ -31,7 +31,7 @@ NOISE_MESSAGE = fixed("Points with label 0 belong to no cluster and must keep th
 def assert_right_clusters_left(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
-    """Assert that the right clusters are left, each with a different label, old or new.
+    """Assert that the right clusters are left and have different labels, which may be new.
 
     Parameters
     ----------
@@ -117,9 +117,9 @@ def require_small_clusters_removed(filter_clusters: Callable) -> None:
 def require_most_clusters_right(filter_clusters: Callable) -> None:
     """Assert that at least five of six clusters are treated correctly; raise `NotYet` if not.
 
-    This is enough for checks that do not depend on sizes, such as those of names, input and label
-    0. A function that keeps or removes all clusters gets three right; one that uses only the first
-    label gets four.
+    This is enough for checks that do not depend on sizes, such as the checks of names, input and
+    label 0. A function that keeps or removes all clusters treats three of them correctly; a
+    function that uses only the first label treats four correctly.
     """
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     is_right = (yours > 0) == (_KEPT > 0)
@@ -175,8 +175,8 @@ def _summary(labels: np.ndarray) -> str:
     title="Removes clusters with too few points and keeps the others",
     why="Later steps draw a box around every label above 0, so the car would brake for every "
     "puff of spray that stays.",
-    hint="First count how often each label occurs. Then decide about each point by the count of "
-    "its label.",
+    hint="First count how often each label occurs. Then keep or remove each point according to "
+    "the count of its label.",
 )
 def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
@@ -216,8 +216,8 @@ def writes_zeros(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Removes every small cluster, even if it follows another one",
-    why="Clutter comes in swarms. Renumbering the labels inside the loop skips the cluster after "
-    "each removed one.",
+    why="Clutter often forms many small clusters. Renumbering the labels inside the loop skips "
+    "the cluster after each removed one.",
     hint="Change labels only to 0. If you loop, read from the original labels and write into a "
     "copy.",
 )
@@ -439,7 +439,7 @@ def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
 
 
 def _renumbered_inside_the_loop(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Decrease all later labels by one, inside the loop, whenever a cluster is removed."""
+    """Predict a loop that decreases all later labels by one whenever it removes a cluster."""
     labels = labels.copy()
     for label in range(1, labels.max() + 1):
         if np.count_nonzero(labels == label) < minimum:
@@ -449,7 +449,7 @@ def _renumbered_inside_the_loop(right: np.ndarray, labels: np.ndarray, minimum: 
 
 
 def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """Decide about each cluster by the size of the next one; the last cluster always stays."""
+    """Predict an answer that keeps each cluster if the next one is large enough, and the last."""
     sizes = np.append(np.bincount(labels)[1:], minimum)
     return np.where(sizes[labels] < minimum, 0, labels)
 

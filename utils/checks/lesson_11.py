@@ -91,7 +91,7 @@ def as_axes(answer: object) -> np.ndarray:
 
 
 def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Assert that some column is parallel to each expected axis, whatever its sign and length.
+    """Assert that each expected axis is parallel to some column, whatever its sign and length.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def finds_leaning_directions(principal_axes: Callable) -> None:
 
 
 def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
-    """Return the row whose sign alone is wrong, or None."""
+    """Return the row in which only the signs are wrong, or None."""
     for row in range(3):
         mirror = np.where(np.arange(3) == row, -1.0, 1.0)[:, None]
         with contextlib.suppress(CheckFailed):
@@ -332,7 +332,7 @@ def centres_the_points(principal_axes: Callable) -> None:
 
 @functools.cache
 def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
-    """Return name, points and axes of the vehicles in the lesson's street.
+    """Return the name, the points and the axes of each vehicle in the lesson's street.
 
     The points, shape (n, 3), are not centred. The axes, shape (3, 3), are singular vectors in
     columns. A vehicle with two nearly equal spreads is left out, because its axes have no clear
@@ -347,7 +347,7 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
         points = cloud[near & (truth["objects"] == label)]
         if kind not in ("car", "truck") or len(points) < 100:
             continue
-        # At most 250 points each, so that a function which builds an n x n matrix is not slow.
+        # Keep at most 250 points, so that a function that builds an n x n matrix is not slow.
         points = points[:: -(-len(points) // 250)]
         _, spread, rows = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
         if (spread[1:] < 0.9 * spread[:-1]).all():
@@ -461,8 +461,8 @@ def returns_an_array(principal_axes: Callable) -> None:
         raise CheckFailed(f"The axes are a {type(answer).__name__}.")
 
 
-# Blocks away from the origin, each of them exactly in the direction of one of its axes. Without
-# centring, that axis becomes the first.
+# Blocks away from the origin, each moved exactly along one of its axes. Without centring, that axis
+# becomes the first.
 _BLOCKS = tuple(
     frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, axis],))
     for sides, degrees, axis in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
@@ -477,7 +477,7 @@ def _right_axes(points: np.ndarray) -> np.ndarray:
 
 
 def _uncentred_axes(right: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the axes, with the axis that points to the mean of the points first."""
+    """Return the axes, beginning with the axis that points to the mean of the points."""
     if not len(points):
         return right
     first = np.abs(points.mean(axis=0) @ right).argmax()
@@ -541,7 +541,7 @@ _LABELS = frozen(np.repeat([1, 2], 64))
 def _street(*headings: float) -> np.ndarray:
     """Return the points of two blocks with these headings in degrees; shape (128, 3).
 
-    `_LABELS` has the labels of the points.
+    `_LABELS` contains the labels of the points.
     """
     blocks = zip(_SIZES, headings, _PLACES, strict=True)
     return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
@@ -702,7 +702,7 @@ def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_block_text(size, heading)}, that leans by 5 cm per metre"
+        given = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
         assert_headings(answer, points, labels, (heading,), given)
 
 
@@ -796,7 +796,7 @@ def returns_boxes_as_an_array(get_oriented_boxes: Callable) -> None:
 def _make_box(
     centre: np.ndarray, length: float, width: float, height: float, degrees: float
 ) -> np.ndarray:
-    """Return the corners of a turned box, shape (8, 3); its length is from corner 0 to 1."""
+    """Return the corners of a turned box, shape (8, 3); the side from 0 to 1 is its length."""
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
     floor = np.column_stack([signs * [length, width], np.full(4, -height / 2)])
     return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + centre
@@ -811,7 +811,7 @@ def _box_parameters(box: np.ndarray) -> tuple[np.ndarray, float, float, float, f
 
 
 def _enclosing_sides(box: np.ndarray, degrees: float) -> tuple[float, float]:
-    """Return the sides of the smallest rectangle around a box that is turned relative to it."""
+    """Return the sides of the smallest rectangle around a box, turned by `degrees` from it."""
     _, length, width, _, heading = _box_parameters(box)
     cosine, sine = np.abs([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     return length * cosine + width * sine, length * sine + width * cosine
@@ -823,7 +823,7 @@ def _axis_aligned(box: np.ndarray) -> np.ndarray:
 
 
 def _degrees_as_radians(box: np.ndarray) -> np.ndarray:
-    """Return the box if its heading, in whole degrees from 0 to 89, is taken for radians."""
+    """Return the box if its heading, in whole degrees from 0 to 89, is mistaken for radians."""
     centre, _, _, height, heading = _box_parameters(box)
     yaw = np.degrees(np.round(heading) % 90)
     return _make_box(centre, *_enclosing_sides(box, yaw - heading), height, yaw)
@@ -936,10 +936,10 @@ mistakes(
         "The boxes are the largest rectangles around their points, not the smallest, so they are "
         "off by 45°.",
         _change_each(_turned_by_45),
-        "np.argmin finds the position of the smallest area, np.argmax that of the largest.",
+        "np.argmin finds the position of the smallest area, np.argmax the position of the largest.",
     ),
     Mistake(
-        "A number of degrees, or the index of the smallest area, is taken for an angle in radians.",
+        "A number of degrees, or the index of the smallest area, is used as an angle in radians.",
         _change_each(_degrees_as_radians),
         "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),

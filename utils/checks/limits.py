@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-# Share of the free memory that student code may use before it gets a MemoryError, which can be
-# explained. A kernel that uses all memory is killed by the system without a message.
+# Share of the free memory that student code may use before Python raises a MemoryError, which
+# `check` can explain. The system kills a kernel that uses all memory, without a message.
 _SHARE = 0.8
 
 
@@ -23,7 +23,7 @@ class TimeUp(Exception):
 
 @contextlib.contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise `TimeUp` in the context after some seconds, and MemoryError before memory runs out.
+    """Raise `TimeUp` in the context after a time limit, and MemoryError before memory runs out.
 
     Only the main thread can be interrupted; other threads have no time limit. If no thread can be
     started, as in a browser, a trace function reads the clock at each line. Loops are then several
@@ -40,7 +40,7 @@ def limited(seconds: float) -> Iterator[None]:
             while not over.wait(wait):
                 timed_out.set()
                 _thread.interrupt_main()
-                wait = 1.0  # code that catches everything is interrupted again
+                wait = 1.0  # interrupt again, because the code may catch all exceptions
 
         watch = threading.Thread(target=alarm, daemon=True)
         trace = _clock_tracer(seconds, timed_out)
@@ -59,7 +59,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interruptible() -> Iterator[None]:
-    """Enable interrupts in the context, which background processes of a script ignore."""
+    """Enable interrupts in the context; a shell script starts background jobs without them."""
     before = signal.getsignal(signal.SIGINT)
     if before in (signal.SIG_IGN, signal.SIG_DFL):
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -93,7 +93,7 @@ def _clock_tracer(seconds: float, timed_out: threading.Event) -> Callable:
 def _stop(
     over: threading.Event, watch: threading.Thread, trace: Callable, timed_out: threading.Event
 ) -> None:
-    """Stop the clock; absorb an interrupt that arrives at this moment."""
+    """Stop the clock; ignore an interrupt that arrives while it stops."""
     while True:
         try:
             over.set()

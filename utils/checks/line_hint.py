@@ -57,7 +57,7 @@ class Line:
 
 @dataclass(frozen=True)
 class LineHint:
-    """The lines in each of which one change makes all checks pass."""
+    """Lines of a function; one change in any of them makes all checks pass."""
 
     lines: tuple[Line, ...]
 
@@ -71,12 +71,12 @@ class LineHint:
 def find_line_hint(
     function: Callable, checks: Sequence[Check], failed: Sequence[Check]
 ) -> LineHint | None:
-    """Return the lines in each of which one change makes all checks pass.
+    """Return the lines of a function where one change makes all checks pass.
 
     Parameters
     ----------
     function : callable
-        The student's function, or a class of which one method is the exercise.
+        The student's function, or a class with a method that is the exercise.
     checks : sequence of utils.checks.outcomes.Check
         All visible checks of the exercise.
     failed : sequence of utils.checks.outcomes.Check
@@ -107,12 +107,12 @@ def find_line_hint(
 def _lines_that_pass(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> set[int]:
-    """Return the numbers of the lines where an edit makes all checks pass, from a forked copy."""
+    """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
     if not hasattr(os, "fork"):
         return set()
     read_end, write_end = os.pipe()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # about threads, which are not copied
+        warnings.simplefilter("ignore", DeprecationWarning)  # fork does not copy other threads
         child = os.fork()
     if child == 0:
         try:
@@ -122,7 +122,7 @@ def _lines_that_pass(
                 os.write(write_end, b"%d " % line)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
-            os._exit(0)  # without exit handlers and buffers, which belong to the notebook
+            os._exit(0)  # skips exit handlers and buffers, which belong to the notebook
     os.close(write_end)
     received, until = b"", time.monotonic() + PATIENCE * SECONDS
     try:
@@ -141,7 +141,7 @@ def _lines_that_pass(
 def _passing(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> Iterator[int]:
-    """Yield the first line of each edit with which all checks pass, without repetition.
+    """Yield the first line of each edit that makes all checks pass, each line once.
 
     Only the likeliest edits count, because an unlikely edit may be far from the mistake that it
     cancels. An edit of the `def` line says nothing about the body of the function.

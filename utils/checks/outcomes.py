@@ -29,7 +29,7 @@ class Check:
         Takes the function; raises `CheckFailed` if the function lacks the property. None for a
         hidden check, which the judge runs as a pytest test.
     slow : str
-        Question to show after a timeout, if the usual cause has a better one than the default.
+        Question to show after a timeout; if empty, a general question is shown.
     """
 
     name: str

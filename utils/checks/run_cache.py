@@ -28,13 +28,13 @@ def one_run() -> Iterator[None]:
 def once(assertion: Callable[..., None]) -> Callable[..., None]:
     """Decorate an assertion about a function, so that it runs only once per run of checks.
 
-    If it failed, the failure is raised again.
+    Later calls raise the same failure again, or pass.
 
     Parameters
     ----------
     assertion : callable
         Takes a student's function and further hashable arguments; raises `CheckFailed`. Other
-        exceptions are not cached, as a process that was stopped may answer the next time.
+        exceptions are not cached, because a process that was stopped may answer the next time.
     """
 
     @functools.wraps(assertion)
@@ -49,7 +49,7 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
             except FarTooMuch:  # the judge counts each answer that is too large
                 raise
             except CheckFailed as failure:
-                cache[key] = failure.with_traceback(None)  # its frames hold the answer
+                cache[key] = failure.with_traceback(None)  # a traceback keeps the answer alive
             else:
                 cache[key] = None
         if cache[key] is not None:
@@ -62,7 +62,7 @@ def answer_to(function: Callable, call: Hashable, *arguments: np.ndarray) -> obj
     """Return the answer of a student's function, which is called only once per run of checks.
 
     Only arrays are cached, because they can be copied; other answers may change later. An array
-    that is larger than any right answer is not kept.
+    that is larger than any right answer is not cached either.
 
     Parameters
     ----------

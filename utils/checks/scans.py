@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the centre, so that the whole car is within 10 m
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # most metres to the centre, so a whole car is within 10 m
 MANY = {"car": 1500, "pedestrian": 150}  # minimum number of returns, with every second azimuth
-SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
+SQUARE_REACH = 12.0  # in metres, 2 m beyond the farthest corner of a car
 FREE = 1.2  # minimum distance to the nearest other object, in metres
 EGO_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 
@@ -41,12 +41,12 @@ def half_sensor() -> Sensor:
 
 @functools.cache
 def street(further: float = 0.0) -> Frame:
-    """Return a scan of the street in `data/cloud.txt`, from that place or another on the road.
+    """Return a scan of the street in `data/cloud.txt`, from the same or another place on the road.
 
     Parameters
     ----------
     further : float
-        Distance along the road from the place of that scan, in metres.
+        Distance along the road from the place of the scan in that file, in metres.
     """
     from utils.scenes import ROAD
     from utils.simulator.frames import observe
@@ -107,7 +107,7 @@ def climb(seed: int) -> Frame:
     """Return a scan of a road that climbs, with obstacles that simple detectors miss.
 
     A person stands right next to the bumper. A lorry is on the same side. On the other side, two
-    cars are parked close behind each other, at the edge of the road.
+    cars are parked one close behind the other, at the edge of the road.
     """
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
@@ -239,7 +239,7 @@ def without(car: Box, frame: Frame) -> Frame:
 
 
 def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
-    """Return a frame with a selection of its returns, given by a mask, and all its boxes."""
+    """Return a frame with only the returns that a mask selects, but with all its boxes."""
     columns = {
         field.name: getattr(frame.scan, field.name)[rows]
         for field in dataclasses.fields(frame.scan)
@@ -250,7 +250,7 @@ def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
 def ego_car_points(seed: int) -> np.ndarray:
     """Return points all over the bonnet and roof of the ego car.
 
-    They are inside the ego car's box in lesson 07, and still dense after thinning.
+    They are inside the ego car's box in lesson 07 and remain dense after thinning.
 
     Returns
     -------

@@ -11,7 +11,8 @@ import numpy as np
 MOST_NUMBERS = 1_000_000
 MOST_ROWS = 250_000  # nested lists: a whole scan has 120 000 rows
 MOST_OF_A_POINT = 100
-_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}  # the judge removes digits
+# The limits in words, because the judge removes digits from messages.
+_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}
 MOST_DIMENSIONS = 3
 LARGEST_INTEGER = 2**64
 _NUMBERS = {bool, int, float}
@@ -45,7 +46,7 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     TooLarge
         If the answer exceeds a limit.
     NotNumbers
-        If the answer is anything else. A masked array is accepted only if no value is masked.
+        If the answer is not an array of numbers or a list of them, or if values are masked.
     """
     if isinstance(answer, np.ma.MaskedArray) and np.ma.is_masked(answer):
         raise NotNumbers
@@ -73,7 +74,7 @@ def short_text(value: object) -> str:
 
 
 class _Short(reprlib.Repr):
-    """Also shorten arrays, sets, dictionaries and huge numbers inside a list."""
+    """A `reprlib.Repr` that also shortens arrays, sets, dictionaries and huge numbers in a list."""
 
     def repr_int(self, value: int, level: int) -> str:
         return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."

@@ -29,7 +29,7 @@ _AVAILABLE = frozenset(
 
 
 def refused_modules(function: Callable, lesson: str) -> list[str]:
-    """Return the forbidden modules that a function uses, itself or through functions it calls.
+    """Return the forbidden modules that a function uses, directly or through functions it calls.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def absent_modules(function: Callable, lesson: str) -> list[str]:
     """Return the installed modules that a function uses and that the judge does not have.
 
     The student's own modules are not included, because they are submitted with the notebook. Nor
-    are modules that the notebook imports in a ``try`` statement, as it has a fallback for them. A
+    are modules that the notebook imports in a ``try`` statement, which provides a fallback. A
     lesson that is not judged may use every module. The parameters are those of `refused_modules`.
     """
     if lesson not in _forbidden():
@@ -89,7 +89,7 @@ def _has_fallback(module: str, function: Callable) -> bool:
 def _imports_in_try(module: str, cell: str) -> bool:
     try:
         tree = ast.parse(cell)
-    except SyntaxError:  # a cell with magics
+    except SyntaxError:  # a cell with IPython magics
         return False
     attempts = (node for node in ast.walk(tree) if isinstance(node, ast.Try))
     imports = (
@@ -145,14 +145,14 @@ def _modules_of(function: Callable) -> Iterator[str]:
 
 
 def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, object]]:
-    """Yield the names and values of the globals that code loads, without attributes."""
+    """Yield the names and values of the globals that code loads; attributes are not included."""
     for instruction in dis.get_instructions(code):
         if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
             yield instruction.argval, function.__globals__.get(instruction.argval)
 
 
 def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the names of a module and of its submodules in `names`, or of a value's module."""
+    """Yield the names of a module and its submodules in `names`, or of another value's module."""
     waiting, seen = [value], []
     while waiting:
         value = waiting.pop()

@@ -104,7 +104,7 @@ def explanation(loops: list[Loop], question: str) -> str:
 def _question_about(loops: list[Loop]) -> str:
     first = loops[0]
     if not first.condition:
-        return "Does the loop add items to what it goes through, or are there far too many items?"
+        return "Does the loop add items to the list it runs over, or are there far too many items?"
     if len(loops) > 1:
         return "Which of the two loops never ends?"
     if first.condition in ("True", "1"):

@@ -163,18 +163,18 @@ _TIPS = (
         r"boolean index did not match indexed array along (axis|dimension) 0; "
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) [34]$",
         "",
-        "The mask and the array have different lengths. A mask fits the array that it was made "
-        "from. Does this mask have one value for each column? cloud[:, 0] is a column of the "
-        "cloud, cloud[0] is a row, and axis=1 gives one value for each row.",
+        "The mask and the array have different lengths. Use a mask only on the array from which "
+        "you computed it. Does this mask have one value for each column? cloud[:, 0] is a column "
+        "of the cloud, cloud[0] is a row, and axis=1 gives one value for each row.",
     ),
     (
         "IndexError",
         r"boolean index did not match indexed array along (axis|dimension) 0; "
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) 2$",
         "",
-        "The mask and the array have different lengths. A mask fits the array that it was made "
-        "from. If this mask has one value for each of two columns, use axis=1 to get one value "
-        "for each row.",
+        "The mask and the array have different lengths. Use a mask only on the array from which "
+        "you computed it. If this mask has one value for each of two columns, use axis=1 to get "
+        "one value for each row.",
     ),
     (
         "IndexError",
@@ -194,8 +194,8 @@ _TIPS = (
         "IndexError",
         r"boolean index did not match",
         "",
-        "The mask and the array have different lengths. A mask fits the array that it was made "
-        "from.",
+        "The mask and the array have different lengths. Use a mask only on the array from which "
+        "you computed it.",
     ),
     (
         "IndexError",
@@ -301,7 +301,7 @@ _TIPS = (
     (
         "ValueError",
         r"too many values to unpack \(expected 3",
-        # Only a name, one of its elements or its transpose: a call may return anything.
+        # Match only a name, one of its elements or its transpose: a call may return anything.
         r"(=|\bin)\s*(?=[^=]*(\.T\b|point|cloud|row|\b[pq]\b))[\w.]+(\[[^()]*\])*(\.T)?\s*:?\W*$",
         "There are more than three values on the right. A row of a cloud has four: x, y, z and the "
         "intensity. Use row[:3] or cloud[:, :3].",
@@ -317,7 +317,7 @@ _TIPS = (
         r"",
         "",
         "Python stops a function that calls itself about a thousand times. Does it ever reach the "
-        "case that ends the recursion? If it does, but only later, write a loop instead.",
+        "case that ends the recursion? If it needs more calls to reach it, write a loop instead.",
     ),
     (
         "MemoryError",

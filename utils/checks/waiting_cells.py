@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from utils.lent.stubs import is_written, own
 
-# Functions that have passed, by name. Running a function's cell again creates a new, unchecked one.
+# Functions that have passed, by name. Running a function's cell again creates a new function, which
+# is not checked yet.
 _PASSED: dict[str, Callable] = {}
 
 

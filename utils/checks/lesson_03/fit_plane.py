@@ -110,7 +110,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
-    for cloud in (points, opposite, _FLOOR):  # the mean of few points shows if one is left out
+    for cloud in (points, opposite, _FLOOR):  # the mean of few points moves far if one is left out
         assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
@@ -176,7 +176,8 @@ def ignores_intensity(fit_plane: Callable) -> None:
     "fit_plane",
     weight=1,
     title="Works on three points",
-    why="No fewer points define a plane, and the best plane passes through all three.",
+    why="Three points are the fewest that define a plane, and the best plane passes through all "
+    "three.",
     hint="The same code works for any number of points. With full_matrices=False, the third "
     "result of the SVD has three rows even for three points.",
 )
@@ -264,7 +265,7 @@ def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
-    """Return the last column of the directions, for a function that confuses it with the row."""
+    """Return the last column of the SVD's third result, which may be confused with the row."""
     return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
 
 

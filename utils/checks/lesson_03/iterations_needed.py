@@ -100,7 +100,7 @@ def require_plain_cases(iterations_needed: Callable) -> None:
 
 
 def require_decreasing_numbers(iterations_needed: Callable) -> None:
-    """Raise `NotYet` if more inliers do not need fewer samples."""
+    """Raise `NotYet` unless the number of samples falls as the share of inliers rises."""
     with needs("more inliers need fewer samples"):
         for_few, for_more, for_most = (
             float(assert_number(iterations_needed(ratio, 3, 0.99))) for ratio in (0.2, 0.4, 0.7)
@@ -241,7 +241,7 @@ def iterations_by_counting(ratio: float, size: int, confidence: float) -> int | 
 mistakes(
     "iterations_needed",
     Mistake(
-        "The number is rounded down, and so few samples do not reach the confidence.",
+        "The number is rounded down, so it is too small to reach the confidence.",
         lambda right, *case: right - 1,
         "math.ceil rounds up; int(...) and // round down.",
     ),
@@ -272,7 +272,7 @@ mistakes(
         lambda right, ratio, size, confidence: iterations_by_counting(1 - ratio, size, confidence),
     ),
     Mistake(
-        "The function takes the logarithm of the confidence; it must take that of 1 - "
+        "The function takes the logarithm of the confidence; it must take the logarithm of 1 - "
         "confidence, the allowed chance of failure.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, size, 1 - confidence),
     ),

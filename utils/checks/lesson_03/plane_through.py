@@ -140,7 +140,7 @@ def require_perpendicular_normals(plane_through: Callable) -> None:
 
 
 def require_planes(plane_through: Callable) -> None:
-    """Raise `NotYet` if there is no plane for points that define one."""
+    """Raise `NotYet` if the function returns no plane for points that define one."""
     with needs("three points that are not on one line give a plane"):
         for triangle in TRIANGLES[:2]:
             as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
@@ -265,7 +265,7 @@ common_checks.names(
 
 
 def _cross_length(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
-    """Return twice the area of a triangle, the length of the cross product of its sides."""
+    """Return the length of the cross product of two sides of a triangle, twice its area."""
     a, b, c = math.dist(p, q), math.dist(q, r), math.dist(r, p)
     return math.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)) / 2
 

@@ -1,7 +1,7 @@
-"""Helpers of the checks of lesson 03: planes as answers, as text and in pictures.
+"""Functions that convert, compare, print and draw planes for the checks of lesson 03.
 
-A plane and its negative are the same plane, so everything here accepts both. Only
-`assert_unit_normal` judges the length of the normal.
+Four numbers and their negatives describe the same plane, so all functions here accept both. Only
+`assert_unit_normal` tests the length of the normal.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def assert_unit_normal(answer: object) -> None:
 
 
 def same_plane(answer: object, predicted: object) -> bool:
-    """Return whether an answer has the predicted four numbers, or their negatives."""
+    """Return whether an answer equals the predicted four numbers or their negatives."""
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
@@ -97,7 +97,7 @@ def triangle_text(triangle: np.ndarray) -> str:
 
 
 def expected_text(plane: np.ndarray, expected: np.ndarray) -> str:
-    """Return the right plane as text, with the sign whose normal is closer to that of `plane`."""
+    """Return the right plane as text, with the sign that makes it more similar to `plane`."""
     return f"{plane_text(expected if expected[:3] @ plane[:3] >= 0 else -expected)} or its negative"
 
 
@@ -132,7 +132,8 @@ def draw_edge_on(
     level = plane if expected is None else expected
     level = level * (1 if level[2] >= 0 else -1)
     plane = plane * (1 if plane[:3] @ level[:3] >= 0 else -1)
-    # The direction in which the plane rises above the level plane, or any one if they are parallel.
+    # The direction in which the plane rises above the level plane; any direction in the plane if
+    # the two are parallel.
     along = plane[:3] - plane[:3] @ level[:3] * level[:3]
     if np.linalg.norm(along) < 1e-6:
         along = np.linalg.svd(level[None, :3])[2][1]
@@ -165,18 +166,18 @@ def scattered_plane(
     noise: float = 0.01,
     columns: int = 3,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return points on a square of a plane, 12 m wide, mixed with outliers off the plane.
+    """Return points on a 12 m wide square of a plane, mixed with outliers.
 
     Parameters
     ----------
     seed : int
-        Seed of the random generator that draws everything.
+        Seed of the random generator.
     n_plane, n_outliers : int
-        Number of points on the plane and off it.
+        Number of points on the plane, and of points off it.
     plane : (4,) array_like, optional
         A plane with a unit normal; by default a slope of 11 to 20 degrees that depends on `seed`.
     noise : float
-        Standard deviation of the distance of its points from the plane, in metres.
+        Standard deviation of the distances between the plane and its points, in metres.
     columns : {3, 4}
         Number of columns; the fourth is an intensity from 0 to 255.
 

@@ -83,7 +83,7 @@ def ramp_with_collinear_points(rng: np.random.Generator) -> tuple[np.ndarray, np
     """Return shuffled points of the ramp z = y / 4 - 3, most of them on one line.
 
     The coordinates are whole numbers, so that computations are exact. More than half of all samples
-    lie on a line and give no plane; all others give this plane.
+    lie on a line and do not define a plane; all others define the plane of the ramp.
 
     Returns
     -------
@@ -253,7 +253,8 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=3,
     title="Continues after samples that do not define a plane",
-    why="Duplicate points and points on a line are common, and one of them must not end the drive.",
+    why="Duplicate points and points on a line are common, and one such sample must not end the "
+    "drive.",
     hint="plane_through returns None for them: continue with the next sample. Count that round "
     "as well, or the loop may never end.",
 )
@@ -276,7 +277,7 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Works on three points and returns (None, all False) for fewer",
-    why="Earlier filters may leave few points, and the car must not stop for that.",
+    why="Earlier filters may leave few points, and the car must not stop because of that.",
     hint="Test len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
 )
 def returns_for_too_few_points(ransac_plane: Callable) -> None:

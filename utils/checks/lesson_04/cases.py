@@ -74,7 +74,7 @@ def nested_points(
     allowed: Callable[[np.ndarray], bool],
     lowest: float = -1.5,
 ) -> np.ndarray:
-    """Return points around the origin, each of which cuts closer to it than the point before.
+    """Return points around the origin, each of which splits closer to it than the point before.
 
     Inserted in this order, they make a tree without branches, because the origin and all later
     points are to the left of each point. Even a search around the origin that follows only one
@@ -84,13 +84,13 @@ def nested_points(
     ----------
     rng : numpy.random.Generator
     sizes : sequence of float
-        Distances from the origin at which the points cut, descending.
+        Distances of the splits from the origin, in descending order.
     k : {2, 3}
         Number of coordinates.
     allowed : callable
         Takes a point, shape (k,); returns whether it may be used.
     lowest : float
-        Smallest coordinate of a point, as a multiple of its size.
+        Smallest coordinate of a point, as a multiple of its entry in `sizes`.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def nested_points(
 
 
 def is_off_corners(points: np.ndarray) -> np.ndarray:
-    """Return which points are clearly inside the unit circle or outside the square around it."""
+    """Return a mask of points clearly inside the unit circle or outside the square around it."""
     distances = np.linalg.norm(points, axis=-1)
     return (distances < 0.99) | (np.abs(points).max(axis=-1) > 1.01)
 

@@ -30,7 +30,7 @@ from utils.checks.lesson_04.trees import (
 from utils.checks.run_cache import once
 from utils.geometry import grown, places_of
 
-# Comparing y at the root would put the second and third points on the other sides.
+# Comparing y at the root would put the second and third points on the wrong sides.
 _TWO_LEVELS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
 # Comparing x again on the second level would misplace the last four points.
 _THREE_LEVELS = frozen(

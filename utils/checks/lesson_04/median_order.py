@@ -137,7 +137,8 @@ def _wrong_parts(
         Takes the number of points in a part; returns the position of the expected first point
         when they are sorted along the axis.
     growths : tuple of int
-        Growth of the depth in the part of the smaller points, and in the part of the others.
+        Amounts that are added to the depth: for the part with the smaller points, and for the
+        other part.
 
     Yields
     ------

@@ -29,7 +29,7 @@ from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
 from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
 
-# Distances from the target at which nodes cut, from 8 times down to a tenth of the radius.
+# Distances of the splits from the target, from 8 times the radius down to a tenth of it.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 # Any two of these points are at least a quarter of a metre apart along x and along y.
 _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
@@ -66,7 +66,7 @@ def finds_the_target(KdTree: Callable) -> None:
     "split? Does it reach the split or beyond it?",
 )
 def searches_both_sides(KdTree: Callable) -> None:
-    # The root is far from the target, but its cut is between two neighbours of the target.
+    # The root is far from the target, but its split is between two neighbours of the target.
     root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(build_tree(KdTree, root), root, np.array([x, 0.0]), 1.0)
@@ -269,7 +269,7 @@ def searches_deep_trees(KdTree: Callable) -> None:
 
 
 class _Split(NamedTuple):
-    """A node on the path to another node, as a search sees it.
+    """A node on the path to another node, compared with the box around the target.
 
     Attributes
     ----------
@@ -348,8 +348,8 @@ def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, toleran
     return right & found
 
 
-# Two different slips make a search follow a single path: an `else`, and an end at the first missing
-# child if the search visits the newest entry of its list first.
+# Two different slips make a search follow a single path: an `else`, or stopping at the first
+# missing child in a search that visits the newest entry of its list first.
 _ONE_PATH = (
     "Write two ifs, one for each child, without `else` or `elif`. If a node is None, `continue` "
     "with the next one: `break` and `return` end the whole search."
@@ -357,7 +357,7 @@ _ONE_PATH = (
 
 
 def _judged_by(is_near: Callable) -> Callable:
-    """Return the prediction of a search that uses `is_near` to decide which points are near.
+    """Return the prediction for a search that uses `is_near` to decide which points are near.
 
     `is_near` takes the absolute differences from the target, shape (k,), the tolerance and the
     depth.
@@ -505,7 +505,7 @@ mistakes(
         "Take the square root of the sum of squares, or use math.dist.",
     ),
     Mistake(
-        "A single coordinate, the one of the split, decides whether a point is near.",
+        "A single coordinate, along the axis of the split, decides whether a point is near.",
         _judged_by(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),

@@ -22,7 +22,7 @@ from utils.checks.size_limits import MOST_OF_A_POINT
 from utils.geometry import SIDES, TreeNode, grown, places_of, table_of
 from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
-# At most this many nodes of a wrong tree are visited, because it may be endless.
+# At most this many nodes of a wrong tree are visited, because it may contain a cycle.
 MAX_NODES = 200
 # Points in the plane and in space. No point occurs twice, but many coordinates are equal.
 _SAMPLES = frozen(
@@ -162,7 +162,7 @@ def _root_class(tree: object) -> object:
 def _assert_inserts(KdTree: Callable) -> None:
     """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:
-        indices = list(range(len(points)))[::-1]  # reversed, so that counting gives other indices
+        indices = list(range(len(points)))[::-1]  # a class that counts would store other indices
         try:
             tree = KdTree()
             call_each(tree.insert, zip(points.copy(), indices, strict=True))
@@ -392,7 +392,7 @@ def _name(node: TreeNode) -> str:
 
 
 def exact_text(point: Sequence[float]) -> str:
-    """Return a point of any length as text, without rounding to centimetres."""
+    """Return a point with any number of coordinates as text, not rounded to centimetres."""
     return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
 
 

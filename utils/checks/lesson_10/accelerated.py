@@ -115,8 +115,8 @@ def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=4,
-    title="Joins pairs just below the threshold in every direction, also across cell borders",
-    why="A short cut that looks only at adjacent cells splits objects with few points, such as "
+    title="Joins pairs just below the threshold in every direction, even across cell borders",
+    why="A shortcut that looks only at adjacent cells splits objects with few points, such as "
     "poles, signs and distant people.",
     hint="With cells of side threshold / sqrt(3), close points may be two cells apart along each "
     "axis. Search 5 x 5 x 5 cells, corners included.",
@@ -159,7 +159,7 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
     with needs("pairs just above the threshold stay apart in a cloud without a heap"):
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
-    # The heap has more points within 0.2 m than the cloud has cells.
+    # The heap has more points in a cube of 0.2 m than the cloud has cells.
     heap = np.random.default_rng(2).uniform(-8.2, -8.0, (2 * len(pairs), 3))
     cloud = np.vstack([heap, pairs])
     labels = np.concatenate([np.zeros(len(heap), dtype=int), 1 + np.arange(len(pairs))])
@@ -222,8 +222,8 @@ def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     weight=6,
     title="Uses the parameter threshold to decide which points are close",
     why="The threshold determines which points form one object, and how large a cell is.",
-    hint="Use the parameter threshold for the side of a cell and for every distance, also in the "
-    "exact step.",
+    hint="Use the parameter threshold for the side of a cell and for every distance, including "
+    "those in the exact step.",
 )
 def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # Gaps of 0.1, 1 and 10 m, so that each threshold joins a different number of points.
@@ -376,7 +376,7 @@ def assert_in_time(
     assert_works(euclidean_clustering)
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
     best = np.inf
-    for attempt in range(3):  # repeat, because other load may disturb a single run
+    for attempt in range(3):  # repeat, because other programs may slow down a single run
         answer, seconds = timed(euclidean_clustering, cloud, 0.5)
         best = min(best, seconds)
         assert_timed_clusters(answer, labels, cloud)
@@ -393,7 +393,7 @@ def assert_in_time(
 
 
 def assert_timed_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) -> None:
-    """Assert that the clusters of a timed call are right, and hint at correctness if not.
+    """Assert that the clusters of a timed call are right; if not, say that time is not the problem.
 
     Parameters
     ----------
@@ -423,7 +423,7 @@ def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return two heaps of n points within 0.1 m, `gap` metres apart, and their labels."""
+    """Return two heaps `gap` metres apart, each of n points in a cube of 0.1 m, and the labels."""
     rng = np.random.default_rng(3)
     heaps = rng.uniform(0, 0.1, (2, n, 3))
     heaps[1, :, 0] += 0.1 + gap
@@ -575,7 +575,7 @@ def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:
-    """Return the prediction of a mistake that joins neighbours on a line by their cells.
+    """Return the prediction for a function that joins neighbours on a line by their cells.
 
     Parameters
     ----------
@@ -605,11 +605,11 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
 
 
 def _joined_by_rows(uses_points: bool) -> Callable:
-    """Return the prediction of a mistake that confuses cells and points in the cheap step.
+    """Return the prediction for a function that confuses cells and points in the cheap step.
 
-    If `uses_points` is true, the mistake takes rows of cells for rows of points. Otherwise it
-    counts the distance between two cells in cells and compares it with metres. In both cases the
-    exact step still joins all points that are close.
+    If `uses_points` is true, rows of cells are mistaken for rows of points. Otherwise the distance
+    between two cells is counted in cells and compared with metres. In both cases the exact step
+    still joins all points that are close.
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
@@ -675,8 +675,8 @@ mistakes(
     _NAME,
     *distance_mistakes(),
     Mistake(
-        "The side of a cell is the threshold, so two points in one cell may be 1.7 thresholds "
-        "apart.",
+        "The side of a cell is the threshold, so two points in one cell may be 1.7 times the "
+        "threshold apart.",
         _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "The side is threshold / sqrt(3), which makes the diagonal equal to the threshold.",
     ),
@@ -709,7 +709,7 @@ mistakes(
         "Join neighbouring cells that contain close points, and number the pieces.",
     ),
     Mistake(
-        "Cells are rounded towards 0, so those around the sensor are twice as wide.",
+        "Coordinates are rounded towards 0, so the cells around the sensor are twice as wide.",
         _joined_by_cells(
             _CELL_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc
         ),
@@ -717,7 +717,7 @@ mistakes(
     ),
     *label_mistakes(),
     Mistake(
-        "Rows of cells are taken for rows of points, so the measured points do not belong to "
+        "Rows of cells are mistaken for rows of points, so the measured points do not belong to "
         "these cells.",
         _joined_by_rows(uses_points=True),
         "pairs[:, 0] are rows of cells and first[pairs[:, 0]] are rows of points. Measure between "

@@ -129,7 +129,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     why="Points that share a cell are joined without measuring. A wrong cell joins points that "
     "are far apart.",
     hint="The side is threshold / np.sqrt(3), here 1 m. rows = np.floor(points / side) gives the "
-    "cell of every point, also below zero. np.unique(as_numbers(rows), ...) finds first and "
+    "cell of every point, even below zero. np.unique(as_numbers(rows), ...) finds first and "
     "cell_of_point, and rows[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
@@ -175,7 +175,7 @@ def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
 # ---- step 2 ------------------------------------------------------------------------------------
 
 # Six points in the first cell, then one point in each of three cells, each of them two cells
-# further along x, y or z. The first four points are close together, so code that takes rows of
+# further along x, y or z. The first four points are close together, so code that mistakes rows of
 # cells for rows of points joins all four cells. No two of these cells are close.
 _HEAP = frozen(np.vstack([0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), 2.05 * np.tri(3)]))
 _HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [2, 2, 2]]))
@@ -236,9 +236,10 @@ def measures_representatives(join_cheaply: Callable) -> None:
 
 # ---- step 3 ------------------------------------------------------------------------------------
 
-# Five cells in a row, two steps apart. Each has three points, and the last has four, so that there
-# are more hosts than guests. The first points of neighbouring cells are too far apart. Other
-# points of these cells are close, except in the last two cells.
+# Five cells in a row, two steps apart. Each has three points, except the last, which has four. The
+# lesson's `on_floors` therefore returns more points in p than in q. The first points of
+# neighbouring cells are too far apart. Other points of these cells are close, except in the last
+# two cells.
 _IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
 _ROW = frozen(
     np.outer(np.append((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), 8.92), np.eye(3)[0])

@@ -97,7 +97,7 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=3,
-    title="Puts boxes around obstacles, not around road or nothing",
+    title="Puts boxes around obstacles, not around road or empty space",
     why="A car that brakes for the road itself is useless.",
     hint="Look from the side at the boxes that contain no obstacle. If the road rises above the "
     "ground level, use a plane (lesson 03), which rises with it. If they contain only a few "
@@ -109,7 +109,10 @@ def avoids_ghosts(detect_obstacles: Callable) -> None:
 
 
 def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
-    """Require the cars of a simple street, then assert objects of a kind on a climbing road."""
+    """Assert that the objects of a kind on a climbing road are in boxes.
+
+    Raise `NotYet` if even the cars in an ordinary street are not found.
+    """
     require_cars_found_in_frame(detect_obstacles, street_before())
     frame = climb(CLIMB_SEED)
     assert_kind_contained(detected(detect_obstacles, frame), kind, frame)
@@ -224,7 +227,7 @@ def ignores_rain(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=2,
-    title="Works with returns that are not a number, and with hundreds at (0, 0, 0)",
+    title="Works on scans with non-finite returns and with hundreds of returns at (0, 0, 0)",
     why="The scanner stores lost returns as such rows, and a stream must not stop because of them.",
     hint="Call drop_invalid first.",
 )
@@ -280,7 +283,7 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="Does not take a climbing road for an obstacle",
+    title="Does not mistake a climbing road for an obstacle",
     why="If a road climbs by 4 %, a fixed ground level leaves road in the cloud from 13 m ahead, "
     "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
 )
@@ -308,7 +311,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 
 @noted(
     "detect_obstacles",
-    title="Lists the four corners of the floor first, or those of the roof",
+    title="Lists the four floor corners first, or the four roof corners",
     why="The score card uses the first four corners as the ground that a box covers.",
 )
 def lists_the_floor_first(detect_obstacles: Callable) -> None:

@@ -1,4 +1,4 @@
-"""Visible checks of `match_boxes`; most of them wait until boxes are found after a small move."""
+"""Visible checks of `match_boxes`; most wait until boxes are found again after a small move."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
-# Four boxes, far from each other, that move by half a metre and come in another order.
+# Four boxes, far from each other, that move by half a metre and are then listed in another order.
 _ORDER = frozen(np.array([2, 0, 3, 1]))
 _BEFORE = frozen(cubes([[4, 1], [9, -3], [15, 2], [-6, -4]]))
 _AFTER = frozen(_BEFORE[_ORDER] + [-0.5, 0.1, 0.0])
@@ -105,7 +105,7 @@ def assert_matched(
     compared_rows: ArrayLike | slice = slice(None),
     given: str | None = None,
 ) -> None:
-    """Assert that the answer has the index of the right previous box for each current box.
+    """Assert that the answer contains the index of the right previous box for each current box.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def assert_matched(
 
 
 _SWAPPED_HINT = (
-    "Your pairs are right but the wrong way round: your entry k says which current box previous "
+    "Your pairs are right but the wrong way round: your entry k is the current box that previous "
     "box k became. Write answer[row] = column, with a row for each current box and a column for "
     "each previous box."
 )
@@ -216,7 +216,7 @@ def assert_limit_respected(
             f"There is no previous box, but current box {first} has a partner.", yours=brief(yours)
         )
     gap = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
-    text = "it has no partner" if expected[first] < 0 else "that is its partner"
+    text = "it has no partner" if expected[first] < 0 else "that box is its partner"
     raise CheckFailed(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m: {text}.",
@@ -229,7 +229,7 @@ def assert_limit_respected(
 
 @once
 def require_matching(match_boxes: Callable) -> None:
-    """Assert that boxes are found after a small move; raise `NotYet` if not."""
+    """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with needs("each box is found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
@@ -412,7 +412,7 @@ common_checks.untouched(
     _MOVED_CASE,
     "keeps_the_boxes_unchanged",
     why="The boxes of this frame are the previous boxes of the next frame.",
-    hint="Write infinity into your own table of distances, and nothing into the boxes.",
+    hint="Write infinity into your own table of distances. Do not write into the boxes.",
 )
 
 
@@ -458,7 +458,7 @@ def _right_partners(previous: np.ndarray, current: np.ndarray, max_distance: flo
 
 
 def _right_except(**answers: tuple) -> Callable:
-    """Return a prediction with these answers for the named calls, else the right answer."""
+    """Return a prediction: these answers for the named calls, the right answer for all others."""
     by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
@@ -505,7 +505,7 @@ mistakes(
         "Take the closest of all pairs first.",
     ),
     Mistake(
-        "max_distance is ignored: boxes are paired as long as both lists have free ones.",
+        "max_distance is ignored: boxes are paired as long as both lists have free boxes.",
         _right_except(
             rivals=(0, 1, 2, -1),
             far=(2, 0, 1),
@@ -517,8 +517,8 @@ mistakes(
         "Stop at the first pair that is farther apart than max_distance.",
     ),
     Mistake(
-        "Each current box takes the nearest previous box, however far it is and even if it has a "
-        "partner.",
+        "Each current box takes the nearest previous box, however far away it is and even if it "
+        "has a partner.",
         _right_except(
             rivals=(1, 1, 2, 2),
             crowd=(0, 0, 0),
@@ -532,8 +532,8 @@ mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Each previous box takes the nearest current box, however far it is, because max_distance "
-        "is ignored.",
+        "Each previous box takes the nearest current box, however far away it is, because "
+        "max_distance is ignored.",
         _right_except(
             merge=(2,),
             between=(1, 2),
@@ -582,7 +582,7 @@ mistakes(
         "Return one entry for each current box. The entries are rows of previous.",
     ),
     Mistake(
-        "Box k of one frame is taken for box k of the other.",
+        "Box k of one frame is matched with box k of the other.",
         lambda right, previous, current, max_distance: np.where(
             np.arange(len(current)) < len(previous), np.arange(len(current)), -1
         ),

@@ -112,9 +112,9 @@ def _assert_moved(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
-    hint="The distance is velocity times time. The shape of velocities is (N, 3), that of boxes "
-    "(N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a box "
-    "alike.",
+    hint="The distance is velocity times time. velocities has the shape (N, 3), and boxes has the "
+    "shape (N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a "
+    "box alike.",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
@@ -154,7 +154,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
 
 @visible(
     "predict_boxes",
-    title="Does not change boxes and velocities",
+    title="Does not change boxes or velocities",
     why="A later cell draws the boxes of the previous frame.",
     hint="boxes + ... creates new boxes. boxes += ... changes the input.",
 )
@@ -219,7 +219,8 @@ def _filtered(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return boxes and velocities corrected by an alpha-beta filter.
 
-    A box is z - (1 - gain) r, where z is the detected box and r its offset from the expected box.
+    A corrected box is z - (1 - gain) r. Here z is the detected box, and r is its offset from the
+    expected box.
     """
     offset = _mean_corners(found) - _mean_corners(expected)
     beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
@@ -286,8 +287,8 @@ def places_boxes_between(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Returns the found box, moved as a whole",
-    why="The size and heading of the found box were measured just now. The expected box has old "
-    "ones.",
+    why="The size and heading of the found box were measured just now. The expected box has an "
+    "old size and heading.",
     hint="Move all corners of found back by the same part of off: found - (1 - gain) * off[:, "
     "None].",
 )
@@ -559,7 +560,7 @@ def keeps_the_counts_unchanged(coast: Callable) -> None:
 
 
 def _counted_by(count: Callable) -> Callable:
-    """Return a prediction with another rule for the counts, and the tracks that they keep."""
+    """Return a prediction with another rule for the counts, which decide which tracks stay."""
 
     def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
         has_box = np.isin(np.arange(len(missed)), partners)
@@ -570,7 +571,7 @@ def _counted_by(count: Callable) -> Callable:
 
 
 def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:
-    """Count with -1 used as an index, which means the last track."""
+    """Return the counts if -1 is used as an index, which means the last track."""
     counts = missed + 1
     counts[partners] = 0
     return counts

@@ -1,7 +1,7 @@
 """Visible checks of lesson 13, which is optional: its functions give no points.
 
-Each function is judged as plain Python, with or without Numba. If Numba is installed, a note says
-whether the function compiles.
+Each function is checked as plain Python, with or without Numba. If Numba is installed, a note
+appears when the function does not compile.
 """
 
 # Import in the order of the lesson, because exercises are listed in the order of import.

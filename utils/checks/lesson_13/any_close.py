@@ -21,8 +21,8 @@ from utils.checks.failures import fixed
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
 # Rows 1 to 3 and rows 5 to 7 are the two cells. Their closest points, rows 3 and 7, are 0.51 m
-# apart; all other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell but closer
-# to both.
+# apart; all other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell, but they are
+# closer than 0.45 m to row 3 or row 7, so reading them changes an answer.
 _ROWS = frozen(
     np.array(
         [
@@ -39,7 +39,7 @@ _ROWS = frozen(
     )
 )
 _CELLS = 1, 4, 5, 8
-# Distances above and below that of the closest pair. Their squares are the limits.
+# One distance above and one below the distance of the closest pair. Their squares are the limits.
 _ABOVE, _BELOW = 0.6, 0.45
 
 

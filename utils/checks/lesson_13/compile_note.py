@@ -1,4 +1,4 @@
-"""Texts of the note that a function does not compile, for all functions of lesson 13."""
+"""Title and why of the note about functions that do not compile, for all of lesson 13."""
 
 COMPILES_TITLE = "Compiles with Numba and returns the same answer"
 COMPILES_WHY = (

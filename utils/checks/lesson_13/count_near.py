@@ -124,7 +124,7 @@ def _random_case(seed: int) -> tuple:
 
 
 def _counted_with(distance: Callable) -> Callable:
-    """Return the prediction of a count with another distance."""
+    """Return the prediction for a function that counts with another distance."""
     return lambda right, points, plane, tolerance: _count(points, plane, tolerance, distance)
 
 

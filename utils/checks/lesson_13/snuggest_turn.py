@@ -94,7 +94,7 @@ def finds_the_angle_anywhere(snuggest_turn: Callable) -> None:
 
 
 def _random_points(seed: int) -> np.ndarray:
-    """Return nine random points that spread slightly farther in one direction than across it."""
+    """Return nine random points that are spread slightly wider in one direction than across it."""
     rng = np.random.default_rng(seed)
     places = (rng.normal(size=(9, 2)) * [2.0, 1.4]) @ [1, 1j] * np.exp(1j * rng.uniform(0, np.pi))
     points = np.column_stack([places.real, places.imag, rng.normal(size=9)])
@@ -152,7 +152,7 @@ def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
 
 
 def _minimises(measure: Callable) -> Callable:
-    """Return the prediction of the angle at which another measure is smallest."""
+    """Return a function that predicts the angle at which another measure is smallest."""
     return lambda right, points: int(measure(points).argmin())
 
 

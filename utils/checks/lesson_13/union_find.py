@@ -156,7 +156,7 @@ def root_of_compiles(root_of: Callable) -> None:
 
 
 def _steps_up(steps: int) -> Callable:
-    """Return the prediction of the cell `steps` steps up, or of the root if it is closer."""
+    """Return a prediction: the cell `steps` steps up, or the root if the path is shorter."""
 
     def predicts(right: int, parent: np.ndarray, cell: int) -> int:
         path = _path(parent, cell)
