@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.classroom.item_analysis import common_messages, items_of, not_started
+from grader.classroom.item_analysis import common_messages, hardest_checks, items_of, not_started
 from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
@@ -247,6 +247,9 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     calls_a_stub = verdict("ed", [check(False, kind=MessageKind.NOT_STARTED, subject="voxel_grid")])
     assert not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
+    assert [item.tried for item in items_of([*empty, wrong])] == [1]
+    assert [(c.failed, c.tried) for c in hardest_checks([*empty, wrong])] == [(1, 1)]
+    assert "No check failed" in report(tmp_path, empty)
     other_verdicts = [
         verdict(name, [check(False)], f"{count} rows; at least 4 are wanted.")
         for name, count in (("eve", 2), ("flo", 3))

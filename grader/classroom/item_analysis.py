@@ -16,7 +16,7 @@ LEAST_STUDENTS = 20
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """How many students failed a check first, and how many have a result for its exercise."""
+    """How many students failed a check first, and how many have started its exercise."""
 
     lesson: str
     exercise: str
@@ -35,7 +35,7 @@ class Item:
     exercise, title : str
     visible : bool
     passed, tried : int
-        How many students passed the check, and how many have a result for it.
+        How many students passed the check, and how many have started its exercise.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None for
         fewer than `LEAST_STUDENTS` students, or if either quantity is the same for all students.
@@ -53,11 +53,11 @@ def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSu
     """Return the checks that most often failed first, hardest first.
 
     Each student counts once per exercise, with the first failure, because further failures may have
-    the same cause. An unchanged stub has no first failure.
+    the same cause.
     """
     tried, first_failures = Counter(), Counter()
     for verdict in verdicts:
-        for exercise in verdict.exercises:
+        for exercise in _started(verdict):
             tried[verdict.lesson, exercise.name] += 1
             first = next((test for test in exercise.tests if test.name == exercise.first), None)
             if first:
@@ -80,7 +80,7 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
     outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}
     tests = {}
     for verdict in verdicts:
-        for exercise in verdict.exercises:
+        for exercise in _started(verdict):
             for test in exercise.tests:
                 check = exercise.name, test.name
                 tests.setdefault(check, test)
@@ -112,6 +112,10 @@ def is_not_started(exercise: ExerciseResult) -> bool:
     return not exercise.first and exercise.name in stubs
 
 
+def _started(verdict: Verdict) -> list[ExerciseResult]:
+    return [exercise for exercise in verdict.exercises if not is_not_started(exercise)]
+
+
 def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
     """Return (exercise, number of students who have not started it), in the order of the course."""
     found = Counter(
@@ -128,8 +132,8 @@ def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[s
     students: dict[tuple[str, str], set[str]] = {}
     first_lines: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:
-        for exercise in verdict.exercises:
-            if exercise.cause and not is_not_started(exercise):
+        for exercise in _started(verdict):
+            if exercise.cause:
                 first = exercise.cause.splitlines()[0]
                 mistake = (exercise.name, without_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
