@@ -16,9 +16,9 @@
 # Both pictures show the same numbers. The upper one is how a scanner meets the street ahead: one row of dots for each of its laser beams. The lower one is what it reports: a list of points in space, a *point cloud*. Every lesson of this course is about making sense of that list.
 #
 # **After this lesson you can**
-# - say how a laser scanner makes a point, and what you gain from each of its parameters,
-# - treat a hundred thousand points with one line of NumPy instead of a loop, and measure what that gains,
-# - throw out the returns that are not points at all.
+# - explain how a laser scanner measures a point, and what each of its parameters changes,
+# - process a hundred thousand points with one line of NumPy instead of a loop, and measure how much faster that is,
+# - remove the returns that are not points.
 #
 # **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time). **You need** Python; a little NumPy helps, and what is used is explained.
 

@@ -16,9 +16,9 @@
 # Half of these points lie on a line. You see it at a glance. The best-known way of fitting a line, on the left, does not. RANSAC, on the right, does, by something that sounds like a bad idea: it tries lines at random.
 #
 # **After this lesson you can**
-# - find a line among points of which half are wrong, with an algorithm of a dozen lines,
-# - say how often it fails, and how many rounds it needs,
-# - name what real systems add to it.
+# - find a line although half of the points are wrong, with an algorithm of a dozen lines,
+# - say how often RANSAC fails, and how many rounds it needs,
+# - name what real systems add to RANSAC.
 #
 # **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time). **You need** Python and arrays. Nothing from lesson 01 is taken for granted.
 

@@ -17,8 +17,8 @@
 #
 # **After this lesson you can**
 # - describe a plane by four numbers and measure distances from it,
-# - find the ground among cars, walls and people with RANSAC, and notice when a wall has won,
-# - sharpen the plane, tell scatter from bias, and say how many rounds RANSAC needs.
+# - find the ground among cars, walls and people with RANSAC, and notice when it has found a wall instead,
+# - refine the plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
 #
 # **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). **You need** the idea of RANSAC from lesson 02. There is a place to stop half way. **Time:** (time).
 

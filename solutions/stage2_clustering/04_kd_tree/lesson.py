@@ -19,8 +19,8 @@
 #
 # **After this lesson you can**
 # - build a kd-tree, by hand on paper and in code,
-# - search it within a radius, and say for every branch why it was looked at or left out,
-# - balance it, and show by counting what you gain from balance.
+# - search it within a radius, and explain why each branch was visited or skipped,
+# - balance it, and show by counting how much work a balanced tree saves.
 #
 # **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time).
 

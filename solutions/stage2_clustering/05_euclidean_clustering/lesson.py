@@ -17,8 +17,8 @@
 # A scan is a list of points and says nothing about obstacles. A driver sees a lorry, two people, a wall. This lesson makes obstacles out of points with one rule: points that are close belong together, and so do all that a chain of close points joins.
 #
 # **After this lesson you can**
-# - turn a cloud into numbered obstacles with a queue and a distance,
-# - say what the threshold does, and why no threshold is right everywhere,
+# - turn a cloud into labelled obstacles with a queue and a distance threshold,
+# - explain what the threshold does, and why no threshold is right everywhere,
 # - predict from a measurement how long an algorithm will take on a full scan.
 #
 # **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time).

@@ -16,8 +16,8 @@
 # To a LiDAR, road and obstacle are the same: points. The road is where the car may go, so every point of it that stays in the cloud is an obstacle that is not there.
 #
 # **After this lesson you can**
-# - take the ground out of a scan with a single comparison, and say when that is not enough,
-# - thin a cloud to a fifth of its points, and say which objects gain by it and which lose.
+# - remove the ground from a scan with a single comparison, and say when that is not enough,
+# - thin a cloud to a fifth of its points, and say which objects benefit and which suffer.
 #
 # **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time).
 

@@ -14,9 +14,9 @@
 # A scan reaches 80 m in every direction, behind the houses and into the next street. Before a computer compares points with points, it should ask of each one: can you matter to me before I can stop?
 #
 # **After this lesson you can**
-# - keep what is near, with the right kind of distance, and say what a metre more costs,
+# - keep the points that are near, with the right kind of distance, and say what one more metre costs,
 # - cut a region of interest out of a street,
-# - find and remove [returns](#Words-of-the-course) that are no obstacles at all.
+# - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
 # **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **Time:** (time). **You need** boolean masks (lesson 01 or 06).
 

@@ -16,8 +16,8 @@
 # A [cluster](#Words-of-the-course) is hundreds of points, or thousands. A car that has to brake has no time to ask each of them whether it is in its way. It asks a box.
 #
 # **After this lesson you can**
-# - put a box around every obstacle, from six numbers to eight corners,
-# - say what such a box promises, and what it costs when a car stands diagonally.
+# - put a box around every obstacle, and compute its eight corners from six numbers,
+# - say what such a box guarantees, and what it costs when a car stands diagonally.
 #
 # **You write** `get_bounding_boxes` (points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 

@@ -16,7 +16,7 @@
 # Clustering gives every point a [cluster](#Words-of-the-course), even if the cluster is three drops of water. If each of them becomes a box, the car brakes for spray. If we throw away too much, it does not brake for a child.
 #
 # **After this lesson you can**
-# - take small clusters out of a labelled cloud, without disturbing the others,
+# - remove small clusters from a labelled cloud, without changing the others,
 # - say what a minimum size costs: which people it removes, and at which distance.
 #
 # **You write** `filter_clusters` (points). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05). **Time:** (time)

@@ -18,8 +18,8 @@
 #
 # **After this lesson you can**
 # - find out *where* an algorithm spends its time and its memory before you make it faster,
-# - cluster fifty thousand points exactly, in three steps: sure, cheap, exact,
-# - say why the answer is right, and build the input that breaks a careless short cut.
+# - cluster fifty thousand points exactly, in three steps that leave few pairs to compare,
+# - explain why the answer is right, and construct an input that breaks a careless shortcut.
 #
 # **You write** three small functions (checked, not graded by themselves), and from them `euclidean_clustering_accelerated` (points). **You need** lesson 05, and the idea of lesson 04 (not its code). **Time:** (time)
 

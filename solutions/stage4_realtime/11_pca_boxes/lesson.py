@@ -17,8 +17,8 @@
 # A box along the street around a car across the street is mostly air. In this lesson you turn the box. There are three ways to find out how far, and you will measure how far each can be trusted.
 #
 # **After this lesson you can**
-# - find the directions in which a cloud is longest and shortest, and know what their signs and their order are worth,
-# - put an upright, turned box around any cluster, with every point inside,
+# - find the directions in which a cloud is longest and shortest, and explain why their signs and their order are only conventions,
+# - put an upright, rotated box around any cluster, with every point inside,
 # - choose between principal axes, the smallest rectangle and the closest one, and say why.
 #
 # **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **Time:** (time). **You need** axis-aligned boxes (lesson 08) and matrix products.

@@ -16,9 +16,9 @@
 # So far you wrote one function at a time. Now they become a machine: a raw scan goes in, boxes with names come out, ten times a second.
 #
 # **After this lesson you can**
-# - build a detector out of your own functions, and say where its time goes,
-# - measure how good it is against the truth, and choose its parameters by that,
-# - follow obstacles from [frame](#Words-of-the-course) to frame under one name, also while they are out of sight.
+# - build a detector from your own functions, and say where its time goes,
+# - compare its boxes with the true boxes, and use the result to choose its parameters,
+# - follow obstacles from [frame](#Words-of-the-course) to frame under one name, even while they are hidden.
 #
 # **You write** `detect_obstacles` (points), `match_boxes` (points) and three small steps of a tracker (checked, not graded), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
 #
