@@ -1,7 +1,7 @@
 """Ready-made steps of a detector, so that you can drive with only one step of your own.
 
-The ready-made steps use libraries, and none of them solves an exercise. Replace any of them with your
-own function:
+The ready-made steps use libraries, and none of them solves an exercise. Replace any of them with
+your own function:
 
 >>> detect = chain(ground=lambda points: filter_ground(points, -1.2))
 >>> drive_street(6, detect)

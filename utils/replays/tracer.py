@@ -71,7 +71,7 @@ def record(
             raise RecordingComplete
         try:
             see(frame, event, value)
-        except Exception:  # an error of the observer must not affect the student's function
+        except Exception:  # an error in the observer must not affect the student's function
             sys.settrace(before)
             return None
         return look

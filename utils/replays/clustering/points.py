@@ -3,8 +3,8 @@
 import numpy as np
 
 THRESHOLD = 0.8
-# The seven points of the lesson and five more, with a chain that grows together from both ends
-# and a sign above the road.
+# The seven points of the lesson and five more. They include a chain that is visited from both ends
+# before its middle, and a sign above the road.
 POINTS = np.array(
     [
         [0.0, 0.0, 0.0, 0.1],
