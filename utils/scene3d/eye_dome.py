@@ -1,4 +1,4 @@
-"""Eye-dome lighting, which shows the shape of a cloud by darkening edges in depth.
+"""Eye-dome lighting, which shows the shape of a cloud by darkening depth edges.
 
 C. Boucheny, "Interactive scientific visualization of large datasets: towards a
 perceptive-based approach", PhD thesis, Université Joseph Fourier, 2009.

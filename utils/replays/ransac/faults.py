@@ -152,7 +152,7 @@ class Rounds:
         return Fault(step, f"{_count_in_words(best)}, more than any other, but {then}.")
 
     def _was_closest(self) -> bool:
-        """Return whether the winner has the lowest cost of MSAC, a method that the lesson mentions."""
+        """Return whether the winner has the lowest cost of MSAC, which the lesson mentions."""
         costs = {
             round_.number: np.sum(
                 np.minimum(gaps_from(self.task.xyz, round_.model), self.task.tolerance) ** 2
