@@ -34,7 +34,7 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
     ----------
     name : str or path
         A path relative to the working folder or, if it does not exist there, to the project's
-        ``data`` folder. In any format that `utils.clouds.read_cloud` supports.
+        ``data`` folder. The file may have any format that `utils.clouds.read_cloud` reads.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        The file is in neither folder, or malformed; the message gives the next step.
+        The file is in neither folder or is malformed; the message gives the next step.
     """
     path = Path(name).expanduser()
     for folder in (Path.cwd(), DATA):  # an absolute path overrides the folder
@@ -66,7 +66,7 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
     -------
     sequence of utils.simulator.frames.Frame
         A lazy sequence: each access reads a frame with ``cloud`` (n, 4), ``boxes``, ``time`` and
-        the truth of every return in ``scan``. The frames equal those of `utils.scenes`.
+        the truth of every return in ``scan``. `utils.scenes` returns equal frames.
 
     Raises
     ------

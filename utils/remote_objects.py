@@ -32,7 +32,7 @@ class RemoteStopped(Exception):
 
 @dataclass(frozen=True)
 class Observed:
-    """What was observed during one call.
+    """Observations made during one call.
 
     Attributes
     ----------

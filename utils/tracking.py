@@ -35,7 +35,7 @@ class Tracks:
     boxes : ndarray, shape (N, 8, 3)
         Estimated corners, in metres.
     velocities : ndarray, shape (N, 3)
-        Velocities in m/s, in the boxes' coordinate system, so relative to a moving scanner.
+        Velocities in m/s, in the boxes' coordinate system (relative to a moving scanner).
     missed : ndarray of int, shape (N,)
         Number of consecutive frames without a box, including this one.
     age : ndarray of int, shape (N,)

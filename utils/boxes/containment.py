@@ -32,7 +32,7 @@ def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     ----------
     points : ndarray, shape (n, 2)
     rectangle : ndarray, shape (4, 2)
-        Corners in cyclic order. Sides may have length 0; if both have, they point along the axes.
+        Corners in cyclic order. Sides may have length 0; if both do, they count as axis-aligned.
 
     Returns
     -------

@@ -1,6 +1,6 @@
-"""Broken versions of a student's functions, derived from the right ones without solutions.
+"""Broken versions of a student's functions; this file contains no solutions.
 
-A version calls the student's own function with other arguments, or changes its answer.
+A version calls the student's own right function with other arguments, or changes its answer.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Puzzle:
     columns : str
         Names of the columns of a cloud.
     example : numpy.ndarray
-        The cloud for the pictures.
+        The cloud that `show_broken` draws.
     versions : dict of str to Version
         Versions by letter.
     """

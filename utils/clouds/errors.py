@@ -28,7 +28,7 @@ def file_error(
     place : str
         Line or byte where reading stopped, for instance ``"line 7"``; may be empty.
     problem, advice : str
-        The value found and the value expected; the next step for the user.
+        The value found and the value expected, and the next step for the user.
     """
     where = f"{Path(name).name}, {place}" if place else Path(name).name
     return CloudFileError(f"{where}: {problem}.{' ' + advice if advice else ''}")
@@ -84,7 +84,7 @@ def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a temporary file and rename it, so that no other process ever sees half a file."""
+    """Write a file atomically, so that no other process ever reads half of it."""
     temporary = None
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:

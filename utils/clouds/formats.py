@@ -44,8 +44,8 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape (n, 3) or (n, 4)
-        x y z in metres, then intensity if the file has it. float32 if the file stores float32,
-        otherwise float64.
+        x y z in metres, then intensity if the file contains it. float32 if the file stores
+        float32, otherwise float64.
 
     Raises
     ------

@@ -8,7 +8,7 @@ one more length byte follows and is added to L.
 LONGEST_LITERAL = 32
 LONGEST_MATCH = 264
 FARTHEST_MATCH = 8192
-LARGEST_RATIO = LONGEST_MATCH / 3  # a reference of three bytes gives at most LONGEST_MATCH bytes
+LARGEST_RATIO = LONGEST_MATCH / 3  # a reference of three bytes copies at most LONGEST_MATCH
 
 
 def decompress(data: bytes, size: int) -> bytes:

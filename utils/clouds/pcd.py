@@ -1,6 +1,6 @@
 """PCD, the Point Cloud Library's format, version 0.7: ascii, binary and binary_compressed.
 
-Source of the format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
+Format specification: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 """
 
 import struct

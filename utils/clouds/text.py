@@ -39,7 +39,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        The text is not a cloud; the message names the first line that is not `EXPECTED`.
+        The text is not a cloud; the message names the first line that does not match `EXPECTED`.
     """
     lines = _characters(data, name).split("\n")
     first, names = _skip_header(lines)
@@ -207,7 +207,7 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
 
 
 def split_fields(line: str) -> list[str]:
-    """Split a line into fields, without its comment; no text between commas becomes ``""``."""
+    """Split a line into fields, without its comment; an empty field becomes ``""``."""
     line = COMMENT.split(line, maxsplit=1)[0].replace('"', "").strip()
     fields = SEPARATOR.split(line) if line else []
     return fields[:-1] if fields and not fields[-1] else fields

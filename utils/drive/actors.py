@@ -1,6 +1,6 @@
 """Road users that do something unexpected: step off the kerb, cross the road or brake.
 
-An actor begins when the ego car reaches a given place, so slow and fast cars both meet it.
+An actor begins to act when the ego car reaches a given place, so slow and fast cars both meet it.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ class Actor:
     begins : float
         Position of the ego car's scanner along the road, in metres, at which the actor begins.
     speeds : tuple of (float, float)
-        Seconds since the actor began, and its speed then in m/s. The speed is interpolated
-        linearly in between, and constant after the last entry.
+        Pairs of the seconds since the actor began and its speed at that time in m/s. The speed is
+        interpolated linearly in between, and constant after the last pair.
     """
 
     obstacle: Obstacle

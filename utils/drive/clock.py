@@ -20,7 +20,7 @@ REMEMBERED = 5
 
 
 class Clock:
-    """Measures the processor time of calls, converted to that of the reference machine.
+    """Measures the processor time of calls, converted to time on the reference machine.
 
     The constructor times a fixed piece of work to determine how fast this machine is. The time of
     all threads counts.

@@ -107,9 +107,10 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
 
 
 def _decisive(drive: Drive, first: int, last: int) -> int:
-    """Return the moment of a braking event whose cause explains it.
+    """Return the index of the moment whose cause explains a braking event.
 
-    A thing that overlaps the ego car comes first, because it keeps the car from driving on.
+    A thing that overlaps the ego car has priority, because it keeps the car from driving on.
+    Without such a thing, the first moment explains the event.
     """
     for moment in drive.moments[first : last + 1]:
         cause = moment.decision.cause

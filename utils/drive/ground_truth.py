@@ -19,7 +19,7 @@ ENOUGH = 5
 
 
 def true_boxes(frame: Frame) -> np.ndarray:
-    """Return the boxes (N, 8, 3) of all visible objects, which a perfect detector would return."""
+    """Return the boxes (N, 8, 3) of all visible objects, like a perfect detector."""
     seen = [box.corners for box in frame.boxes if box.returns >= ENOUGH]
     return np.reshape(seen, (-1, 8, 3)).astype(float)
 

@@ -76,7 +76,7 @@ class Moment:
 
     @property
     def brakes(self) -> bool:
-        """Whether the planner brakes, rather than only waits or follows."""
+        """Whether the planner brakes, rather than merely waiting or following."""
         return self.decision.cause is not None and self.decision.acceleration < -1.0
 
 

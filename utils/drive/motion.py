@@ -5,8 +5,8 @@ of the regression coefficient based on Kendall's tau", 1968). A box that grows o
 for example when two objects come close to each other, therefore does not change the speed.
 
 Sideways, the centre of a box is misleading. When a car is split for a few scans, one side of its
-box stays in place and the other comes nearer. The sideways speed is therefore the slower side's,
-and 0 if the sides move in opposite directions.
+box stays in place and the other comes nearer. The speed of the slower side is therefore used, or 0
+if the sides move in opposite directions.
 """
 
 from __future__ import annotations

@@ -166,7 +166,7 @@ def needed_room(thing: Thing, speed: float) -> float:
 
 
 def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
-    """Return the gap in metres from the bumper to a thing; infinite if it stays off the corridor.
+    """Return the gap in metres from the bumper to a thing; infinite if outside the corridor.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
 
 
 def reach(thing: Thing, speed: float) -> float:
-    """Return how many metres a thing in the corridor reaches over the ego car from the front.
+    """Return by how many metres a thing in the corridor overlaps the ego car from the front.
 
     Return 0 if the thing begins ahead of the bumper, or extends more than STANDSTILL metres ahead
     of the bumper.

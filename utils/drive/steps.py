@@ -92,7 +92,7 @@ def _ahead(points: np.ndarray) -> np.ndarray:
 
 
 def _above_road(points: np.ndarray) -> np.ndarray:
-    """Keep points more than 0.3 m from a plane, fitted repeatedly to the low points near it."""
+    """Keep points more than 0.3 m from a plane, which is refitted to the low points near it."""
     near = points[:, 2] < -1.0
     for tolerance in (0.6, 0.3, 0.2):
         if near.sum() < 3:

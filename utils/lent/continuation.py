@@ -61,7 +61,7 @@ class Continuation:
     namespace : dict
         The notebook's namespace.
     cells : sequence of str
-        `key_of_cell` of each code cell of the lesson, in order.
+        Keys of the lesson's code cells from `key_of_cell`, in order.
     show : callable
         The shell's own `showtraceback`.
     """

@@ -73,7 +73,7 @@ def rng_states(arguments: tuple, keywords: dict) -> list:
 
 
 def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
-    """Set the generators among the arguments to the states after the recorded call."""
+    """Set the generators among the arguments to their states after the recorded call."""
     for generator, state in zip(_generators(arguments, keywords), states, strict=False):
         generator.bit_generator.state = state
 

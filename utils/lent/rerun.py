@@ -79,7 +79,7 @@ def plan(
     broken : collection of int
         Positions of cells that failed; their statements count as not run.
     include_changed : bool
-        Whether to recompute the arguments of these functions, which may have written into them.
+        Whether to recompute the arguments of functions in question, which may have changed them.
     """
     statements = slicing.parse_notebook(cells)[0]
     callables = {name for names in callers.values() for name in names}

@@ -2,8 +2,8 @@
 
 An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
 or swaps two operands, arguments or statements. It may also add or remove a call, an index or a
-name, or move a statement. Most edits can be undone by another edit, but no edit invents a whole
-statement or a term that is not in the function.
+name, or move a statement. Another edit can usually undo it, but no edit invents a whole statement
+or a term that is not in the function.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
 write such rules for each exercise, and let a solver compare the result with a model answer. Here
@@ -158,7 +158,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Yield the block with a final return of a name or a part of an argument, if it has none."""
+    """Yield a block without a final return with one: of a name, or of a part of an argument."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:

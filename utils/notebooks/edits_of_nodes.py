@@ -280,7 +280,7 @@ def _operators(
 def _of_comparison(
     source: SourceText, node: ast.Compare, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Change the operator, drop the comparison, or repeat one side with another name."""
+    """Change the operator, drop the comparison, or replace a side with a copy of the other."""
     yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     if len(node.ops) > 1:
         return
@@ -563,7 +563,8 @@ def _wrapped(
             yield 2, begin, end, f"~{inner}"
         for wrap in _WRAPS:
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
-        number = isinstance(node, (ast.BinOp, ast.Name))  # arrays rarely lose their sign
+        # Students rarely lose the sign of an array.
+        number = isinstance(node, (ast.BinOp, ast.Name))
         yield 1 if placed and number else 3, begin, end, f"(-{inner})"
         yield 3, begin, end, f"(1 - {inner})"
         for part in _SLICES if atom and placed else ():

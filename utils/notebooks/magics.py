@@ -44,7 +44,7 @@ def parse_cell(source: str) -> ast.Module:
 
 
 class _MagicsRemover(ast.NodeTransformer):
-    """Replaces calls of IPython's methods, which magics are translated into, with `None`."""
+    """Replaces the calls into which IPython translates magics with `None`."""
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if ast.unparse(node.func).startswith("get_ipython()."):

@@ -245,7 +245,8 @@ STEPS: tuple[Callable[[_Draft], str], ...] = (
 def _cell(cell: dict, old: bool) -> Cell:
     kind = cell.get("cell_type")
     if kind not in ("code", "markdown", "raw"):
-        # nbformat 3 also has "heading" and "html". A cell without a type may look like code.
+        # nbformat 3 also has the types "heading" and "html". A cell without a type counts as code
+        # if it has an input or outputs.
         runs = kind is None and ("outputs" in cell or "input" in cell)
         kind = "code" if runs else "raw" if kind == "html" else "markdown"
     places = ("input", "source") if old and kind == "code" else ("source", "input")

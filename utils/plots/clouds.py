@@ -52,7 +52,7 @@ def from_above(
         Values that the colours show; by default the height.
     span : (float, float), optional
         Values at both ends of the colour scale. For heights the default is -2 and 2 m, so that a
-        car has the same colours in all figures; for other values, percentiles 1 and 99.
+        car has the same colours in all figures; for other values, it is percentiles 1 and 99.
     label : str, optional
         Name and unit of `values`, written next to the colour bar.
     title : str, optional
@@ -147,7 +147,7 @@ class Group(NamedTuple):
     marker, colour : str
         In matplotlib's notation.
     strong : bool
-        Draw the points larger, and never thin them.
+        Whether to draw the points larger and never thin them.
     """
 
     name: str
@@ -284,7 +284,7 @@ def _coloured(
 
 
 def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple[float, float, str]:
-    """Return both ends of the colour scale, and the ends beyond which there are values.
+    """Return both ends of the colour scale, and which of the ends some values exceed.
 
     By default, the scale covers percentiles 1 to 99, so that a few stray values do not use up the
     colours.

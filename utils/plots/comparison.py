@@ -136,7 +136,7 @@ def worst(
 
 
 def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
-    """Return a region (2, 2) around points, with a margin of a quarter or at least 2 metres.
+    """Return a region (2, 2) around points, with a margin of a quarter of its size or 2 metres.
 
     Without finite points, return the coordinates unchanged.
     """

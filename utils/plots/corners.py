@@ -95,8 +95,8 @@ def boxes(
 def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | None = None) -> Axes:
     """Draw one box at an angle, with the row number of each corner.
 
-    The order of the corners does not affect the edges: the four lowest corners form the floor. So
-    a wrong order appears as wrong numbers on a correct box.
+    The order of the corners does not affect the edges: the four lowest corners form the floor. A
+    wrong order therefore appears as wrong numbers on a correct box.
 
     Parameters
     ----------

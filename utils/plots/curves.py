@@ -104,7 +104,7 @@ def curves(
     theory : dict of str to (x, y)
         One line per name.
     measured : dict of str to (x, y), optional
-        One set of markers per name; it has the colour of the line with the same name in `theory`.
+        One set of markers per name. A name that is also in `theory` has the same colour in both.
     across, up : str, optional
         Names and units of the x axis and the y axis.
     title : str, optional

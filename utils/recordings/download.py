@@ -102,7 +102,7 @@ def _append_rest(url: str, part: Path) -> None:
     try:
         response = urllib.request.urlopen(request, timeout=TIMEOUT)
     except urllib.error.HTTPError as error:
-        if error.code == 416 and present:  # nothing is left: complete, or another file
+        if error.code == 416 and present:  # no bytes left: complete, or another file
             if error.headers.get("Content-Range", "").endswith(f"*/{present}"):
                 return
             part.unlink()

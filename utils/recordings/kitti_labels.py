@@ -86,9 +86,9 @@ def read_object_labels(path: str | os.PathLike, calibration: Calibration) -> tup
     Returns
     -------
     tuple of utils.boxes.Box
-        Boxes in sensor coordinates. The kind is KITTI's class in lower case; the identity counts
-        the objects from 0. The velocity is NaN and the number of returns 0, because the file does
-        not contain them. Regions marked DontCare are left out.
+        Boxes in sensor coordinates. The kind is KITTI's class in lower case; the identity is the
+        object's index, from 0. The velocity is NaN and the number of returns 0, because the file
+        does not contain them. Regions marked DontCare are left out.
 
     Raises
     ------

@@ -179,7 +179,8 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     height, width, step = message.height, message.width, message.point_step
     if height * width == 0:
         return np.empty((0, len(wanted)), precision)
-    row_step = step * width if height == 1 else message.row_step  # may be missing for one row
+    # Some drivers omit `row_step` for a single row.
+    row_step = step * width if height == 1 else message.row_step
     ends = [fields[field].offset + kind.itemsize for field, kind in zip(wanted, kinds, strict=True)]
     if (
         max(ends) > step

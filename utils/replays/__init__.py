@@ -1,6 +1,6 @@
 """Step-by-step replay of your own function: ``replay(my_function)`` in a notebook.
 
-The run of the unchanged function is recorded, in whatever style it is written. The player shows the
+The function is run and recorded unchanged, in whatever style it is written. The player shows the
 run step by step and begins at the first mistake. It reports only mistakes that are certain.
 """
 

@@ -59,7 +59,7 @@ def record(
     arguments : tuple
         Arguments, which are passed on without copying.
     see : callable
-        Takes a frame of the notebook, an event and its value, like the argument of `sys.settrace`.
+        Takes a frame of the notebook, an event and its value, like a trace function of `sys`.
         It raises `RecordingComplete` to end the run; any other exception ends only the recording.
     """
     home, due = getattr(function, "__globals__", None), time.process_time() + SECONDS

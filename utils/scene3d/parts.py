@@ -133,7 +133,7 @@ class Drawable(Protocol):
     switches : dict of str to bool
         For each layer, whether it is on.
     all_parts, parts : tuple of Part
-        All parts, and those whose layers are on.
+        All parts, and the parts whose layers are on.
     """
 
     title: str

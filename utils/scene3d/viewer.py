@@ -22,7 +22,7 @@ from utils.scene3d.lettering import legend_of
 from utils.scene3d.parts import LAYERS, Drawable, Faces, Label, Points, Segments, dot_size
 
 MOST_POINTS = 20_000
-STEPS = 65_535  # per axis, the most in 16-bit integers: 3 mm in a cloud of 200 m
+STEPS = 65_535  # per axis, the most that 16 bits allow; 3 mm in a cloud of 200 m
 
 OWN = "Chosen"
 

@@ -68,7 +68,7 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
     """Estimate how much of each obstacle is hidden behind others, from 0 to 1.
 
     The estimate uses the returns from obstacles in the direction of a box, as seen from the
-    sensor. It is the share of them that comes from other obstacles in front of the box.
+    sensor. It is the share of these returns that comes from other obstacles in front of the box.
 
     Parameters
     ----------

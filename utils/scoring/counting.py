@@ -159,8 +159,8 @@ def score_stream(
 ) -> Score:
     """Score a tracker over a stream, including its identity switches.
 
-    An obstacle keeps the label that it had last while their boxes overlap enough, even if another
-    box overlaps a little more. A switch is counted whenever an obstacle is found with a
+    An obstacle keeps its last label while the two boxes overlap enough, even if another box
+    overlaps a little more. A switch is counted whenever an obstacle is found with a
     different label than the last time (CLEAR MOT).
 
     Parameters

@@ -63,7 +63,7 @@ def _middle(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
 def elevation_limits(
     lowest: float, highest: float, nearest: float, farthest: float
 ) -> tuple[float, float]:
-    """Return the range of elevations in radians of these heights at these distances in metres."""
+    """Return the lowest and highest elevation, in radians, of an object with these limits."""
     return (
         math.atan2(lowest, nearest if lowest < 0 else farthest),
         math.atan2(highest, nearest if highest > 0 else farthest),

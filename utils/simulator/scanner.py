@@ -80,7 +80,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     """
     rays = ray_directions(sensor)
     rng = np.random.default_rng(seed)
-    # Random numbers are drawn for every ray, so that a hit does not change those of later rays.
+    # Random numbers are drawn for every ray, so that hits do not change the numbers of other rays.
     shape = rays.shape[1:]
     noise, flicker = rng.standard_normal(shape), rng.standard_normal(shape)
     luck, penetration = rng.random(shape), rng.standard_exponential(shape)
@@ -159,7 +159,7 @@ def _nearest(
     sources: list[tuple[str, int, Solid]],
     penetration: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return, for every ray, the solid that it hits first (-1: ground), distance and cosine."""
+    """Return, for every ray, the index of the first solid (-1: ground), distance and cosine."""
     distance, cosine = world.ground.crossings(rays, sensor.origin)
     hits = np.full(distance.shape, -1, dtype=np.int32)
     for index, (_, _, solid) in enumerate(sources):

@@ -111,7 +111,7 @@ def as_labels(answer: object) -> list | None:
 def labels_among(
     tracks: list[VariableTrack], returned: object, answer: list | None
 ) -> VariableTrack | None:
-    """Find the variable with the labels: the returned one, or one that ends with its groups."""
+    """Find the variable with the labels: the returned one, or one with the same final groups."""
     changing = [track for track in tracks if len({state for _, state, _ in track.states}) > 1]
     for track in changing:
         if track.last is returned:

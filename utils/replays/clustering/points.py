@@ -3,8 +3,8 @@
 import numpy as np
 
 THRESHOLD = 0.8
-# The seven points of the lesson and five more. They include a chain whose middle comes after both
-# of its ends, and a sign above the road.
+# The seven points of the lesson and five more. They include a chain whose middle point comes last,
+# and a sign above the road.
 POINTS = np.array(
     [
         [0.0, 0.0, 0.0, 0.1],
