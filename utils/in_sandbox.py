@@ -21,7 +21,7 @@ INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn", "tqdm")
 ABSENT = (
     "the judge has only Python itself, NumPy, SciPy, Matplotlib, Shapely, scikit-learn and tqdm"
 )
-"""Why a module is missing, for messages of `check` and of the judge."""
+"""Reason why a module is missing, for messages of `check` and of the judge."""
 
 CALL_SECONDS = 10.0
 """Seconds of work after which the judge stops an answer."""

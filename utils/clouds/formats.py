@@ -16,7 +16,7 @@ from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):
-    """Functions that turn the bytes of a file into a cloud and back."""
+    """Functions that convert the bytes of a file to a cloud and back."""
 
     decode: Callable[[bytes, str], np.ndarray]
     encode: Callable[[np.ndarray], bytes]

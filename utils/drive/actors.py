@@ -76,7 +76,7 @@ def child(x: float, speed: float) -> Actor:
 
 
 def adult(x: float, speed: float, side: int = -1, pace: float = 1.39) -> Actor:
-    """Return an adult who crosses at 5 km/h by default; `side` is the kerb, 1 left or -1 right."""
+    """Return an adult who crosses, by default at 5 km/h, from the left (1) or right kerb (-1)."""
     return crossing(pedestrian(1.75, 0.3), x, side * 5.2, pace, speed)
 
 

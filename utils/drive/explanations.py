@@ -42,7 +42,7 @@ AROUND = 10
 """Moments before and after the start of braking in which a real object justifies it."""
 
 WIDER, FARTHER = 0.3, 1.3
-"""The tolerance: metres added on either side of the corridor, and a factor for the distance."""
+"""Tolerance: metres added to the corridor on either side, and a factor for the distance."""
 
 LOOKING_BACK = 30
 """Number of scans that are examined to explain a collision."""

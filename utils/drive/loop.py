@@ -27,7 +27,7 @@ from utils.simulator.world import World
 from utils.tracking import Tracker
 
 ROLLING = 0.3
-"""Speed in m/s above which contact is a collision; others may walk into a car that stands still."""
+"""Speed in m/s above which contact is a collision; others may walk into a standing car."""
 
 NO_BOXES = np.empty((0, 8, 3))
 

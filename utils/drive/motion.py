@@ -28,13 +28,13 @@ PATIENCE = 3
 """Number of consecutive scans for which a track is kept without a box."""
 
 WINDOW, OLD_ENOUGH = 7, 4
-"""Number of places from which a speed is estimated, and the minimum; before that it is 0."""
+"""Most and fewest places from which a speed is estimated; with fewer, the speed is 0."""
 
 SLOWEST = 0.5
-"""Smallest speed in m/s that counts; a smaller one is noise of the box."""
+"""Smallest speed in m/s that counts; anything slower is noise in the box."""
 
 STEADY = 0.5
-"""Largest spread of the speeds, as a share of their median; above it the speed is 0."""
+"""Largest spread of the speeds, as a share of their median; if it is larger, the speed is 0."""
 
 Place = tuple[float, float, float, float]
 

@@ -47,7 +47,7 @@ SCANNER = Sensor(
 """Like `hdl64` with a third of its returns, so that a drive can be simulated in real time."""
 
 BEHIND, AHEAD = -12.0, 50.0
-"""Range of the simulated objects in metres, relative to the car: slightly more than it must see."""
+"""Range of simulated objects relative to the car, in metres; slightly more than it must see."""
 
 
 @dataclass(frozen=True, eq=False)

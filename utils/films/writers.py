@@ -122,7 +122,7 @@ def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}
-"""Functions that write a film, by the suffix of its file."""
+"""Functions that write a film, by file suffix."""
 
 
 def write_film(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:

@@ -20,7 +20,7 @@ PATIENCE = 5  # the limit of wall-clock time is this many times SECONDS
 
 
 class RecordingComplete(BaseException):
-    """Ends the function. It is not an `Exception`, because student code may catch those."""
+    """Signal to end the function; not an `Exception`, because student code may catch those."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 STRENGTH = 1.1
 DARKEST = 0.5
-"""Lowest share of its brightness that a colour keeps, so that its meaning remains clear."""
+"""Smallest share of its brightness that a colour keeps, so that its meaning remains clear."""
 
 NEIGHBOURS = ((0, 1), (1, 0), (0, 2), (2, 0))
 

@@ -1,4 +1,4 @@
-"""Angles that shapes cover, seen from the origin, to select the rays that may hit them."""
+"""Compute the angles that shapes cover from the origin, to select the rays that may hit them."""
 
 from __future__ import annotations
 

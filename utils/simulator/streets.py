@@ -34,7 +34,7 @@ LANE, PARKED, FURNITURE, WALKERS, FRONTS = 1.6, 3.95, 5.6, 7.0, 8.3
 
 ROAD_WIDTH = 10.0
 EGO_LANE = -1.2
-"""y of the ego car, in metres, which leaves it enough distance from the parked cars."""
+"""y of the ego car in metres, far enough from the parked cars."""
 
 
 @dataclass(frozen=True)
