@@ -25,7 +25,7 @@ _MODULE_OF = {
     "replay": "utils.replays",
     "write_cloud": "utils.clouds",
 }
-# Modules that have moved. Notebooks released to students earlier import the old names.
+# Old names of moved modules, which notebooks released earlier still import.
 _MOVED = {
     "ground": "utils.simulator.ground",
     "recording": "utils.films",
@@ -89,7 +89,7 @@ sys.meta_path.append(_MovedModules)
 
 
 def health() -> str:
-    """Return one line that says whether this machine is ready for the course."""
+    """Return a one-line report on whether this machine is ready for the course."""
     import platform
     from importlib import metadata, util
     from pathlib import Path

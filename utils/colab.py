@@ -1,7 +1,7 @@
-"""Installation of PyVista in Google Colab, without changes to the packages already there.
+"""Install PyVista in Google Colab without changing the packages already there.
 
 Colab comes with NumPy, SciPy, matplotlib, IPython and ipywidgets, in versions that Colab itself
-relies on. Notebooks of the course run with these versions. Only `utils.scene3d` needs PyVista.
+relies on. The course's notebooks run with these versions. Only `utils.scene3d` needs PyVista.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def install_pyvista() -> str:
     Returns
     -------
     str
-        The error message of pip; empty if the installation succeeded.
+        pip's error message; empty if the installation succeeded.
     """
     print("Installing PyVista, once in a session: about half a minute.", flush=True)
     with tempfile.TemporaryDirectory() as folder:

@@ -28,13 +28,13 @@ SCENES = {"highway": "highway", "city": "city_block", "cyclist": "cyclist"}
 
 
 def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
-    """Load a point cloud: the course's own, or one of your files.
+    """Load the course's point cloud or one of your own files.
 
     Parameters
     ----------
     name : str or path
         A path relative to the working folder or, if it does not exist there, to the project's
-        ``data`` folder. Any format of `utils.clouds.read_cloud`.
+        ``data`` folder. The file may have any format that `utils.clouds.read_cloud` reads.
 
     Returns
     -------
@@ -44,29 +44,29 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        The file is in neither folder, or malformed; the message gives the next step.
+        The file is in neither folder or is malformed; the message gives the next step.
     """
     path = Path(name).expanduser()
-    for folder in (Path.cwd(), DATA):  # an absolute path stays as it is
+    for folder in (Path.cwd(), DATA):  # an absolute path overrides the folder
         if os.path.exists(folder / path):
             return read_cloud(folder / path)
     raise missing_file(path, [Path.cwd(), DATA], SUFFIXES)
 
 
 def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
-    """Load a simulated sequence; the first call makes its frames, later calls use the cache.
+    """Load a simulated sequence; the first call simulates its frames, later calls use the cache.
 
     Parameters
     ----------
     name : {"highway", "city", "cyclist"}
     seed : int
-        Seed of the street.
+        Random seed for the street.
 
     Returns
     -------
     sequence of utils.simulator.frames.Frame
         A lazy sequence: each access reads a frame with ``cloud`` (n, 4), ``boxes``, ``time`` and
-        the truth of every return in ``scan``. The frames equal those of `utils.scenes`.
+        the truth of every return in ``scan``. `utils.scenes` returns equal frames.
 
     Raises
     ------
@@ -83,12 +83,12 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
     missing = [index for index in range(len(frames)) if not frames.path(index).exists()]
     for index in progress(missing, f"Making the sequence {name}") if missing else ():
         if not _write_frame(stream[index], frames.path(index)):
-            break  # the disk is full or read-only, so frames are made when they are accessed
+            break  # the disk is full or read-only, so frames are simulated on access
     return frames
 
 
 def fetch_recording(name: str) -> Recording:
-    """Fetch a real recording once; an interrupted download resumes.
+    """Open a real recording; the first call downloads it, and resumes an interrupted download.
 
     The recordings are not part of this project. Their licence is shown before the first download.
 
@@ -118,19 +118,19 @@ def cache_folder() -> Path:
     """Return the folder of cached data: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
     if folder := os.environ.get("LIDAR_LAB_CACHE"):
         return Path(folder).expanduser()
-    import platformdirs  # pooch has the same function, but Colab may lack it
+    import platformdirs  # pooch has the same function, but Colab may lack pooch
 
     return Path(platformdirs.user_cache_dir("lidar-obstacle-lab"))
 
 
 @dataclass(frozen=True)
 class CachedFrames(Sequence):
-    """A lazy sequence of frames cached in files; a missing or damaged frame is made again.
+    """A lazy sequence of frames cached in files; a missing or damaged frame is simulated again.
 
     Attributes
     ----------
     stream : sequence of utils.simulator.frames.Frame
-        Source that makes the frames.
+        Source that simulates the frames.
     folder : Path
         Folder with one file per frame.
     numbers : range
@@ -145,7 +145,7 @@ class CachedFrames(Sequence):
         return len(self.numbers)
 
     def __getitem__(self, index: int | slice) -> Frame | CachedFrames:
-        """Read frame `index`; a slice gives another lazy sequence."""
+        """Read frame `index`, or return a lazy sequence for a slice."""
         if isinstance(index, slice):
             return CachedFrames(self.stream, self.folder, self.numbers[index])
         path = self.path(index)
@@ -162,14 +162,14 @@ class CachedFrames(Sequence):
 
 
 def _simulator_version() -> str:
-    """Return a hash of the simulator's code; if the code changes, the frames are made again."""
+    """Return a hash of the simulator's code, so that a change to the code invalidates the cache."""
     folder = Path(__file__).parent / "simulator"
     code = b"".join(path.read_bytes() for path in sorted(folder.glob("*.py")))
     return hashlib.sha256(code).hexdigest()[:12]
 
 
 def _write_frame(frame: Frame, path: Path) -> bool:
-    """Write a frame to the cache; return whether that was possible."""
+    """Write a frame to the cache; return whether this succeeded."""
     buffer = io.BytesIO()
     truth = {"time": frame.time, "boxes": [asdict(box) for box in frame.boxes]}
     arrays = {field.name: getattr(frame.scan, field.name) for field in fields(frame.scan)}

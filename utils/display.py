@@ -1,4 +1,4 @@
-"""Output that appears as HTML in a notebook and as text everywhere else."""
+"""Show output as HTML in a notebook and as text everywhere else."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
 
 def shell() -> InteractiveShell | None:
-    """Return the running IPython shell; None in plain Python."""
-    # A running IPython has already been imported. Importing it here would be slow.
+    """Return the running IPython shell, or None in plain Python."""
+    # If IPython is running, it is already imported. Importing it here would be slow.
     ipython = sys.modules.get("IPython")
     return ipython.get_ipython() if ipython else None
 

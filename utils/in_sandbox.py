@@ -21,7 +21,7 @@ INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn", "tqdm")
 ABSENT = (
     "the judge has only Python itself, NumPy, SciPy, Matplotlib, Shapely, scikit-learn and tqdm"
 )
-"""Why a module is missing, for messages of `check` and of the judge."""
+"""Reason why a module is missing, for messages of `check` and of the judge."""
 
 CALL_SECONDS = 10.0
 """Seconds of work after which the judge stops an answer."""
@@ -35,13 +35,13 @@ FILES = tuple(sorted(DATA.glob("*.txt")))
 
 
 def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
-    """Read a cloud of the working folder or of the course, as `utils.load_cloud` does."""
+    """Read a cloud from the working folder or the course, like `utils.load_cloud`."""
     path = Path(name).expanduser()
     return read_cloud(path if os.path.exists(path) else DATA / path)
 
 
 def read_cloud(path: str | os.PathLike) -> np.ndarray:
-    """Read a cloud, as `utils.read_cloud` does."""
+    """Read a cloud, like `utils.read_cloud`."""
     from utils.clouds import read_cloud
 
     return read_cloud(path)

@@ -1,4 +1,4 @@
-"""Setup for notebooks; the first cell calls it after it has found the course folder."""
+"""Set up a notebook; its first cell calls `begin` after finding the course folder."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from utils.tracebacks import hide_course_frames
 
 # Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue by half
 # a turn, so that blue stays blue. The first two selectors are for JupyterLab, the last for VS Code.
-# An exported page shows cells that a notebook folds. The style reduces such a cell to one line,
-# which the reader can drag open. Code is wrapped in exported pages, and in JupyterLab on a phone,
+# An exported page shows cells that a notebook folds. The style shrinks such a cell to one line,
+# which readers can drag open. Code is wrapped in exported pages, and in JupyterLab on a phone,
 # where only 43 of up to 100 columns fit.
 STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
@@ -34,7 +34,7 @@ def begin(number: str) -> None:
     """Check the installation and prepare the notebook for a lesson.
 
     Without ipywidgets, sliders are replaced by static ones. In a notebook, styles for dark themes
-    are added. Tracebacks are shortened, and stored answers to earlier lessons become available.
+    are added. Tracebacks are shortened, and stored answers for the lesson become available.
 
     Parameters
     ----------

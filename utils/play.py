@@ -91,7 +91,7 @@ def open_programme(
     frames : int, optional
         Number of frames to play; by default all.
     seed : int
-        Seed of a simulated scene; each seed gives a different street.
+        Random seed for a simulated scene; each seed gives a different street.
     topic : str, optional
         Topic to read from a ROS recording with several topics of clouds.
 

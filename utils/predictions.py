@@ -8,7 +8,7 @@ from html import escape
 
 from utils.display import show
 
-# Guesses by question, so that running a cell again keeps them.
+# Guesses by question. They survive when a cell is run again.
 _GUESSES: dict[str, float | str] = {}
 
 
@@ -32,7 +32,7 @@ class Prediction:
         answer : float or str
             One of the choices if there are any, else a number in the unit of the question.
         why : str
-            An explanation, which is folded at first.
+            An explanation, folded at first.
 
         Raises
         ------
@@ -61,7 +61,7 @@ def as_html_and_text(question: str, rows: dict[str, str], why: str) -> tuple[str
     rows : dict of str to str
         Texts to show next to each other, by their labels.
     why : str
-        An explanation, which is folded at first.
+        An explanation, folded at first.
     """
     text = "\n".join([question, *(f"{row}: {value}" for row, value in rows.items()), why])
     cells = "".join(
@@ -91,9 +91,9 @@ def predict(
     ----------
     question : str
     choices : sequence of str, optional
-        Show these choices.
+        Choices to show.
     between : (float, float), optional
-        Show a slider between two numbers. Without it, and without choices, you type a number.
+        Ends of a slider to show. Without a slider or choices, you type a number.
     step : float
         Step of the slider.
     unit : str

@@ -1,8 +1,8 @@
 """Base classes for proxies of functions and objects in another process.
 
 In a notebook, a check receives the student's own function. In the judge, it receives a proxy that
-forwards each call to the sandbox. Both can be called alike. Some checks need more than the result,
-such as the arguments after the call. A proxy makes such observations in the other process.
+forwards each call to the sandbox. A check calls both in the same way. Some checks need more than
+the result, such as the arguments after the call. A proxy observes them in the other process.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ ENDLESS = "is there a loop that never ends, or one that is far too slow?"
 class Remote:
     """Base class of all proxies.
 
-    Checks test for this class and not for a method, since a student's class may have methods of
-    any name. Functions have `observe`, `timed` and `each`; objects have `reach`. These do the same
-    as `observe`, `timed`, `call_each` and `reach` in `utils.checks.assertions`.
+    Checks test for this class rather than for a method, because a student's class may have methods
+    of any name. Functions have `observe`, `timed` and `each`; objects have `reach`. These do the
+    same as `observe`, `timed`, `call_each` and `reach` in `utils.checks.assertions`.
     """
 
 
@@ -27,12 +27,12 @@ class RemoteError(Exception):
 
 
 class RemoteStopped(Exception):
-    """The process of a function hung or died, and has ended."""
+    """The process that ran a function hung or died, and has ended."""
 
 
 @dataclass(frozen=True)
 class Observed:
-    """The observations made during one call.
+    """Observations made during one call.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A stand-in for ipywidgets if that is not installed: sliders that never move."""
+"""A stand-in for ipywidgets when it is not installed; the sliders never move."""
 
 from __future__ import annotations
 

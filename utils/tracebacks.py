@@ -13,7 +13,7 @@ from types import FrameType, TracebackType
 
 from utils.display import shell
 
-_COURSE_FOLDER = str(Path(__file__).parent)  # not resolved, as frames may name a symbolic link
+_COURSE_FOLDER = str(Path(__file__).parent)  # not resolved, because frames may name a symbolic link
 
 
 def hide_course_frames() -> None:
@@ -73,7 +73,7 @@ def _close_empty_figures() -> None:
 def _is_notebook_frame(frame: FrameType) -> bool:
     """Return whether a frame runs a cell, or a function loaded from another notebook.
 
-    Code that is run from text has no file.
+    Code that is run from a string has no `__file__`.
     """
     return frame.f_globals.get("__name__") == "__main__" or "__file__" not in frame.f_globals
 

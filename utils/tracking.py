@@ -1,8 +1,8 @@
 """Track boxes from frame to frame with the functions of lesson 12.
 
-A `Tracker` stores the tracks, and the student's functions decide. They predict where a box should
-be (`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`) and
-keep tracks without a box (`coast`). All of them except `match_boxes` are optional.
+A `Tracker` stores the tracks, and calls the student's functions to predict where a box should be
+(`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`) and keep
+tracks without a box (`coast`). All of them except `match_boxes` are optional.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PATIENCE = 3
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """All tracks, one per row; the first ones have the boxes of this frame, in the same order.
+    """All tracks, one per row. Tracks with a box in this frame come first, in the boxes' order.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Tracks:
     boxes : ndarray, shape (N, 8, 3)
         Estimated corners, in metres.
     velocities : ndarray, shape (N, 3)
-        Metres per second, in the coordinate system of the boxes; relative to a moving scanner.
+        Velocities in m/s, in the boxes' coordinate system (relative to a moving scanner).
     missed : ndarray of int, shape (N,)
         Number of consecutive frames without a box, including this one.
     age : ndarray of int, shape (N,)
@@ -63,7 +63,7 @@ NOBODY = Tracks(*(np.zeros((0, *shape), kind) for shape, kind in _SHAPES))
 
 
 class Tracker:
-    """Gives boxes lasting track IDs.
+    """Assigns track IDs to boxes, so that an object keeps its ID from frame to frame.
 
     Parameters
     ----------
@@ -74,27 +74,27 @@ class Tracker:
         expected where it was.
     correct : callable, optional
         ``correct_boxes(expected, velocities, found, gain, seconds)``: boxes and velocities between
-        expectation and observation. By default, boxes are where they are found, and velocities do
-        not change.
+        the expected and the measured ones. By default, boxes are where they are found, and
+        velocities do not change.
     coast : callable, optional
         ``coast(missed, partners, patience)``: for each track, the number of consecutive frames
         without a box, and whether to keep it. By default, tracks without a box are dropped.
     max_distance : float
-        In metres, for `match`.
+        Largest distance for `match`, in metres.
     gain : float
-        From 0 to 1, for `correct`.
+        Gain for `correct`, from 0 to 1.
     patience : int
-        In frames, for `coast`.
+        Number of frames for `coast`.
     newcomer : array_like, shape (3,), optional
-        Initial velocity of new tracks in m/s. By default, the median of all tracks: most obstacles
-        do not move, and approach the ego car at its own speed.
+        Initial velocity of new tracks in m/s. By default, the median of all tracks, because most
+        obstacles do not move and so approach the ego car at its own speed.
 
     Attributes
     ----------
     tracks : Tracks
         The tracks after the last frame.
     match : callable
-        The given function.
+        The function passed as `match`.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class Tracker:
 
     @property
     def knows_velocities(self) -> bool:
-        """Whether velocities are estimated, which needs both `predict` and `correct`."""
+        """Whether velocities are estimated, which requires both `predict` and `correct`."""
         return bool(self._predict and self._correct)
 
     def update(self, found: np.ndarray, seconds: float = 0.1) -> np.ndarray:
@@ -189,7 +189,7 @@ def tracker_of(functions: SimpleNamespace, **settings: object) -> Tracker | None
     Returns
     -------
     Tracker or None
-        None without `match_boxes`.
+        None if `match_boxes` is not written.
     """
     written = {
         name: function

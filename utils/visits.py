@@ -44,7 +44,7 @@ def watched(tree: Tree) -> Iterator[list[int]]:
     Yields
     ------
     list of int
-        Grows as nodes are visited. Clear it between two searches.
+        A list that grows as nodes are visited. Clear it between two searches.
     """
     visited, seen, kinds = [], set(), {}
 
@@ -129,7 +129,7 @@ def node_states(
     ----------
     root : node or None
     visited : sequence of int
-        Indices of all nodes that the whole search visited, in order, as `watched` records them.
+        Indices of all nodes that the whole search visited, in order, recorded by `watched`.
     steps : int, optional
         Number of nodes visited so far; by default all.
 

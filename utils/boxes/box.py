@@ -15,17 +15,17 @@ class Box:
     Parameters
     ----------
     centre : tuple of float
-        x, y, z of its centre in metres.
+        Centre (x, y, z) in metres.
     size : tuple of float
         Length, width, height in metres.
     yaw : float
-        Heading of its length in radians, from the x axis towards y, in [-pi, pi).
+        Direction of the length in radians, from the x axis towards y, in [-pi, pi).
     kind : str
         One of `utils.simulator.CLASSES`.
     identity : int
-        Number of the obstacle, the same in every frame of a stream and in `Scan.objects`.
+        ID of the obstacle, the same in every frame of a stream and in `Scan.objects`.
     velocity : tuple of float
-        Metres per second over the ground along the sensor's x and y axes.
+        Velocity over the ground along the sensor's x and y axes, in m/s.
     returns : int
         Number of echoes in this frame.
     """

@@ -32,13 +32,12 @@ def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     ----------
     points : ndarray, shape (n, 2)
     rectangle : ndarray, shape (4, 2)
-        Corners in cyclic order. Sides may have length 0; the sides of a single point are along
-        the axes.
+        Corners in cyclic order. Sides may have length 0; if both do, they count as axis-aligned.
 
     Returns
     -------
     ndarray, shape (n,)
-        In metres along or across the rectangle, whichever is larger; negative inside.
+        Distance in metres along or across the rectangle, whichever is larger; negative inside.
     """
     halves = np.array([rectangle[1] - rectangle[0], rectangle[2] - rectangle[1]]) / 2
     lengths = np.linalg.norm(halves, axis=1)
@@ -50,7 +49,7 @@ def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
 def _beyond(offsets: np.ndarray, along: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Return how far points are outside a rectangle, given their offsets (n, 2) from its centre.
 
-    `half` contains half the lengths of the side in the direction `along` and of the other side.
+    `half` contains half the lengths of the sides parallel and perpendicular to `along`.
     """
     across = np.array([-along[1], along[0]])
     return np.maximum(np.abs(offsets @ along) - half[0], np.abs(offsets @ across) - half[1])

@@ -34,7 +34,7 @@ def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 def space_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return the intersection over union of the boxes' volumes.
 
-    Parameters, result and errors are those of `plane_iou`.
+    Parameters, result and errors are the same as for `plane_iou`.
     """
     boxes, others = _checked(boxes), _checked(others)
     floor, roof = boxes[:, :, 2].min(axis=1), boxes[:, :, 2].max(axis=1)
@@ -58,8 +58,8 @@ def _checked(boxes: np.ndarray) -> np.ndarray:
 
 
 def _areas(boxes: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the shared areas of footprints (N, M), and the areas of both lists (N,) and (M,)."""
-    import shapely  # imported here, as it is slow and only comparisons need it
+    """Return the shared areas of footprints (N, M), and the areas of each list, (N,) and (M,)."""
+    import shapely  # a slow import that only comparisons need
 
     first, second = _footprints(boxes), _footprints(others)
     shared = np.zeros((len(first), len(second)))
@@ -69,13 +69,13 @@ def _areas(boxes: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _footprints(boxes: np.ndarray) -> np.ndarray:
-    """Return floors as Shapely geometries (N,); None, without area, if a corner is not finite."""
+    """Return footprints as Shapely geometries (N,), or None for a box with a non-finite corner."""
     import shapely
 
     floors = boxes[:, :4, :2]
     finite = np.isfinite(floors).all(axis=(1, 2))
     footprints = np.full(len(boxes), None)
-    # A convex hull takes corners in any order. For a box without width it is a line without area.
+    # A convex hull accepts corners in any order. If a box has no width, the hull has no area.
     footprints[finite] = shapely.convex_hull(shapely.multipoints(floors[finite]))
     return footprints
 

@@ -63,7 +63,7 @@ def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
     function : callable
         As for `show_broken`.
     **clouds : array_like
-        One cloud for each version, by its letter; None or an empty list if you have none yet.
+        One cloud per version, named by its letter; None or an empty list if you have none yet.
     """
     if (puzzle := _puzzle_of(function)) is None:
         return
@@ -91,7 +91,7 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
 
 
 def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
-    """Return one line on whether a cloud distinguishes a version from the right function."""
+    """Return one line that says whether a cloud distinguishes a version from the right function."""
     if given is None:
         return "… no cloud yet."
     try:

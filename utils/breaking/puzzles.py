@@ -1,6 +1,6 @@
-"""Broken versions of a student's functions, made from right ones; this file has no solutions.
+"""Broken versions of a student's functions; this file contains no solutions.
 
-A version calls the student's own function with other arguments, or changes its answer.
+A version calls the student's own right function with other arguments, or changes its answer.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ class Puzzle:
     comparable : callable
         Converts an answer to an array that is equal for equivalent answers.
     draw : callable
-        Takes a cloud, an answer, the right answer, and axes.
+        Draws an answer, given the cloud, the answer, the right answer and axes.
     columns : str
         Names of the columns of a cloud.
     example : numpy.ndarray
-        The cloud for the pictures.
+        The cloud that `show_broken` draws.
     versions : dict of str to Version
-        The versions by letter.
+        Versions by letter.
     """
 
     answer_of: Callable
@@ -93,7 +93,7 @@ def _draw_line(points: np.ndarray, answer: tuple, _: tuple, axes: Axes) -> None:
 
 
 def _inlier_count(answer: tuple) -> np.ndarray:
-    """Return the number of inliers, as lines with equally many are equally right."""
+    """Return the number of inliers, because lines with equally many inliers are equally right."""
     return np.array(np.sum(np.asarray(answer[1], dtype=bool)))
 
 
@@ -114,7 +114,7 @@ def _flat(cloud: np.ndarray) -> np.ndarray:
 
 
 def _balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
-    """Group each point that is still free with all free points within the threshold of it."""
+    """Group each unlabelled point with all other unlabelled points within the threshold."""
     labels = np.zeros(len(cloud), dtype=int)
     while 0 in labels:
         near = np.linalg.norm(cloud - cloud[np.argmin(labels)], axis=1) < THRESHOLD
@@ -130,7 +130,7 @@ def _cells(cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _touching_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
     cells, _, where = _cells(cloud)
-    return _labels(cluster, cells, 1.8)[where.ravel()]  # a corner is 1.73 cells away
+    return _labels(cluster, cells, 1.8)[where.ravel()]  # diagonal neighbours are 1.73 apart
 
 
 def _first_of_cell(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
@@ -139,7 +139,7 @@ def _first_of_cell(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
 
 
 def _groups(labels: np.ndarray) -> np.ndarray:
-    """Return a matrix that is equal for equal groups, whatever their labels."""
+    """Return which pairs of points share a label, so that the labels' values do not matter."""
     labels = np.asarray(labels)
     return labels[:, None] == labels[None]
 

@@ -1,4 +1,4 @@
-"""The only exception of the cloud readers, and file access that raises it with an explanation."""
+"""The only exception that cloud readers raise, and functions that build and raise it."""
 
 import os
 import tempfile
@@ -11,8 +11,8 @@ SHOWN_NAMES = 8  # file names listed in a message before "and 14 more"
 class CloudFileError(ValueError):
     """A file cannot be read or written as a point cloud.
 
-    The message is written for the user: the file, the place in it, the value found, the value
-    expected and the next step. The readers raise no other exception for a bad file.
+    The message gives the file, the place in it, the value found, the value expected and the next
+    step for the user. The readers raise no other exception for a bad file.
     """
 
 
@@ -28,7 +28,7 @@ def file_error(
     place : str
         Line or byte where reading stopped, for instance ``"line 7"``; may be empty.
     problem, advice : str
-        The value found and the value expected; the next step for the user.
+        The value found and the value expected, and the next step for the user.
     """
     where = f"{Path(name).name}, {place}" if place else Path(name).name
     return CloudFileError(f"{where}: {problem}.{' ' + advice if advice else ''}")
@@ -41,7 +41,7 @@ def excerpt(text: object, length: int = 40) -> str:
 
 
 def listing(names: Iterable[str]) -> str:
-    """Join names as ``a, b, c``; after `SHOWN_NAMES` of them, give the number of the others."""
+    """Join names as ``a, b, c``; after `SHOWN_NAMES` names, count the rest."""
     names = list(names)
     more = len(names) - SHOWN_NAMES
     return ", ".join(names[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "")
@@ -50,7 +50,7 @@ def listing(names: Iterable[str]) -> str:
 def missing_file(
     name: str | os.PathLike, folders: Iterable[str | os.PathLike], suffixes: Container[str]
 ) -> CloudFileError:
-    """Build the error that names the folders searched and the cloud files in them."""
+    """Build an error that names the folders searched and the cloud files in them."""
     searched = dict.fromkeys((Path(folder) / name).parent.absolute() for folder in folders)
     there = sorted(
         entry.name
@@ -84,10 +84,7 @@ def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file atomically, under a temporary name that is then changed to the final one.
-
-    A reader, or a second process that writes the same file, never sees half of it.
-    """
+    """Write a file atomically, so that no other process ever reads half of it."""
     temporary = None
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
@@ -102,7 +99,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def _umask() -> int:
-    """Return the process's file mode mask; the system reveals it only when it is set."""
+    """Return the process's umask, which can be read only by setting it."""
     mask = os.umask(0o022)
     os.umask(mask)
     return mask

@@ -16,7 +16,7 @@ from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):
-    """Functions that turn the bytes of a file into a cloud and back."""
+    """Functions that convert the bytes of a file to a cloud and back."""
 
     decode: Callable[[bytes, str], np.ndarray]
     encode: Callable[[np.ndarray], bytes]
@@ -44,8 +44,8 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape (n, 3) or (n, 4)
-        x y z in metres, then intensity if the file has it. float32 if the file stores float32,
-        otherwise float64.
+        x y z in metres, then intensity if the file contains it. float32 if the file stores
+        float32, otherwise float64.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     (117482, 4)
     """
     path = Path(path)
-    if os.path.isdir(path):  # Path.is_dir raises on names that are not valid file names
+    if os.path.isdir(path):  # Path.is_dir raises for invalid file names
         raise file_error(
             path,
             "",
@@ -79,7 +79,7 @@ def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
         A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file. An existing file is replaced
         atomically.
     cloud : array_like, shape (n, 3) or (n, 4)
-        KITTI files have four float32 columns; a missing intensity is written as 0 in them.
+        KITTI files have four float32 columns; in them, a missing intensity is written as 0.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
 
 
 def _format_of(path: Path) -> Format:
-    """Return the format of a path's suffix, ignoring case."""
+    """Return the format for a path's suffix, ignoring case."""
     try:
         return FORMATS[path.suffix.lower()]
     except KeyError:

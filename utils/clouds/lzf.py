@@ -1,14 +1,14 @@
 """LZF, the compression of PCD's ``binary_compressed`` encoding (Marc Lehmann's liblzf).
 
 The stream is a sequence of two kinds of items. In a literal run ``000LLLLL``, L + 1 bytes follow.
-A reference ``LLLooooo [LLLLLLLL] oooooooo`` copies L + 2 bytes from o + 1 bytes back; L = 7 means
-that one more length byte follows, which is added to L.
+A reference ``LLLooooo [LLLLLLLL] oooooooo`` copies L + 2 bytes from o + 1 bytes back; if L = 7,
+one more length byte follows and is added to L.
 """
 
 LONGEST_LITERAL = 32
 LONGEST_MATCH = 264
 FARTHEST_MATCH = 8192
-LARGEST_RATIO = LONGEST_MATCH / 3  # a reference of three bytes gives at most LONGEST_MATCH bytes
+LARGEST_RATIO = LONGEST_MATCH / 3  # a reference of three bytes copies at most LONGEST_MATCH
 
 
 def decompress(data: bytes, size: int) -> bytes:
@@ -39,7 +39,7 @@ def decompress(data: bytes, size: int) -> bytes:
             if start < 0:
                 raise ValueError(f"byte {position - 1} refers to a place before the beginning")
             repeated = unpacked[start : start + length]
-            if distance < length:  # a copy that overlaps itself is a repeating pattern
+            if distance < length:  # a copy that overlaps its own output repeats a pattern
                 repeated = (repeated * (length // distance + 1))[:length]
             unpacked += repeated
         if len(unpacked) > size:
@@ -50,14 +50,14 @@ def decompress(data: bytes, size: int) -> bytes:
 
 
 def compress(data: bytes) -> bytes:
-    """Pack `data` greedily; the candidate for a match is the latest place with the same hash."""
+    """Compress `data` greedily, comparing only with the latest position that has the same hash."""
     packed = bytearray()
     latest: dict[int, int] = {}
     position = literal = 0
     while position + 2 < len(data):
         key = data[position] << 16 ^ data[position + 1] << 8 ^ data[position + 2]
         candidate = latest.get(key & 0xFFFF ^ key >> 8, -FARTHEST_MATCH)
-        latest[key & 0xFFFF ^ key >> 8] = position  # a hash: at most 65 536 entries
+        latest[key & 0xFFFF ^ key >> 8] = position  # the hash allows at most 65 536 entries
         length = _match(data, candidate, position)
         if length < 3:
             position += 1
@@ -70,7 +70,7 @@ def compress(data: bytes) -> bytes:
 
 
 def _match(data: bytes, candidate: int, position: int) -> int:
-    """Count the equal bytes from two places on; 0 if the earlier place is out of reach."""
+    """Count the equal bytes that follow two positions; 0 if the earlier one is out of reach."""
     if position - candidate > FARTHEST_MATCH or candidate < 0:
         return 0
     longest = min(LONGEST_MATCH, len(data) - position)

@@ -8,7 +8,7 @@ import numpy as np
 
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing
 
-LARGEST_RATIO = 100  # unpacked to packed bytes; real clouds stay below 10
+LARGEST_RATIO = 100  # ratio of unpacked to packed bytes; real clouds stay below 10
 ALWAYS_ALLOWED = 64 << 20  # bytes that may be unpacked at any compression ratio
 FORMAT_VERSIONS = {
     (1, 0): np.lib.format.read_array_header_1_0,
@@ -19,8 +19,8 @@ FORMAT_VERSIONS = {
 def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
     """Read the array ``cloud`` from the bytes of an ``.npz`` archive.
 
-    Pickled objects are never loaded. Points are unpacked only after the size in the archive has
-    proved plausible and equal to the size in the array's own header.
+    Pickled objects are never loaded. Points are unpacked only if the size in the archive is
+    plausible and matches the array's own header.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
     """
     try:
         archive = zipfile.ZipFile(io.BytesIO(data))
-    # A damaged archive can also look like one of a newer version, or like an undecodable name.
+    # A damaged archive can also look like a newer version, or contain an undecodable name.
     except (zipfile.BadZipFile, NotImplementedError, ValueError) as error:
         raise file_error(
             name,
@@ -77,11 +77,11 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
         with archive.open(member) as stream:
             shape, by_column, kind = _read_header(stream)
             wanted = _checked_size(shape, kind, member.file_size - stream.tell(), name)
-            # One byte more, so that zipfile reads to the end and verifies the checksum.
+            # Reading one byte more makes zipfile reach the end and verify the checksum.
             values = np.frombuffer(stream.read(wanted + 1), kind)
     except CloudFileError:
         raise
-    except Exception as error:  # damaged data raise errors of zlib, lzma, struct, tokenizer ...
+    except Exception as error:  # damaged data raise errors from zlib, lzma, struct and others
         raise file_error(
             name,
             "array 'cloud'",
@@ -102,7 +102,7 @@ def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
 
 
 def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: str) -> int:
-    """Return the size of the array in bytes, or raise if it is not a complete cloud."""
+    """Return the size of the array in bytes, or raise if the array is not a complete cloud."""
     if kind.kind not in "fiu":
         raise file_error(name, "array 'cloud'", f"found {excerpt(kind)}, expected numbers")
     if len(shape) != 2 or shape[1] not in (3, 4):

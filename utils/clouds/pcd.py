@@ -1,6 +1,6 @@
 """PCD, the Point Cloud Library's format, version 0.7: ascii, binary and binary_compressed.
 
-Source of the format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
+Format specification: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 """
 
 import struct
@@ -44,7 +44,7 @@ def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4), float32 or float64
-        Written in its own type.
+        Written with its own dtype.
     encoding : {"binary", "ascii", "binary_compressed"}
 
     Raises
@@ -161,14 +161,14 @@ def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
             f"the compressed data are damaged ({excerpt(error, 80)})",
             ADVICE,
         ) from None
-    fields = zip(*_fields(header), strict=True)  # one field after another, not one point
+    fields = zip(*_fields(header), strict=True)  # stored field by field, not point by point
     return _columns(
         [np.frombuffer(raw, kind, points, offset * points) for kind, offset in fields], header
     )
 
 
 def _fields(header: PcdHeader) -> tuple[list[np.dtype], list[int]]:
-    """Return the types of the wanted fields and their byte offsets in one point."""
+    """Return the types of the wanted fields and their byte offsets within a point."""
     sizes = [kind.itemsize * count for kind, count in zip(header.kinds, header.counts, strict=True)]
     offsets = [sum(sizes[:field]) for field in header.wanted]
     return [header.kinds[field] for field in header.wanted], offsets

@@ -44,12 +44,12 @@ class PcdHeader:
 
 
 def cloud_fields(names: Container[str]) -> list[str]:
-    """Return the names of a cloud's fields: x, y, z and, if `names` has one, intensity."""
+    """Return the names of a cloud's fields: x, y, z and, if `names` contains it, the intensity."""
     return ["x", "y", "z", *[name for name in INTENSITY_NAMES if name in names][:1]]
 
 
 def read_header(data: bytes, name: str) -> PcdHeader:
-    """Read the header of the file, which ends with the line DATA.
+    """Read the header of the file, up to and including the line DATA.
 
     Raises
     ------

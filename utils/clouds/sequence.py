@@ -31,7 +31,7 @@ class CloudFolder(Sequence):
         return len(self.paths)
 
     def __getitem__(self, index: int | slice) -> np.ndarray | CloudFolder:
-        """Read cloud `index`; a slice gives another lazy sequence."""
+        """Read cloud `index`, or return a lazy sequence for a slice."""
         if isinstance(index, slice):
             return CloudFolder(self.paths[index])
         return read_cloud(self.paths[index])
@@ -45,7 +45,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
     folder : str or path
         Folder of .txt, .csv, .xyz, .bin, .pcd or .npz files; its subfolders are not searched.
     suffix : str, optional
-        Suffix of the files to read, for instance ``".pcd"``; needed if there are several kinds.
+        Suffix of the files to read, for instance ``".pcd"``; required if there are several.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 The reader accepts the usual variants: spaces, tabs, commas or semicolons, headers, comments, a
 leading number of points, any line ending, UTF-8 or UTF-16. For any other text, the error gives
-the number of the line.
+the line number.
 """
 
 import codecs
@@ -28,7 +28,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
     data : bytes
         The file's content.
     name : str
-        The file's name in messages.
+        The file name to show in messages.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
     Raises
     ------
     CloudFileError
-        The text is not a cloud; the message names the first line that is not as `EXPECTED`.
+        The text is not a cloud; the message names the first line that does not match `EXPECTED`.
     """
     lines = _characters(data, name).split("\n")
     first, names = _skip_header(lines)
@@ -96,7 +96,7 @@ def encode_text(cloud: np.ndarray, separator: str = " ", decimals: int | None = 
 
 
 def shortest_digits(cloud: np.ndarray) -> Iterator[Iterable[str]]:
-    """Return the rows as texts with the fewest digits that read back as the same numbers."""
+    """Iterate over the rows as strings with the fewest digits that read back unchanged."""
     if cloud.dtype == np.float32:
         return iter(cloud.astype(str).tolist())
     return (map(repr, row) for row in cloud.tolist())
@@ -109,7 +109,7 @@ def _characters(data: bytes, name: str) -> str:
     else:
         try:
             text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:  # an old header with an accent; digits decode the same
+        except UnicodeDecodeError:  # an accent in an old Latin-1 header
             text = data.decode("latin-1")
     if (position := text.find("\0")) >= 0:
         raise file_error(
@@ -143,7 +143,7 @@ def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
 
 
 def _announced_points(lines: list[str], first: int) -> int | None:
-    """Return the number of points if a line above them gives it, as in .pts files."""
+    """Return the number of points if the line above them gives it, as in .pts files."""
     fields = split_fields(lines[first]) if first < len(lines) else []
     if len(fields) == 1 and re.fullmatch("[0-9]{1,18}", fields[0]):
         return int(fields[0])
@@ -207,14 +207,14 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
 
 
 def split_fields(line: str) -> list[str]:
-    """Split a line without its comment; an empty field between two commas becomes ``""``."""
+    """Split a line into fields, without its comment; an empty field becomes ``""``."""
     line = COMMENT.split(line, maxsplit=1)[0].replace('"', "").strip()
     fields = SEPARATOR.split(line) if line else []
     return fields[:-1] if fields and not fields[-1] else fields
 
 
 def _number(field: str) -> float | None:
-    """Convert a field, or return None if it is not a number; ``1_000`` is not one here."""
+    """Convert a field, or return None if it is not a number; ``1_000`` is not accepted."""
     try:
         return float(field) if "_" not in field else None
     except ValueError:

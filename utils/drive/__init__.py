@@ -4,7 +4,7 @@
 >>> drive_street(3, detect_obstacles)
 
 The modules, from the ground up: `rules` contains the constants; `actors`, `streets` and `weather`
-build the world. `steps`, `motion` and `planner` are the given parts of the car, and `clock`
+build the world. `steps`, `motion` and `planner` are the car's built-in parts, and `clock`
 measures the delay of the detector. `loop` runs a drive. `ground_truth`, `explanations` and
 `metrics` evaluate it; `film`, `timeline` and `trip` show it. `standards` contains the results of
 other detectors.

@@ -1,7 +1,6 @@
 """Road users that do something unexpected: step off the kerb, cross the road or brake.
 
-An actor begins when the ego car reaches a given place. Every car therefore meets it, a slow car
-later than a fast one.
+An actor begins to act when the ego car reaches a given place, so slow and fast cars both meet it.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ class Actor:
     Parameters
     ----------
     obstacle : Obstacle
-        The road user at the beginning of the drive, in road coordinates. It keeps its speed until
-        it begins.
+        The road user at the beginning of the drive, in road coordinates. Until the actor begins,
+        its speed is constant.
     begins : float
         Position of the ego car's scanner along the road, in metres, at which the actor begins.
     speeds : tuple of (float, float)
-        Seconds since the actor began, and its speed then in m/s. The speed is interpolated
-        linearly in between, and constant after the last entry.
+        Pairs of the seconds since the actor began and its speed at that time in m/s. The speed is
+        interpolated linearly in between, and constant after the last pair.
     """
 
     obstacle: Obstacle
@@ -55,14 +54,14 @@ class Actor:
 
 
 def crossing(thing: Obstacle, x: float, y: float, pace: float, speed: float) -> Actor:
-    """Return an actor that crosses at `x` and collides with the ego car if its speed is constant.
+    """Return an actor that crosses at `x` and collides with an ego car of constant `speed`.
 
     Parameters
     ----------
     thing : Obstacle
         A pedestrian or a cyclist.
     x, y : float
-        Where it waits, in road coordinates, in metres.
+        Its waiting position in road coordinates, in metres.
     pace, speed : float
         Speeds of the road user and of the ego car, in m/s.
     """
@@ -72,12 +71,12 @@ def crossing(thing: Obstacle, x: float, y: float, pace: float, speed: float) -> 
 
 
 def child(x: float, speed: float) -> Actor:
-    """Return a child that runs out from the right kerb at 5 km/h."""
+    """Return a child who runs out from the right kerb at 5 km/h."""
     return crossing(pedestrian(1.2, 0.25), x, -5.0, 1.39, speed)
 
 
 def adult(x: float, speed: float, side: int = -1, pace: float = 1.39) -> Actor:
-    """Return an adult who crosses at 5 km/h by default; `side` is the kerb, 1 left or -1 right."""
+    """Return an adult who crosses, by default at 5 km/h, from the left (1) or right kerb (-1)."""
     return crossing(pedestrian(1.75, 0.3), x, side * 5.2, pace, speed)
 
 
@@ -94,7 +93,7 @@ def hesitating_pedestrian(x: float, speed: float) -> Actor:
 
 
 def car_ahead(x: float, speed: float, begins: float, *speeds: tuple[float, float]) -> Actor:
-    """Return a car ahead in our lane, with a first `speed` in m/s and then the other speeds."""
+    """Return a car ahead in our lane, which drives at `speed` m/s and then follows `speeds`."""
     return Actor(placed(car(4.4, 1.78, 1.45), x, EGO_LANE, 0.0, speed), begins, speeds)
 
 

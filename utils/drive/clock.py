@@ -1,4 +1,4 @@
-"""Delay of a detector in scans, measured so that it does not depend on the machine."""
+"""Measure a detector's delay in scans, independently of the machine's speed."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ STANDARD = 0.020
 """Seconds of processor time that `_work` takes on the reference machine."""
 
 REMEMBERED = 5
-"""Number of latest calls for the median, so that a hiccup of the machine does not count."""
+"""Number of latest calls in the median, so that a hiccup of the machine does not count."""
 
 
 class Clock:
-    """Measures the processor time of calls, converted to that of the reference machine.
+    """Measures the processor time of calls, converted to time on the reference machine.
 
-    The time of a fixed piece of work in this process shows how fast this machine is. The time of
+    The constructor times a fixed piece of work to determine how fast this machine is. The time of
     all threads counts.
     """
 
@@ -54,7 +54,7 @@ def ticks(seconds: float) -> int:
 
 
 def _work() -> None:
-    """Sort, compare and gather as detectors do, and run plain Python."""
+    """Run operations that are typical of detectors: sort, compare, gather, and a Python loop."""
     values = (np.arange(60_000) * 7919 % 60_013).astype(float)
     for _ in range(3):
         order = np.argsort(values, kind="stable")

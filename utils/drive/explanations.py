@@ -1,8 +1,8 @@
 """Explanations in words: why the car braked, and why it hit something.
 
 Braking is justified if the planner would have braked for a real object, with some tolerance, within
-a second of the start. Otherwise it was needless, and the returns in the box for which the planner
-braked show the mistake.
+a second of the start. Otherwise it was needless, and the returns in the box that made the planner
+brake show the mistake.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ AROUND = 10
 """Moments before and after the start of braking in which a real object justifies it."""
 
 WIDER, FARTHER = 0.3, 1.3
-"""The tolerance: metres added on either side of the corridor, and a factor for the distance."""
+"""Tolerance: metres added to the corridor on either side, and a factor for the distance."""
 
 LOOKING_BACK = 30
 """Number of scans that are examined to explain a collision."""
@@ -55,15 +55,15 @@ class Braking:
     Attributes
     ----------
     first, last : int
-        Numbers of its first and last moment.
+        Indices of its first and last moment.
     scan : int
-        Number of the scan whose box made the car brake.
+        Index of the scan whose box made the car brake.
     gap : float
-        Metres from the bumper to the current or predicted place of that box.
+        Distance in metres from the bumper to the current or predicted place of that box.
     needless : bool
-        Whether no real object justifies it.
+        Whether no real object justifies the braking.
     reason : str
-        Such as "road mistaken for an obstacle".
+        Reason for braking, such as "road mistaken for an obstacle".
     """
 
     first: int
@@ -107,9 +107,10 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
 
 
 def _decisive(drive: Drive, first: int, last: int) -> int:
-    """Return the moment of a braking event whose cause explains it.
+    """Return the index of the moment whose cause explains a braking event.
 
-    A thing that overlaps the ego car comes first, because it keeps the car from driving on.
+    A thing that overlaps the ego car has priority, because it keeps the car from driving on.
+    Without such a thing, the first moment explains the event.
     """
     for moment in drive.moments[first : last + 1]:
         cause = moment.decision.cause
@@ -131,15 +132,15 @@ def _justifying(drive: Drive, first: int) -> set[int]:
 
 
 def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.ndarray]:
-    """Return classes and identities of the returns in the box for which the car braked.
+    """Return the classes and object identities of the returns in the box that made the car brake.
 
     Parameters
     ----------
     drive : Drive
     number : int
-        Number of the moment.
+        Index of the moment.
     cause : Thing
-        The thing as the planner knew it at that moment.
+        The thing that made the car brake, as the planner knew it at that moment.
     """
     moment = drive.moments[number]
     scan = drive.frame(moment.seen or 0).scan
@@ -188,7 +189,7 @@ def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> st
 
 
 def collision(drive: Drive) -> str:
-    """Describe a collision with its speed and the detections of the object; empty without one."""
+    """Describe a collision, its speed and how the object was detected; empty without one."""
     if drive.hit is None:
         return ""
     end = drive.moments[-1]
@@ -197,7 +198,7 @@ def collision(drive: Drive) -> str:
 
 
 def _detections_of_hit(drive: Drive) -> str:
-    """Describe in a sentence the scans and boxes of the object that was hit."""
+    """Describe in one sentence how often the object that was hit had returns and a box."""
     examined = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
     seen, boxed = [], []
     for moment in examined:

@@ -49,7 +49,7 @@ def film(
     size : (int, int)
         Width and height in pixels, rounded down to even numbers.
     renderer : {"pyvista", "matplotlib"}, optional
-        By default PyVista if it can draw, else matplotlib.
+        By default PyVista if it can draw here, else matplotlib.
     """
     path = Path(path)
     size = tuple(int(length) // 2 * 2 for length in size)
@@ -96,7 +96,7 @@ def scene_of(drive: Drive, report: Report, number: int) -> Scene:
 
 
 def known(drive: Drive, moment: Moment) -> np.ndarray:
-    """Return the boxes of the latest answer, shape (N, 8, 3), relative to the car's place now."""
+    """Return the latest answer's boxes (N, 8, 3), relative to the car's current position."""
     if moment.seen is None:
         return moment.boxes
     before = drive.moments[moment.seen]
@@ -104,7 +104,7 @@ def known(drive: Drive, moment: Moment) -> np.ndarray:
 
 
 def caption(report: Report, moment: Moment) -> str:
-    """Return the number, time and speed of a moment, and the reason for braking."""
+    """Return a caption with the frame, time and speed of a moment, and the reason for braking."""
     words = [f"frame {moment.number}", f"{moment.time:.1f} s", f"{3.6 * moment.speed:.0f} km/h"]
     now = [braking for braking in report.brakings if braking.first <= moment.number <= braking.last]
     words += [f"{'needless: ' if braking.needless else ''}{braking.reason}" for braking in now]

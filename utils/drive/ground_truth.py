@@ -19,7 +19,7 @@ ENOUGH = 5
 
 
 def true_boxes(frame: Frame) -> np.ndarray:
-    """Return corners (N, 8, 3) of all visible objects, the answer of a perfect detector."""
+    """Return the boxes (N, 8, 3) of all visible objects, like a perfect detector."""
     seen = [box.corners for box in frame.boxes if box.returns >= ENOUGH]
     return np.reshape(seen, (-1, 8, 3)).astype(float)
 

@@ -27,7 +27,7 @@ from utils.simulator.world import World
 from utils.tracking import Tracker
 
 ROLLING = 0.3
-"""Speed in m/s above which contact is a collision; others may walk into a car that stands still."""
+"""Speed in m/s above which contact is a collision; others may walk into a standing car."""
 
 NO_BOXES = np.empty((0, 8, 3))
 
@@ -41,21 +41,21 @@ class Moment:
     number : int
         Index of the moment, from 0.
     position, speed : float
-        Metres along the road and m/s, at the beginning of the moment.
+        Position along the road in metres and speed in m/s, at the beginning of the moment.
     decision : Decision
-        The planner's decision from the latest answer of the detector.
+        The planner's decision, based on the detector's latest answer.
     acceleration : float
         Actual acceleration of the car in m/s²; brakes take a while to build up.
     seen : int or None
-        Number of the scan whose boxes the planner knew; None before the first answer.
+        Index of the scan whose boxes the planner used; None before the first answer.
     boxes : ndarray, shape (N, 8, 3)
-        The detector's answer to the scan of *this* moment; empty if it was still busy.
+        The detector's answer to the scan of *this* moment; empty if the detector was still busy.
     busy : bool
         Whether the detector was busy with an earlier scan.
     began : dict of int to float
         Start time in seconds of each actor that has begun, by its index in the street.
     gaps : dict of int to float
-        Metres to each object near the car, by its identity.
+        Distance in metres to each object near the car, by the object's identity.
     """
 
     number: int
@@ -76,7 +76,7 @@ class Moment:
 
     @property
     def brakes(self) -> bool:
-        """Whether the planner brakes, rather than only waits or follows."""
+        """Whether the planner brakes, rather than merely waiting or following."""
         return self.decision.cause is not None and self.decision.acceleration < -1.0
 
 
@@ -91,7 +91,7 @@ class Drive:
     hit : int or None
         Identity of the object that the car hit, which ended the drive.
     problems : tuple of str
-        One sentence for each scan for which the detector or the matching of boxes failed.
+        One sentence for each scan on which the detector or ``match_boxes`` failed.
     sensor : Sensor
     """
 
@@ -135,7 +135,7 @@ def drive(
         Takes a cloud (n, 4) and returns boxes (N, 8, 3), such as ``detect_obstacles``. Without a
         detector the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        A tracker with functions of lesson 12. The course provides those that it lacks.
+        A tracker with a student's functions from lesson 12. The course provides missing ones.
     seconds : float
         Duration of the drive; a collision ends it earlier.
     clock : callable, optional
@@ -146,8 +146,8 @@ def drive(
     Raises
     ------
     Exception
-        Any exception of the detector for the first scan. Its later failures, and those of
-        ``match_boxes``, are added to `Drive.problems`; the car sees no box in these scans.
+        Any exception that the detector raises for the first scan. Later failures, and failures
+        of ``match_boxes``, are added to `Drive.problems`; the car sees no box in these scans.
     utils.remote_objects.RemoteStopped
         The detector runs in another process, which has ended.
     """
@@ -206,7 +206,7 @@ class _DetectorAnswer:
 
 
 class _TimedDetector:
-    """A detector that is timed, and whose failures are collected."""
+    """Times a detector and collects its failures."""
 
     def __init__(self, detect: Callable | None, clock: Callable) -> None:
         self._detect, self._clock, self._has_answered = detect, clock, False
@@ -221,7 +221,7 @@ class _TimedDetector:
                 self._detect(frame.cloud.copy())
             found, seconds = self._clock(lambda: self._detect(frame.cloud.copy()))
             boxes = checked_boxes(found)
-        except RemoteStopped:  # no later scan could be answered
+        except RemoteStopped:  # the process has ended, so every later scan would fail
             raise
         except Exception as error:
             if not self._has_answered:
@@ -237,7 +237,7 @@ class _TimedDetector:
 
 
 def scan_from(world: World, street: Street, sensor: Sensor, number: int) -> Frame:
-    """Scan a world in the weather of a street."""
+    """Scan a world, with the rain and the dirty bonnet of a street."""
     frame = observe(world, sensor, (street.seed, 31, number), number * TICK)
     swept, rng = frame.scan, np.random.default_rng((street.seed, 32, number))
     if street.rain:

@@ -21,7 +21,7 @@ class Report:
     Attributes
     ----------
     street : int
-        Number of the street.
+        The street's number.
     metres, seconds : float
         Distance and duration of the drive.
     brakings : tuple of Braking
@@ -32,14 +32,14 @@ class Report:
         Smallest distance in metres to a road user while the car was moving; infinite if none
         came near.
     closest_kind : str
-        Words for that road user, such as "a cyclist".
+        That road user in words, such as "a cyclist".
     near_misses : int
         Number of road users that came nearer than 0.5 m while the car was faster than 2 m/s; one
-        that it hit does not count.
+        that the car hit does not count.
     hardest : float
         Largest deceleration in m/s².
     harsh : float
-        Seconds of braking harder than is comfortable.
+        Seconds of uncomfortably hard braking.
     age : float
         Median age in seconds of the scan that the planner used.
     """

@@ -1,12 +1,12 @@
 """Motion of boxes: match them from scan to scan and estimate their velocities.
 
 The speed is the median of the speeds between any two of the latest places (P. K. Sen, "Estimates
-of the regression coefficient based on Kendall's tau", 1968). A box that grows or jumps once, as
-boxes do when objects come close to each other, therefore does not change the speed.
+of the regression coefficient based on Kendall's tau", 1968). A box that grows or jumps once,
+for example when two objects come close to each other, therefore does not change the speed.
 
 Sideways, the centre of a box is misleading. When a car is split for a few scans, one side of its
-box stays in place and the other comes nearer. The sideways speed is therefore that of the slower
-side, and 0 if the sides move in opposite directions.
+box stays in place and the other comes nearer. The speed of the slower side is therefore used, or 0
+if the sides move in opposite directions.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ PATIENCE = 3
 """Number of consecutive scans for which a track is kept without a box."""
 
 WINDOW, OLD_ENOUGH = 7, 4
-"""Number of places from which a speed is estimated, and the minimum; before that it is 0."""
+"""Most and fewest places from which a speed is estimated; with fewer, the speed is 0."""
 
 SLOWEST = 0.5
-"""Smallest speed in m/s that counts; a smaller one is noise of the box."""
+"""Smallest speed in m/s that counts; anything slower is noise in the box."""
 
 STEADY = 0.5
-"""Largest spread of the speeds, as a share of their median; above it the speed is 0."""
+"""Largest spread of the speeds, as a share of their median; if it is larger, the speed is 0."""
 
 Place = tuple[float, float, float, float]
 
@@ -50,8 +50,8 @@ class Track:
     box : ndarray, shape (8, 3)
         Corners in metres, with the scanner at the origin.
     places : tuple of (float, float, float, float)
-        Latest places over the ground: time in seconds, then in metres the centre along the road
-        and the right and the left side across it.
+        Latest places over the ground. Each consists of the time in seconds and, in metres, the
+        centre along the road and the right and left sides across it.
     velocity : tuple of float
         Velocity over the ground, forward and to the left, in m/s.
     missed : int
@@ -81,14 +81,14 @@ class Motion:
         self._time = self._position = 0.0
 
     def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
-        """Update the tracks with the next answer of the detector and return them as things.
+        """Update the tracks with the detector's next answer and return them as things.
 
         Parameters
         ----------
         boxes : ndarray, shape (N, 8, 3)
             Corners in metres, with the scanner at the origin.
         driven : float
-            Metres that the car drove since the scan of the previous answer, from its wheels.
+            Metres driven since the scan of the previous answer, measured at the wheels.
         seconds : float
             Time since that scan.
         """
@@ -124,7 +124,7 @@ class TrackerMotion:
     Parameters
     ----------
     tracker : utils.tracking.Tracker
-        A tracker that knows velocities. It is copied, so that each drive begins without tracks.
+        A tracker that estimates velocities. It is copied, so that each drive starts without tracks.
     """
 
     def __init__(self, tracker: Tracker) -> None:
@@ -138,7 +138,7 @@ class TrackerMotion:
         names = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
         self._places = {name: self._places.get(name, ()) for name in tracks.names.tolist()}
-        for name, box in dict(zip(names, boxes, strict=True)).items():  # wrong matches share IDs
+        for name, box in dict(zip(names, boxes, strict=True)).items():  # wrong matches repeat IDs
             now = _place(box, self._time, self._position)
             self._places[name] = (*self._places[name], now)[-OLD_ENOUGH:]
         speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)
@@ -157,7 +157,7 @@ class TrackerMotion:
 
 
 def motion_by(tracker: Tracker | None) -> Motion | TrackerMotion:
-    """Choose `MotionOf` for a tracker that knows velocities, else `Motion` with its matching."""
+    """Return a `TrackerMotion` if the tracker estimates velocities, else a `Motion`."""
     if tracker and tracker.knows_velocities:
         return TrackerMotion(tracker)
     return Motion(tracker and tracker.match)

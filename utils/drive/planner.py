@@ -1,8 +1,7 @@
-"""The given planner, which decides how hard to brake and for which thing.
+"""The course's planner, which decides how hard to brake and for which thing.
 
-The planner does not steer, because the lane is straight. It knows only the boxes of the detector
-and their motion. A box around nothing therefore stops the car, and the car hits an object without
-a box.
+The planner does not steer, because the lane is straight. It knows only the detector's boxes and
+their motion, so the car stops for a box around nothing and hits an object without a box.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from utils.drive.rules import (
 )
 
 LOOKS = 5
-"""Number of times until standstill at which the planner predicts the place of a thing."""
+"""Number of times until standstill for which the planner predicts the place of a thing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +63,7 @@ class Decision:
     cause : Thing or None
         Thing for which the car brakes, waits or slows down.
     gap : float
-        Metres from the bumper to the current or predicted place of the cause.
+        Distance in metres from the bumper to the current or predicted place of the cause.
     """
 
     acceleration: float
@@ -81,7 +80,7 @@ class StayingObstacle:
     middle : ndarray, shape (2,)
         Centre of its box in metres, with the scanner at the origin.
     scans : int
-        Number of scans with a box for it; scans without one do not count and do not end it.
+        Number of scans with a box for it; scans without one neither count nor reset the count.
     """
 
     middle: np.ndarray
@@ -92,8 +91,8 @@ class Planner:
     """Brakes for a thing that is in the way in three scans in a row, to ignore flickering boxes.
 
     A road user cannot get onto the ego car from one scan to the next. A raindrop can appear there
-    but vanishes at once. A thing over the car therefore counts only after it has stayed in one
-    place for a second.
+    but vanishes at once. A thing that overlaps the car therefore counts only after it has stayed
+    in one place for a second.
     """
 
     def __init__(self) -> None:
@@ -132,7 +131,7 @@ class Planner:
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
-    """Drive as fast as allowed, and brake for things that are or will be in the corridor.
+    """Decide to drive as fast as allowed, but brake for things that are or will be in the corridor.
 
     Parameters
     ----------
@@ -147,9 +146,9 @@ def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
         gap = room(thing, speed)
         ahead = (
             max(thing.velocity[0], 0.0) if gap > 0 else 0.0
-        )  # a thing over us is not a leading vehicle
+        )  # a thing that overlaps us is not a leading vehicle
         needed = needed_room(thing, speed)
-        if gap <= needed + (speed == 0):  # a standing car waits for 1 m more
+        if gap <= needed + (speed == 0):  # before it starts, a standing car waits for 1 m more
             ours_to_lose = max(speed**2 - ahead**2, 0.0)
             brake = ours_to_lose / (2 * max(gap - STANDSTILL, 0.1))
             gentle = COMFORTABLE if speed > ahead else 0.0
@@ -167,7 +166,7 @@ def needed_room(thing: Thing, speed: float) -> float:
 
 
 def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
-    """Return the gap in metres from the bumper to a thing; infinite if it stays off the corridor.
+    """Return the gap in metres from the bumper to a thing; infinite if outside the corridor.
 
     Parameters
     ----------
@@ -176,7 +175,7 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
     speed : float
         Speed of the ego car in m/s. The prediction covers the time until the car would stop.
     wider : float
-        Metres by which the corridor is wider than usual on either side.
+        Metres added to the corridor on either side.
     """
     (x, y), (forward, left) = thing.corners[:, :2].T, thing.velocity
     if x.max() < 0.0:
@@ -190,10 +189,10 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
 
 
 def reach(thing: Thing, speed: float) -> float:
-    """Return how many metres a thing in the corridor reaches over the ego car from the front.
+    """Return by how many metres a thing in the corridor overlaps the ego car from the front.
 
-    It is 0 for a thing that begins ahead of the bumper, or that reaches more than STANDSTILL
-    metres ahead of it.
+    Return 0 if the thing begins ahead of the bumper, or extends more than STANDSTILL metres ahead
+    of the bumper.
     """
     x, y = thing.corners[:, :2].T
     farthest = -_nearest_within(CORRIDOR, -x, y)
@@ -205,11 +204,11 @@ def reach(thing: Thing, speed: float) -> float:
 def _nearest_within(half: float, x: np.ndarray, y: np.ndarray) -> float:
     """Return the smallest x of the points' convex hull within a corridor; infinite if none.
 
-    It is at a point, or where a line between two points crosses the edge of the corridor.
+    This x is at a point, or where a line between two points crosses the edge of the corridor.
     """
     a, b = np.triu_indices(len(x), 1)
     rise = y[b] - y[a]
-    steep = rise != 0  # the others run along the corridor
+    steep = rise != 0  # other lines are parallel to the edges
     a, b, rise = a[steep], b[steep], rise[steep]
     share = (np.array([[-half], [half]]) - y[a]) / rise
     crossings = (x[a] + share * (x[b] - x[a]))[(share > 0) & (share < 1)]

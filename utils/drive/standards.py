@@ -1,4 +1,4 @@
-"""Stored results in the twenty streets: true boxes, the course's detector and the naive detector.
+"""Stored results of three drivers: the true boxes, the course's detector and the naive detector.
 
 `standards.json` contains only results, no code. `drive_standards.py` of lesson 12 writes it.
 """
@@ -20,7 +20,7 @@ DRIVERS = ("true boxes", "the course's detector", "the naive one of lesson 12")
 
 @dataclass(frozen=True)
 class Result:
-    """Results of one or more drives that can be added up.
+    """Metrics of one or more drives, which can be added up.
 
     Attributes
     ----------
@@ -53,19 +53,19 @@ def _counted(count: int, noun: str) -> str:
 
 
 def result_of(report: Report) -> Result:
-    """Return the metrics of a report that can be added up."""
+    """Return those metrics of a report that can be added up."""
     return Result(
         round(report.metres, 1), report.needless, int(bool(report.collision)), report.near_misses
     )
 
 
 def standards(streets: Iterable[int]) -> dict[str, Result]:
-    """Return the total of each of `DRIVERS` in some streets, if all of them are stored.
+    """Return each driver's total over some streets, if all these streets are stored for the driver.
 
     Parameters
     ----------
     streets : iterable of int
-        Numbers of the streets.
+        Street numbers, from 1.
     """
     numbers = {str(number) for number in streets}
     return {

@@ -1,7 +1,7 @@
-"""Given steps of a detector, so that you can drive with only one step of your own.
+"""Ready-made steps of a detector, so that you can drive with only one step of your own.
 
-The given steps use libraries, and none of them solves an exercise. Replace any of them with your
-own function:
+The ready-made steps use libraries, and none of them solves an exercise. Replace any of them with
+your own function:
 
 >>> detect = chain(ground=lambda points: filter_ground(points, -1.2))
 >>> drive_street(6, detect)
@@ -27,7 +27,7 @@ def chain(
     boxes: Callable | None = None,
     voxel: float = 0.2,
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Build a detector from your own steps and given ones.
+    """Build a detector from your own steps and ready-made ones.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def chain(
     cluster : callable, optional
         Takes points and returns labels (n,), from 1 up.
     keep : callable, optional
-        Takes labels and returns labels, with 0 for clusters to drop.
+        Takes labels and returns labels, with 0 for each point of a cluster to drop.
     boxes : callable, optional
         Takes points and labels, and returns corners (N, 8, 3).
     voxel : float
@@ -63,7 +63,7 @@ def chain(
 
 
 def askew(detect: Callable, degrees: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a detector for a scanner that is mounted at an angle on the roof.
+    """Adapt a detector to a scanner that is mounted at an angle on the roof.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _ahead(points: np.ndarray) -> np.ndarray:
 
 
 def _above_road(points: np.ndarray) -> np.ndarray:
-    """Keep points more than 0.3 m from a plane, fitted repeatedly to the low points near it."""
+    """Keep points more than 0.3 m from a plane, which is refitted to the low points near it."""
     near = points[:, 2] < -1.0
     for tolerance in (0.6, 0.3, 0.2):
         if near.sum() < 3:
@@ -122,7 +122,7 @@ def _large(labels: np.ndarray) -> np.ndarray:
 
 
 def _bounds(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return boxes along the axes around the clusters, computed by a library."""
+    """Return axis-aligned boxes around the clusters, computed by a library."""
     import shapely
 
     found = []

@@ -47,7 +47,7 @@ SCANNER = Sensor(
 """Like `hdl64` with a third of its returns, so that a drive can be simulated in real time."""
 
 BEHIND, AHEAD = -12.0, 50.0
-"""Range of the simulated objects in metres, relative to the car: slightly more than it must see."""
+"""Range of simulated objects relative to the car, in metres; slightly more than it must see."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Street:
     plan : StreetPlan
         Density of the objects along the street.
     drawn_from : int, optional
-        Seed of everything random in the street; by default its number.
+        Random seed for everything in the street; by default its number.
     """
 
     number: int
@@ -89,7 +89,7 @@ class Street:
 
     @property
     def seed(self) -> int:
-        """Seed of everything random in the street."""
+        """Random seed for everything in the street."""
         return self.number if self.drawn_from is None else self.drawn_from
 
     @property
@@ -112,7 +112,7 @@ class Street:
         if abs(y) < PARKED - 1.0:
             return y > 0 and self.traffic
         if self.traffic and 0 < y < FURNITURE - 1.0:
-            return False  # two cars have just enough room to pass, so there is no parking
+            return False  # no parking here, so that two cars can pass
         return not any(_is_in_the_way(thing, x, y, actor) for actor in self.actors)
 
     def world(self, time: float, position: float, began: dict[int, float]) -> World:
@@ -149,7 +149,7 @@ class Street:
         }
 
     def kind_of(self, identity: int) -> str:
-        """Return the kind of the object with an identity."""
+        """Return the kind of the object with this identity."""
         if identity in self.road_users:
             return self.road_users[identity]
         return self.still.obstacles[identity - 1].kind

@@ -65,7 +65,7 @@ def _token(drive: Drive) -> str:
 
 
 def _row(drive: Drive, braking: Braking, number: int) -> str:
-    """Describe a braking event in a line of HTML that opens to show its frame."""
+    """Return a line of HTML that describes a braking event and expands to show its frame."""
     kind = "needless: " if braking.needless else ""
     mark = "✗" if braking.needless else "✓"
     time = f"{drive.moments[braking.first].time:.1f} s"
@@ -140,7 +140,7 @@ def _svg(drive: Drive, report: Report) -> str:
 
 
 def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
-    """Return a drawn scan as an HTML image; see `draw`."""
+    """Draw a scan and return it as an HTML image; see `draw`."""
     import matplotlib.pyplot as plt
 
     axes = draw(drive, number, braking)
@@ -162,7 +162,7 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
     ----------
     drive : Drive
     number : int
-        Number of the moment.
+        Index of the moment.
     braking : Braking, optional
         Braking event whose box is outlined and labelled.
     """

@@ -67,7 +67,7 @@ class Trip:
         return "\n".join(words)
 
     def __repr__(self) -> str:
-        return str(self)  # for a notebook that shows no HTML
+        return str(self)  # for a notebook that does not show HTML
 
     def _repr_html_(self) -> str:
         import html
@@ -83,7 +83,7 @@ class Trip:
 
 
 def comfort(report: Report) -> list[str]:
-    """Describe comfort, closest pass and delay of the detector in sentences."""
+    """Describe the comfort, the closest pass and the detector's delay in sentences."""
     words = []
     if report.hardest > 1.0:
         words.append(
@@ -126,7 +126,7 @@ def drive_street(
     Returns
     -------
     Trip
-        Shows the speed over time as the last line of a cell; ``.save("film.mp4")`` writes a film.
+        Displays itself as the last line of a cell; ``.save("film.mp4")`` writes a film.
 
     Raises
     ------

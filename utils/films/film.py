@@ -1,4 +1,4 @@
-"""A stream of frames with the boxes of a detector, to watch one by one or to record."""
+"""Run a detector over a stream of frames, to watch them one by one or to record a film."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class DetectedFrame:
     names : tuple of int or None
         Track ID of each box; None without a tracker.
     trails : tuple of ndarray, shape (m, 3)
-        Latest places of each tracked object, as they were seen, oldest first. While an object has
-        no box, its trail continues with the predicted places.
+        Latest centres of each tracked object, oldest first, each relative to the scanner at that
+        time. While an object has no box, its trail continues with the predicted centres.
     """
 
     number: int
@@ -65,7 +65,7 @@ class DetectedFrame:
 
     @property
     def caption(self) -> str:
-        """Caption with the place in the stream, the computing time and the number of boxes."""
+        """Caption with the position in the stream, the computing time and the number of boxes."""
         words = [f"frame {self.number} of {self.total}", f"{self.time:.1f} s"]
         if self.problem:
             words.append(f"the detector failed: {self.problem}"[:90])
@@ -80,8 +80,8 @@ def watch(
 ) -> Iterator[DetectedFrame]:
     """Run a detector over frames, one at a time.
 
-    The detector sees the first frame once before it is timed, so that loading libraries does not
-    count.
+    The detector processes the first frame once before it is timed, so that loading libraries does
+    not count.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def watch(
         Any exception of the detector in the first frame. Later failures are stored in
         `DetectedFrame.problem`, so that one unusual scan does not end the film.
     """
-    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # 10 Hz is usual
+    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # most scanners run at 10 Hz
     follower, before = _Follower(tracker) if tracker else None, None
     for number, frame in enumerate(frames, start=1):
         cloud = np.asarray(getattr(frame, "cloud", frame))
@@ -136,7 +136,7 @@ class _Follower:
     def follow(
         self, boxes: np.ndarray, seconds: float
     ) -> tuple[tuple[int, ...], tuple[np.ndarray, ...]]:
-        """Return the track IDs of the boxes (N, 8, 3) of the next frame, and all trails."""
+        """Return the track IDs of the next frame's boxes (N, 8, 3), and all trails."""
         names = self._tracker.update(boxes, seconds)
         tracks = self._tracker.tracks
         self._trails = {
@@ -196,7 +196,7 @@ def record(
         Width and height in pixels, rounded down to even numbers as films require.
     frames_per_second : float
     renderer : {"pyvista", "matplotlib"}, optional
-        By default PyVista if it can draw, else matplotlib.
+        By default PyVista if it can draw here, else matplotlib.
 
     Raises
     ------
@@ -218,7 +218,7 @@ def record(
             for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(frame))
                 detected.append(frame)
-            next(bar, None)  # shows the last step of the bar
+            next(bar, None)  # complete the progress bar
 
     write_film(path, images(), frames_per_second)
     found = [frame for frame in detected if frame.found is not None]

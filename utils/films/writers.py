@@ -1,4 +1,4 @@
-"""Writers that turn images into an MP4, a GIF or a single PNG, and the film for a notebook."""
+"""Write images as an MP4, a GIF or a single PNG, and display the film in a notebook."""
 
 from __future__ import annotations
 
@@ -99,11 +99,11 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
         for image in images:
             writer.append_data(image)
     finally:
-        writer.close()  # also after Ctrl-C, when `with` would leave it to the garbage collector
+        writer.close()  # also after Ctrl-C or an error, when `with` would not close the writer
 
 
 def suffix_of_films() -> str:
-    """Return the best suffix of a film that can be written here: ".mp4", or else ".gif"."""
+    """Return the suffix of the best film format available here: ".mp4", or else ".gif"."""
     return ".mp4" if importlib.util.find_spec("imageio_ffmpeg") else ".gif"
 
 
@@ -116,13 +116,13 @@ def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 
 
 def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
-    """Write the last of the images."""
+    """Write the last image."""
     for image in images:
         path.write_bytes(encoded(image, "PNG"))
 
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}
-"""Functions that write a film, by the suffix of its file."""
+"""Functions that write a film, by file suffix."""
 
 
 def write_film(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:

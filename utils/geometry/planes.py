@@ -1,4 +1,4 @@
-"""Planes a x + b y + c z + d = 0, whose normal (a, b, c) may have any length."""
+"""Planes a x + b y + c z + d = 0; the normal (a, b, c) may have any length."""
 
 import math
 
@@ -21,7 +21,7 @@ def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
     Returns
     -------
     plane : numpy.ndarray, shape (4,)
-        From the covariance matrix; its normal has length 1.
+        Computed from the covariance matrix; its normal has length 1.
     distance : float
         In the unit of the points.
     """
@@ -30,7 +30,7 @@ def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def spread_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the mean of points, and the ascending variances and directions (columns) of spread."""
+    """Return the mean of points, and their principal variances (ascending) and axes (columns)."""
     xyz = np.asarray(points, dtype=float)[:, :3]
     centre = xyz.mean(axis=0)
     return centre, *np.linalg.eigh((xyz - centre).T @ (xyz - centre) / len(xyz))

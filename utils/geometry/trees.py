@@ -1,4 +1,4 @@
-"""Reference kd-trees: build from points, list their nodes, and find the regions of the nodes."""
+"""Reference kd-trees: build them from points, list their nodes, and find the nodes' regions."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ class TreeNode:
 
 
 def in_turn(depth: int, dimensions: int) -> int:
-    """Return the axis that is compared at a depth: x at the root, then each axis in turn."""
+    """Return the axis to compare at a depth: x at the root, then each axis in turn."""
     return depth % dimensions
 
 
@@ -28,7 +28,7 @@ def grown(
     axis_at: Callable[[int, int], int] = in_turn,
     goes_left: Callable[[float, float], bool] = operator.lt,
 ) -> TreeNode | None:
-    """Build the tree that results from inserting points one after another; None without points.
+    """Build the tree that results from inserting points one by one; return None without points.
 
     The first point is the root. It divides the others into those on its left and on its right,
     which keep their order.
@@ -70,7 +70,7 @@ def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
     Returns
     -------
     dict of str to node
-        In the order of the levels.
+        In level order.
     """
     waiting = [("", root)] if root is not None else []
     for path, node in waiting:  # the list grows during the loop
@@ -81,7 +81,7 @@ def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
 
 
 def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
-    """Return a tree as lists with one entry per node, as `KdTree.plant` takes them.
+    """Return a tree as lists with one entry per node, for `KdTree.plant`.
 
     Returns
     -------
@@ -102,12 +102,12 @@ def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
 
 
 def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Return the region of space that contains each node of a correct tree.
+    """Return the region of space that each node of a correct tree covers.
 
     Returns
     -------
     dict of int to tuple of numpy.ndarray
-        By index: the lowest and the highest corner, both (k,), which may be infinite.
+        For each node's index: the lowest and the highest corner, both (k,) and possibly infinite.
     """
     places = places_of(root)
     regions = {}

@@ -1,8 +1,8 @@
 """Stored answers of the course, which replace functions that a student has not written yet.
 
-``lesson_NN.json`` contains the answers that the functions of a lesson gave in its solved notebook:
-labels, boxes and numbers, but no code. They let a student who is stuck continue. A stub returns the
-stored answers to the calls in the notebook, and says that they are the course's.
+``lesson_NN.json`` contains the answers that a lesson's functions returned in its solved notebook:
+labels, boxes and numbers, but no code. With them, a student who is stuck can continue. A stub
+returns the stored answers for the calls in the notebook, and shows that they are the course's.
 
 `grader.course.recorded_answers` records the answers. They also replace a function that fails its
 check, in cells that fail because of it; see `utils.lent.continuation`.

@@ -1,11 +1,11 @@
 """Let a student continue after a wrong answer.
 
 If a cell of the lesson fails with a function that has not passed its check, the function is treated
-as a stub. The cell runs again with the stored answers, and says so. If it fails again, the first
-failure is shown as usual.
+as a stub. The cell runs again with the stored answers, below a notice. If it fails again, the
+first failure is shown as usual.
 
 The student's own function is always used in checks, in cells above its check and in cells that are
-not part of the lesson. All cells use it again once it passes, or when it is defined again.
+not part of the lesson. All cells use it again once it passes or is redefined.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ class _Failed:
 
 @dataclass
 class _Cell:
-    """The running cell, and the state before it."""
+    """The running cell, and the state before it ran."""
 
     source: str
     place: int | None  # position in the lesson; None for a cell that the student added
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
     passed: set[str] = field(default_factory=set)
-    failure: tuple | None = None  # arguments of the delayed call of showtraceback
+    failure: tuple | None = None  # arguments for a delayed call of showtraceback
 
 
 class Continuation:
@@ -61,7 +61,7 @@ class Continuation:
     namespace : dict
         The notebook's namespace.
     cells : sequence of str
-        `key_of_cell` of each code cell of the lesson, in order.
+        Keys of the lesson's code cells from `key_of_cell`, in order.
     show : callable
         The shell's own `showtraceback`.
     """
@@ -75,13 +75,13 @@ class Continuation:
         self._broken: set[int] = set()
         self._failed: dict[str, _Failed] = {}
         self._switched: set[str] = set()
-        # Names whose values come from stored answers, with the functions that these replaced.
+        # Names whose values come from stored answers, and the functions that the answers replaced.
         self._borrowed: dict[str, frozenset[str]] = {}
         self._cell: _Cell | None = None
-        self._trial: list[object] | None = None  # errors of a rerun; None if no cell is rerun
+        self._trial: list[object] | None = None  # errors in a rerun; None outside a rerun
 
     def before_cell(self, info: ExecutionInfo) -> None:
-        """Install the functions that a cell should see."""
+        """Install the functions that a cell should use."""
         if self._trial is not None:
             return
         self._lender.give_back()
@@ -125,7 +125,7 @@ class Continuation:
         if self._trial is not None:
             self._trial.append(error)
         elif self._cell and isinstance(error[1], Exception) and self._can_rerun(self._cell):
-            # The error is stored, as sys.exc_info() will be empty when it is shown.
+            # Store the error, because sys.exc_info() will be empty when it is shown.
             options.pop("exc_tuple", None)
             self._cell.failure = self._cell.failure or ((error, *arguments[1:]), options)
         else:
@@ -200,11 +200,11 @@ class Continuation:
             _clear_output()
             self._switched -= found.functions
             _restore(self._namespace, before)
-            self._lender.give_back()  # last, as `before` may contain wrappers
+            self._lender.give_back()  # last, because `before` may contain wrappers
         return ran
 
     def _substitute(self, found: RerunPlan) -> bool:
-        """Replace functions by stored answers, and silently rerun the statements that used them."""
+        """Replace functions with stored answers, and silently rerun statements that used them."""
         self._set_aside(found.functions)
         if not self._rerun_statements(found.statements):
             self._lender.give_back()
@@ -261,7 +261,7 @@ class Continuation:
             self._lender.announce_returned(exercise)
 
     def _announce(self, names: Collection[str]) -> None:
-        """Say which of the names that a cell uses have values from stored answers."""
+        """Show which names in a cell have values from stored answers."""
         for name in sorted(names & self._borrowed.keys()):
             if self._borrowed[name] <= self._lender.aside:
                 self._lender.announce_replaced(self._borrowed[name])

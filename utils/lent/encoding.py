@@ -19,16 +19,16 @@ FEW = 64
 
 
 def key_of(arguments: tuple, keywords: dict) -> str:
-    """Return a short text that is the same for the same call on every machine.
+    """Return a short key that identifies a call on every machine.
 
-    Only eight digits of each number count, as machines may round the last digits differently.
+    Only eight digits of each number count, because machines may round the last digits differently.
     """
     text = "\n".join(_walk([arguments, sorted(keywords.items())]))
     return hashlib.sha256(text.encode()).hexdigest()[:10]
 
 
 def _walk(start: list) -> Iterator[str]:
-    # A stack instead of recursion, as a tree may be deep.
+    # A stack instead of recursion, because trees may be deep.
     waiting, seen = [start], set()
     while waiting:
         value = waiting.pop()
@@ -73,7 +73,7 @@ def rng_states(arguments: tuple, keywords: dict) -> list:
 
 
 def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
-    """Set the generators among the arguments to the states after the recorded call."""
+    """Set the generators among the arguments to their states after the recorded call."""
     for generator, state in zip(_generators(arguments, keywords), states, strict=False):
         generator.bit_generator.state = state
 
@@ -84,13 +84,13 @@ def _generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
 
 
 def encode(answer: object, arguments: tuple = ()) -> object:
-    """Encode an answer as JSON-compatible data, which `decode` turns back.
+    """Encode an answer as JSON-compatible data, which `decode` reverses.
 
     Parameters
     ----------
     answer : object
-        None, bools, numbers, texts, arrays, data classes, and lists, tuples and dictionaries of
-        them.
+        None, bools, numbers, strings, arrays, data classes, and lists, tuples and dictionaries of
+        these.
     arguments : tuple
         Arguments of the call. If the answer consists of rows of one of them, only a mask is stored.
 
@@ -111,7 +111,7 @@ def encode(answer: object, arguments: tuple = ()) -> object:
         if isinstance(value, numbers.Integral):
             return int(value)
         if isinstance(value, numbers.Real):
-            # Far more digits than `key_of` uses: an answer may be an argument of the next call.
+            # Far more digits than `key_of` uses, because an answer may be the next call's argument.
             return float(f"{float(value):.15g}")
         if isinstance(value, np.ndarray):
             return _array(value, arguments)
@@ -166,15 +166,15 @@ def _array(array: np.ndarray, arguments: tuple) -> dict:
         about["step"] = step
     else:
         whole = array.astype(np.int64)
-    # Neighbouring rows are similar, so their differences compress better. So do the bytes of equal
-    # significance, if they are next to each other.
+    # Neighbouring rows are similar, so their differences compress better. Placing bytes of equal
+    # significance next to each other helps further.
     change = np.diff(whole.reshape(len(array), -1), axis=0, prepend=0)
     planes = change.astype("<i8").ravel().view(np.uint8).reshape(-1, 8).T
     return about | {"changes": _packed(planes.tobytes())}
 
 
 def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
-    """Return a mask (n,) of the argument's rows that form the answer; None if it has others."""
+    """Return a mask (n,) of the argument's rows that form the answer; None if it has other rows."""
     if not isinstance(argument, np.ndarray) or array.ndim != 2 or argument.ndim != 2:
         return None
     if array.shape[1] != argument.shape[1] or array.dtype != argument.dtype:
@@ -206,7 +206,7 @@ def decode(stored: object, arguments: tuple, namespace: dict) -> object:
     stored : object
         The encoded answer.
     arguments : tuple
-        Arguments of the call that is answered.
+        Arguments of the call.
     namespace : dict
         The notebook's namespace, which contains its classes.
     """

@@ -20,7 +20,7 @@ class Recorder(Lender):
     Parameters
     ----------
     exercises, experiments : iterable of str
-        Names of functions.
+        Names of the functions to record.
     namespace : dict
         The notebook's namespace.
     """
@@ -42,7 +42,7 @@ class Recorder(Lender):
             for name, answers in functions.items():
                 function = self._namespace.get(name)
                 if callable(function) and not hasattr(function, "is_recorded"):
-                    # Use the function itself, as an older stored answer may replace it already.
+                    # Use the function itself, because older stored answers may already replace it.
                     self._namespace[name] = self._wrapped(name, own(function), answers)
         for name in CALLERS:
             caller = self._namespace.get(name)
@@ -87,7 +87,7 @@ class Recorder(Lender):
         return recorded
 
     def text(self) -> str:
-        """Return the answers to store as JSON, with a message for each that cannot be stored."""
+        """Return the answers as JSON, with a message for each answer that cannot be stored."""
         return json.dumps(self._stored | {"faults": self._faults})
 
 
@@ -97,7 +97,7 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
     Parameters
     ----------
     exercises, experiments : list of str
-        Names of functions.
+        Names of the functions to record.
     path : str
         The file to write.
     """

@@ -39,7 +39,7 @@ class RerunPlan:
 
 
 def key_of_cell(source: str) -> str:
-    """Return a short text that identifies a cell; spaces at line ends do not count."""
+    """Return a short key that identifies a cell, regardless of trailing spaces."""
     lines = "\n".join(line.rstrip() for line in source.strip().splitlines())
     return hashlib.sha256(lines.encode()).hexdigest()[:8]
 
@@ -56,7 +56,7 @@ def free_names(source: str) -> set[str]:
     found, made = set(), set()
     for statement in slicing.parse_notebook([source])[0]:
         if not isinstance(statement.node, _PLAIN):
-            made |= statement.binds  # a loop binds its variable before it is used
+            made |= statement.binds  # a loop binds its variable before using it
         found |= statement.uses - made
         made |= statement.binds
     return found
@@ -73,13 +73,13 @@ def plan(
     Parameters
     ----------
     cells : sequence of str
-        The cells of the lesson, in order; an empty text for a cell that did not run.
+        The cells of the lesson, in order; an empty string for a cell that did not run.
     callers : mapping of str to collection of str
         For each function in question, its own name and the names of the functions that call it.
     broken : collection of int
         Positions of cells that failed; their statements count as not run.
     include_changed : bool
-        Whether to recompute the arguments of these functions, which may have written into them.
+        Whether to recompute the arguments of functions in question, which may have changed them.
     """
     statements = slicing.parse_notebook(cells)[0]
     callables = {name for names in callers.values() for name in names}
@@ -126,7 +126,7 @@ def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[
 
 
 def _names_read_by(statement: Statement) -> set[str]:
-    """Return the names that a statement reads from outside, without those a loop sets first."""
+    """Return the names that a statement reads from outside, except names that a loop sets first."""
     loop = statement.node
     if not isinstance(loop, ast.For):
         return set(statement.uses)

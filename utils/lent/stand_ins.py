@@ -94,7 +94,7 @@ class Lender:
     def _wrapped(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def lent(*arguments: object, **keywords: object) -> object:
-            # The key is computed first, as an experiment may change its arguments.
+            # The key is computed first, because an experiment may change its arguments.
             key = key_of(arguments, keywords)
             try:
                 return function(*arguments, **keywords)
@@ -129,7 +129,7 @@ class Lender:
         self._show_reason(names, f"this cell continues with **the course's answer**.{back}")
 
     def announce_recomputed(self, names: Collection[str]) -> None:
-        """Say that the arguments of functions were recomputed, as the functions may change them."""
+        """Say that the arguments of functions that may have changed them were recomputed."""
         sentence = "this cell continues with its original input, which was computed again."
         self._show_reason(names, sentence)
 

@@ -6,12 +6,12 @@ import dis
 from collections.abc import Callable
 from types import FunctionType
 
-# Functions of the course that call the student's function; the notebook does not use the answers.
+# Course functions that call the student's function; the notebook does not use their results.
 CALLERS = ("check", "replay", "show_broken", "tell_apart")
 
 
 def is_written(function: Callable) -> bool:
-    """Return whether a function is written, and not still a stub.
+    """Return whether a function is written, rather than still a stub.
 
     Returns
     -------

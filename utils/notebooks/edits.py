@@ -2,8 +2,8 @@
 
 An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
 or swaps two operands, arguments or statements. It may also add or remove a call, an index or a
-name, or move a statement. Another edit can undo it, unless that edit would have to invent a whole
-statement or a term that is not in the function.
+name, or move a statement. Another edit can usually undo it, but no edit invents a whole statement
+or a term that is not in the function.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
 write such rules for each exercise, and let a solver compare the result with a model answer. Here
@@ -23,9 +23,9 @@ from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, nam
 from utils.notebooks.edits_of_several_nodes import edits_of_several_nodes
 from utils.notebooks.statements import Statement
 
-# Limit for all edits of all functions together; the likeliest are kept.
+# Limit for the edits of all functions together; the likeliest are kept.
 MOST_EDITS = 600
-# Longer functions are not edited; no exercise of this course needs one.
+# Longer functions are not edited; no exercise of this course needs that many lines.
 MOST_LINES = 120
 
 _JUMPS = ("break", "continue", "return")
@@ -38,9 +38,9 @@ class Edit:
     Attributes
     ----------
     cell : int
-        Number of the code cell.
+        Number of the code cell, from 1.
     first, last : int
-        First and last line that are replaced.
+        First and last line to replace.
     text : str
         The new lines.
     statement : str
@@ -102,7 +102,7 @@ def _edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit
 
 
 def _edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> Edit:
-    """Build an edit of only the lines that differ."""
+    """Build an edit that replaces only the lines that differ."""
     new = changed.split("\n")
     begin = 0
     while begin < min(len(lines), len(new)) and lines[begin] == new[begin]:
@@ -118,7 +118,7 @@ def _edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> E
 
 
 def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
-    """Yield the rank of each edit, lower for likelier ones, and a function that makes the edit."""
+    """Yield the rank of each edit, lower for likelier ones, and a function that applies it."""
     source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
@@ -139,7 +139,7 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
 
 
 def _walk(node: ast.AST, parent: ast.AST | None = None, field: str = "") -> Iterator[tuple]:
-    """Yield each node with its parent and its field there; skip signatures and decorators."""
+    """Yield each node, its parent and its field in the parent; skip signatures and decorators."""
     yield node, parent, field
     for name, value in ast.iter_fields(node):
         if name in ("annotation", "returns", "decorator_list", "args") and isinstance(
@@ -158,7 +158,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Yield the block with a final return of a name or a part of an argument, if it has none."""
+    """Yield a block without a final return with one: of a name, or of a part of an argument."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -219,7 +219,7 @@ def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]
 
 
 def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt]) -> Iterator[str]:
-    """Yield the lines with one `return` moved behind one of the blocks that contain it."""
+    """Yield the lines with one `return` moved after one of the blocks that contain it."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.Return):
             first, last = child.lineno - 1, child.end_lineno
@@ -246,7 +246,7 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tu
             yield 1, "\n".join(_shifted(lines, first, rest, outer - depth))
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
-            if inner:  # into the block before, with some of the statements that follow
+            if inner:  # into the preceding block, with some of the statements that follow
                 for end in [following.end_lineno for following in body[position:]]:
                     yield 2, "\n".join(_shifted(lines, first, end, inner[0].col_offset - depth))
             here, there = before.lineno - 1, before.end_lineno

@@ -106,7 +106,7 @@ _RARE_SLICES = ("[::-1]", "[1:]", "[:-1]", "[:3]", "[:2]", ".T")
 _ROW_TESTS = (".all(axis=1)", ".any(axis=1)")
 _CALLS = ("len({})", "{}.sum()", "np.floor({})", "np.linalg.norm({})", "np.isfinite({})")
 _COMBINATIONS = ("{} / {}", "{} * {}", "{} + {}", "{} - {}", "{} ** {}")
-# Methods whose result is much like the array that they belong to.
+# Methods whose result resembles the array on which they are called.
 _SIMILAR = frozenset(["astype", "copy", "round", "tolist", "sort", "item"])
 _KEYWORDS = {
     "choice": ("replace=False", "size=2", "size=3"),
@@ -115,7 +115,7 @@ _KEYWORDS = {
 
 
 class SourceText:
-    """A source text that can be addressed by the nodes of its syntax tree."""
+    """A source text, with access to the part that each node of its syntax tree covers."""
 
     def __init__(self, text: str) -> None:
         self._bytes = text.encode()
@@ -164,7 +164,7 @@ class Names:
 
 
 def names_in(function: ast.AST) -> Names:
-    """Collect the names in a function or a class, each once, in the order of the tree."""
+    """Collect the names in a function or a class, each once, in tree order."""
     arguments, bound, read, elsewhere = {}, {}, {}, {*dir(builtins)}
     for node in ast.walk(function):
         if isinstance(node, ast.arg):
@@ -280,7 +280,7 @@ def _operators(
 def _of_comparison(
     source: SourceText, node: ast.Compare, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Change the operator, drop the comparison, or change a name on one side of it."""
+    """Change the operator, drop the comparison, or replace a side with a copy of the other."""
     yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     if len(node.ops) > 1:
         return
@@ -340,7 +340,7 @@ def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, 
 
 
 def _with_less_inside(source: SourceText, call: ast.Call) -> Iterator[tuple[int, int, int, str]]:
-    """Take the last operand out of a call: f(x + y) becomes f(x) + y."""
+    """Move the last operand out of a call: f(x + y) becomes f(x) + y."""
     if len(call.args) == 1 and isinstance(call.args[0], ast.BinOp) and not call.keywords:
         inside = call.args[0]
         begin, end = source.span(call)
@@ -537,7 +537,7 @@ def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, st
 def _wrapped(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Change a value where it is used, for example by a sign, a root, an index or a slice."""
+    """Change a value where it is used, for example with a sign, a root, an index or a slice."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List, ast.Subscript)
     tested = isinstance(parent, (ast.If, ast.While, ast.IfExp)) and field == "test"
     placed = isinstance(parent, into) and field in ("value", "args", "elts", "slice")
@@ -563,7 +563,8 @@ def _wrapped(
             yield 2, begin, end, f"~{inner}"
         for wrap in _WRAPS:
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
-        number = isinstance(node, (ast.BinOp, ast.Name))  # the sign of an array is rarely lost
+        # Students rarely lose the sign of an array.
+        number = isinstance(node, (ast.BinOp, ast.Name))
         yield 1 if placed and number else 3, begin, end, f"(-{inner})"
         yield 3, begin, end, f"(1 - {inner})"
         for part in _SLICES if atom and placed else ():
@@ -615,6 +616,6 @@ def _with_a_name(
 
 
 def _is_arithmetic(node: ast.expr) -> bool:
-    """Return whether a node is arithmetic, such as a sum, and not a combination of masks."""
+    """Return whether a node is arithmetic, such as a sum, rather than a combination of masks."""
     masks = (ast.BitAnd, ast.BitOr, ast.BitXor)
     return isinstance(node, ast.BinOp) and not isinstance(node.op, masks)

@@ -1,4 +1,4 @@
-"""Slips that occur several times in a function, and the edits that correct all occurrences."""
+"""Generate edits that correct a slip wherever it occurs in a function."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def edits_of_several_nodes(
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Yield the rank of each edit, and all its replacements.
 
-    Such slips are a variable of the notebook or a number instead of a parameter, two names that
-    are exchanged throughout, and calls that all lack the same axis.
+    Such slips are a notebook variable or a number used instead of a parameter, two names that are
+    exchanged throughout, and several calls that lack the same axis.
 
     Parameters
     ----------

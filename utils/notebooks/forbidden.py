@@ -1,8 +1,8 @@
 """Stand-ins for modules that a lesson forbids because they solve its exercise.
 
 Libraries import such modules for their own purposes; scikit-learn, for example, imports a graph
-search in its first line. A library gets a module that has every name instead, and each name raises
-an error as soon as it is called.
+search in its first line. A library gets a stand-in instead. Every name exists in the stand-in, and
+raises an error as soon as it is called.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _LINKED = {
 
 
 def forbidden_part(name: str, modules: Iterable[str]) -> str | None:
-    """Return the module that a dotted name equals or is inside; None if there is none."""
+    """Return the module that equals or contains a dotted name; None if there is none."""
     return next((module for module in modules if f"{name}.".startswith(f"{module}.")), None)
 
 
@@ -40,11 +40,11 @@ class StandIn(type):
     """Metaclass of all names in a stand-in module.
 
     Each name is a class, because library code may use it as a base, in `isinstance` or as a
-    decorator's argument without calling it. A call raises the refusal.
+    decorator's argument without calling it. A call raises the error of `refusal`.
     """
 
     def __call__(cls, *arguments: object, **keywords: object) -> None:
-        """Raise the refusal."""
+        """Raise the error of `refusal`."""
         raise refusal(cls.forbidden)
 
     def __getattr__(cls, name: str) -> StandIn:
@@ -53,13 +53,13 @@ class StandIn(type):
 
 
 class StandInModule(ModuleType):
-    """A stand-in for a forbidden module, which has every name.
+    """A stand-in for a forbidden module, in which every name exists.
 
     Parameters
     ----------
     name : str
     forbidden : str
-        The module that the lesson forbids: the module itself, or a package that contains it.
+        The module that the lesson forbids: `name`, or a package that contains it.
     """
 
     def __init__(self, name: str, forbidden: str) -> None:
@@ -69,7 +69,7 @@ class StandInModule(ModuleType):
             self.__pyx_capi__ = _unusable_functions(name)
 
     def __getattr__(self, name: str) -> StandIn:
-        """Return a stand-in for a name, which is the same object at every access."""
+        """Return a stand-in for a name, the same object at every access."""
         value = _attribute(name, self.__name__, self.__forbidden__)
         setattr(self, name, value)
         return value
@@ -88,7 +88,7 @@ def _attribute(name: str, module: str, forbidden: str) -> StandIn:
 
 @functools.cache
 def _unusable_functions(module: str) -> dict[str, object]:
-    """Return C functions to link against; a caller gets the refusal before it reaches them."""
+    """Return C functions to link against; a caller gets an error before it reaches them."""
     import ctypes
 
     new = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)(

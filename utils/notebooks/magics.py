@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 
-# The cells of these magics run in the notebook's own namespace. Cells of other magics contain
+# Cells with these magics run in the notebook's own namespace. Cells with other magics contain
 # another language or throw-away code.
 PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
 # IPython reads the whole cell again for each command. A student writes a few commands; a cell with
@@ -44,7 +44,7 @@ def parse_cell(source: str) -> ast.Module:
 
 
 class _MagicsRemover(ast.NodeTransformer):
-    """Replaces calls of IPython's methods, which magics are translated into, by `None`."""
+    """Replaces the calls into which IPython translates magics with `None`."""
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         if ast.unparse(node.func).startswith("get_ipython()."):
@@ -53,7 +53,7 @@ class _MagicsRemover(ast.NodeTransformer):
 
 
 def _without_magics(source: str) -> str:
-    """Return the Python text of a cell with IPython magics."""
+    """Translate a cell with IPython magics into Python."""
     blank = source[: len(source) - len(source.lstrip())].count("\n")
     source = source.split("\n", blank)[-1]
     first, _, rest = source.partition("\n")
@@ -64,7 +64,7 @@ def _without_magics(source: str) -> str:
 
 
 def _transform(source: str) -> str:
-    """Translate magics with IPython, which few cells need; importing it here saves time."""
+    """Translate magics with IPython, which is slow to import and needed by few cells."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):

@@ -1,7 +1,7 @@
 """Load your functions from another notebook without running all of it.
 
-A notebook also loads clouds, draws them and plays films. This module executes only the statements
-that the functions need.
+A notebook also loads clouds, draws them and plays films. This module skips such statements and
+executes only those that the functions need.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def load_my_functions(
         A path, or a name such as ``"06_filter_ground.ipynb"``. A name is searched for in the
         working folder, in the folders next to it and in the course's ``notebooks``.
     paste : str or iterable of str, optional
-        Names of functions to print, ready to be pasted, with everything they use from that
-        notebook: imports, constants, other functions. Nothing runs in this case.
+        Names of functions to print, ready to paste, with everything they use from that notebook:
+        imports, constants, other functions. Nothing runs in this case.
 
     Returns
     -------
@@ -70,9 +70,9 @@ def load_my_functions(
 
     Notes
     -----
-    Statements that the functions need are executed, for example a lookup table or a cloud that one
-    of them uses. Pictures, films and simulated streets are made only if a function that the
-    notebook checks needs them. Output of the notebook is discarded.
+    Statements that the functions need are executed, for example to build a lookup table or load a
+    cloud. Pictures, films and simulated streets are created only if a function that the notebook
+    checks needs them. The notebook's output is discarded.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
     """Return the statements that functions need, in the order of the notebook.
 
     An exercise gets all statements that it needs, as in the judge. Any other function gets only
-    definitions and plain constants if it would otherwise run pictures, films or simulations.
+    definitions and plain constants if it would otherwise create pictures, films or simulations.
     """
     presentation = set(_presentation_names(statements))
     plain = [statement for statement in statements if _is_plain(statement.node)]
@@ -221,10 +221,10 @@ def _is_plain(node: ast.stmt) -> bool:
 
 def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[str, Callable]:
     """Execute statements; return the last definition of each function or class in `names`."""
-    # Data classes look up their module. No import can clash with a name that ends in ".ipynb".
+    # Data classes look up their module by name. No import clashes with a name ending in ".ipynb".
     module = sys.modules[notebook] = ModuleType(notebook)
     found = {}
-    with contextlib.redirect_stdout(io.StringIO()):  # output belongs in the other notebook
+    with contextlib.redirect_stdout(io.StringIO()):  # output does not belong in this notebook
         for statement in needed:
             _execute_statement(statement, module)
             found.update(
@@ -236,7 +236,7 @@ def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[st
 
 
 def _execute_statement(statement: Statement, module: ModuleType) -> None:
-    """Execute a statement in a module; a stub that it defines explains itself when called."""
+    """Execute a statement in a module, but replace a stub with one that explains itself."""
     node, notebook = statement.node, module.__name__
     if is_stub(node):
         setattr(module, node.name, _stub(node.name, notebook))

@@ -25,7 +25,7 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
     Returns
     -------
     list of str
-        One text per statement, in the order of the notebook.
+        One string per statement, in the order of the notebook.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
 
 
 def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
-    """Return one text of some functions: imports, a comment with their origin, definitions.
+    """Return functions as text to paste: imports, a comment with their origin, definitions.
 
     Parameters
     ----------

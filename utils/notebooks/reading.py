@@ -55,7 +55,7 @@ class Notebook:
     ----------
     cells : tuple of Cell
     lesson_name : str
-        Name of the released lesson according to the metadata; empty if it is not there.
+        Name of the released lesson from the metadata; empty if the metadata lacks it.
     repairs : tuple of str
         One sentence for each fault of the file and its repair.
     """
@@ -72,7 +72,7 @@ class Notebook:
 
 @dataclass
 class _Draft:
-    """The state of reading a file, which the steps fill in."""
+    """The contents of a file so far, which the steps fill in."""
 
     name: str
     data: bytes
@@ -92,7 +92,7 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
     data : bytes
         JSON of nbformat 3 or later.
     name : str
-        Name of the file in messages.
+        File name to show in messages.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def _whole_cells(text: str) -> dict:
 def _find_cells(draft: _Draft) -> str:
     """Find the list of cells in the place that the notebook's format prescribes.
 
-    A file may contain both kinds of lists; Jupyter shows only the cells of the file's own format.
+    A file may contain lists for nbformat 3 and 4; Jupyter shows only those of the declared format.
     """
     content = draft.content if isinstance(draft.content, dict) else {}
     number = content.get("nbformat")
@@ -245,7 +245,8 @@ STEPS: tuple[Callable[[_Draft], str], ...] = (
 def _cell(cell: dict, old: bool) -> Cell:
     kind = cell.get("cell_type")
     if kind not in ("code", "markdown", "raw"):
-        # nbformat 3 has "heading" and "html". A cell without a type is code if it looks like code.
+        # nbformat 3 also has the types "heading" and "html". A cell without a type counts as code
+        # if it has an input or outputs.
         runs = kind is None and ("outputs" in cell or "input" in cell)
         kind = "code" if runs else "raw" if kind == "html" else "markdown"
     places = ("input", "source") if old and kind == "code" else ("source", "input")

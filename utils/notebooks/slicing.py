@@ -80,7 +80,7 @@ def places_of(statements: Iterable[Statement]) -> list[list[int]]:
 
 
 def is_checked(name: str, statements: list[Statement]) -> bool:
-    """Return whether a `check(name)` follows the last definition, as it does for an exercise."""
+    """Return whether `check(name)` follows the last definition of the name, as for an exercise."""
     return _end_of_exercise(name, statements) < len(statements)
 
 
@@ -165,7 +165,7 @@ def compile_statement(statement: Statement, filename: str) -> CodeType:
     ----------
     statement : Statement
     filename : str
-        File name in tracebacks.
+        File name to show in tracebacks.
     """
     module = ast.Module([statement.node], type_ignores=[])
     return compile(module, filename, "exec", flags=statement.future, dont_inherit=True)

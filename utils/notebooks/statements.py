@@ -15,7 +15,7 @@ class Statement:
     Attributes
     ----------
     cell : int
-        Number of its code cell.
+        Number of its code cell, from 1.
     node : ast.stmt
     binds, uses : frozenset of str
         Names that it assigns or imports, and names that it reads.
@@ -23,7 +23,7 @@ class Statement:
         Names whose objects it changes.
     calls : frozenset of str
         Names of objects with a method that it calls only for the effect. Such a call counts as a
-        change of the object, unless the name is a module.
+        change of the object, unless the object is a module.
     future : int
         Compiler flags of the ``from __future__ import`` statements so far.
     """
@@ -43,7 +43,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     Parameters
     ----------
     cell : int
-        Number of its code cell.
+        Number of its code cell, from 1.
     node : ast.stmt
     future : int
         Compiler flags that apply to the statement.
@@ -60,7 +60,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     # An assignment expression in a comprehension binds a name outside it.
     binds |= {inner.target.id for inner in inside if isinstance(inner, ast.NamedExpr)}
     if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
-        binds.add("sys")  # it may bind any name, so every slice keeps it
+        binds.add("sys")  # `*` may bind any name; every slice keeps a statement that binds `sys`
     return Statement(
         cell,
         node,
@@ -73,7 +73,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
 
 
 def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
-    """Return the text of a statement whose comprehensions have their own scope."""
+    """Return the text of a statement, with comprehensions changed to have their own scope."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
     source = ast.unparse(node)
     if any(isinstance(inner, comprehensions) for inner in inside):
@@ -85,7 +85,7 @@ def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
 class _Generators(ast.NodeTransformer):
     """Turns comprehensions into generators, whose names stay in an inner scope.
 
-    Python 3.12 adds the names in comprehensions to the outer scope.
+    From Python 3.12 on, `symtable` adds the names in comprehensions to the outer scope.
     """
 
     def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
@@ -128,7 +128,7 @@ def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
 
 
 def _called_names(inside: list[ast.AST]) -> Iterator[str]:
-    """Return the names with a method called only for its effect, such as ``a.append(b)``."""
+    """Return names of objects with a method called only for its effect, as in ``a.append(b)``."""
     return (_root(inner.value.func) for inner in inside if _is_bare_call(inner))
 
 
@@ -141,7 +141,7 @@ def _is_bare_call(node: ast.AST) -> bool:
 
 
 def _without_functions(node: ast.stmt) -> list[ast.AST]:
-    """Return the nodes of a statement; none for a definition, which changes nothing by itself."""
+    """Return the nodes of a statement; none for a definition, because it changes nothing itself."""
     definition = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
     return [] if definition else list(ast.walk(node))
 

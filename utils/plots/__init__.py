@@ -1,6 +1,6 @@
 """Figures of clouds and of the results of algorithms, drawn with matplotlib.
 
-Each function takes its data, then options by keyword, then ``axes=None``. It draws into the given
+Each function takes its data, then keyword options, then ``axes=None``. It draws into the given
 axes or into a new figure of notebook width, and returns the axes. Axes that already show something
 keep their view, so that figures can be drawn on top of each other. Nothing here solves an exercise.
 

@@ -21,7 +21,7 @@ def ring(axes: Axes, x: float, y: float, *, radius: float, text: str = "") -> Ax
     radius : float
         In units of the x axis. The ring is round on the page even if the y axis is stretched.
     text : str
-        Written above the ring.
+        Text above the ring.
     """
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     window = axes.get_window_extent()

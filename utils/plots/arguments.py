@@ -91,7 +91,7 @@ def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray
 
 
 def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
-    """Return one text for each of `count` boxes, or an empty list; True gives the row numbers."""
+    """Return a name for each of `count` boxes, or an empty list; True means the row numbers."""
     if names is None or names is False:
         return []
     texts = [str(name) for name in (range(count) if names is True else names)]
@@ -124,15 +124,15 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
     """Choose the points to draw into the view of `axes`, and describe which points are left out.
 
     Points with a non-finite coordinate are left out. The others are divided into runs of k points,
-    and one random point of each run is drawn. Taking exactly every k-th point could fall in step
-    with the beams of a scan and drop most of them. Points inside and outside the view have
+    and one random point of each run is drawn. Taking exactly every k-th point could coincide with
+    the order of the beams and drop most of them. Points inside and outside the view have
     different values of k, so a closer view shows more. Points outside are kept in case the view
     moves later.
 
     Returns
     -------
     rows : (m,) int array
-        Ascending.
+        Rows to draw, ascending.
     remark : str
         Text for the corner of the figure; empty if all points are drawn.
     """
@@ -162,5 +162,5 @@ def _thinned(rows: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def marker_size(count: int) -> float:
-    """Return a marker size in typographic points, which is smaller for more points in the cloud."""
+    """Return a marker size in typographic points, smaller for a cloud with more points."""
     return float(np.clip(22 / max(count, 1) ** 0.27, 1.4, 7.0))

@@ -52,9 +52,9 @@ def from_above(
         Values that the colours show; by default the height.
     span : (float, float), optional
         Values at both ends of the colour scale. For heights the default is -2 and 2 m, so that a
-        car has the same colours in all figures; for other values it is their own range.
+        car has the same colours in all figures; for other values, it is percentiles 1 and 99.
     label : str, optional
-        Name and unit of `values`, written at the colour bar.
+        Name and unit of `values`, written next to the colour bar.
     title : str, optional
     limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
         Visible region in metres. By default the current view of `axes`, or else the whole cloud.
@@ -95,7 +95,7 @@ def from_side(
     level : float, optional
         Height in metres of a horizontal line, such as the ground level.
     to_scale : bool
-        Draw a metre upwards as long as a metre forward, without stretching.
+        Use the same scale for both axes, without stretching.
     limits : ((x_low, x_high), (z_low, z_high)) or four numbers, optional
         Visible region in metres.
     """
@@ -145,9 +145,9 @@ class Group(NamedTuple):
     mask : ndarray of bool, shape (n,)
         True for the points of the cloud that belong to the group.
     marker, colour : str
-        As matplotlib takes them.
+        In matplotlib's notation.
     strong : bool
-        Draw the points larger, and never thin them.
+        Whether to draw the points larger and never thin them.
     """
 
     name: str
@@ -284,7 +284,7 @@ def _coloured(
 
 
 def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple[float, float, str]:
-    """Return both ends of the colour scale, and the ends beyond which there are values.
+    """Return both ends of the colour scale, and which of the ends some values exceed.
 
     By default, the scale covers percentiles 1 to 99, so that a few stray values do not use up the
     colours.
@@ -302,7 +302,7 @@ def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple
 
 
 def _colour_bar(axes: Axes, points: PathCollection, label: str | None, extend: str) -> None:
-    # An inset keeps the height of the axes when their aspect is fixed.
+    # As an inset, the colour bar is as high as the axes even if their aspect is fixed.
     place = axes.inset_axes((1.02, 0, 0.022, 1))
     bar = axes.figure.colorbar(points, cax=place, extend=extend)
     bar.outline.set_visible(False)

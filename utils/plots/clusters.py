@@ -96,7 +96,7 @@ def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarr
     size = marker_size(len(labels))
     noise = labels <= 0
     dots(axes, across[noise], up[noise], "x", PALE, size * 0.8, zorder=1.5)
-    # One artist per pair of colour and marker, not per cluster, is fast for hundreds of clusters.
+    # Drawing one artist per pair, rather than per cluster, is fast for hundreds of clusters.
     pair = np.where(noise, -1, (labels - 1) % (len(PALETTE) * len(MARKERS)))
     for number in np.unique(pair[~noise]):
         chosen = pair == number
@@ -118,7 +118,7 @@ def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """Return `yours` renumbered like `expected`, where the biggest overlaps are matched first.
+    """Renumber `yours` like `expected`, matching the biggest overlaps first.
 
     Noise stays 0. Clusters without a partner get labels that `expected` does not use.
     """

@@ -1,4 +1,4 @@
-"""Comparisons of results with the expected ones: masks, labels and their confusion matrix."""
+"""Compare results with the expected ones: masks, labels and their confusion matrix."""
 
 from __future__ import annotations
 
@@ -85,8 +85,8 @@ def worst(
     """Draw two labellings side by side, with rings around the points on which they differ.
 
     Clusters may be numbered differently. Each of your clusters is matched with the expected
-    cluster with which it shares the most points, and takes its colour. Points outside these
-    matches differ.
+    cluster that shares the most points with it, and takes that cluster's colour. Points outside
+    these matches count as differences.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def worst(
 
 
 def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
-    """Return a region (2, 2) around points, with a margin of a quarter, and at least 2 metres.
+    """Return a region (2, 2) around points, with a margin of a quarter of its size or 2 metres.
 
     Without finite points, return the coordinates unchanged.
     """

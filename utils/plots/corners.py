@@ -56,7 +56,7 @@ def boxes(
     label : str, optional
         Entry in the legend; the number of boxes is added.
     reference : bool
-        Draw dashed grey lines, for true boxes or those of the previous frame.
+        Draw dashed grey lines, for true boxes or the previous frame's boxes.
     title, axes
         As in :func:`utils.plots.from_above`.
     limits : ((low, high), (low, high)) or four numbers, optional
@@ -95,8 +95,8 @@ def boxes(
 def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | None = None) -> Axes:
     """Draw one box at an angle, with the row number of each corner.
 
-    The order of the corners does not affect the edges: the four lowest corners form the floor. So
-    a wrong order appears as wrong numbers on a correct box.
+    The order of the corners does not affect the edges: the four lowest corners form the floor. A
+    wrong order therefore appears as wrong numbers on a correct box.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def _outline(across: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Return the convex hull of points as a closed line (m, 2).
 
     This is Andrew's monotone chain (1979). It also works for points on a line, or a single point,
-    which SciPy's hull refuses.
+    for which SciPy's hull raises an error.
     """
     points = np.unique(np.stack([across, up], axis=1), axis=0)
 
@@ -193,7 +193,7 @@ def _sorted_around_centre(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
 def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
     """Project points to the drawing (n, 2), seen from behind, right and above.
 
-    With `depth`, return the coordinate away from the viewer (n,) instead.
+    With `depth`, return the depth of each point along the line of sight (n,) instead.
     """
     turn, tilt = np.radians([-54.0, 42.0])
     right = np.array([-np.sin(turn), np.cos(turn), 0])

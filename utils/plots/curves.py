@@ -45,7 +45,7 @@ def histogram(
     label : str, optional
         Name and unit of the values.
     marks : dict of str to float, optional
-        Values to mark with vertical lines, by the names to write there.
+        Values to mark with vertical lines, by the name to write next to each line.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
     """
@@ -104,7 +104,7 @@ def curves(
     theory : dict of str to (x, y)
         One line per name.
     measured : dict of str to (x, y), optional
-        One set of markers per name; a name that is also in `theory` has the same colour there.
+        One set of markers per name. A name that is also in `theory` has the same colour in both.
     across, up : str, optional
         Names and units of the x axis and the y axis.
     title : str, optional

@@ -66,8 +66,8 @@ def plane_model(
     """Draw a cloud and a cross-section of a plane, which appears as a line.
 
     From the side, the section is at y = 0, through the sensor. From above, it is at the median
-    height of the inliers, which suits walls. A plane that is seen face on has no such line; a note
-    in the corner mentions this.
+    height of the inliers, which suits walls. A plane seen face on has no such line; a note in the
+    corner says so.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
 def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
     """Draw the line a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance.
 
-    The coordinates u and v are those of the drawing.
+    The coordinates u and v are the horizontal and the vertical coordinate of the drawing.
     """
     normal = line[:2]
     squared = normal @ normal
@@ -141,7 +141,7 @@ def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str)
     view = np.array([axes.get_xlim(), axes.get_ylim()])
     middle = view.mean(axis=1)
     foot = middle - (normal @ middle + line[2]) / squared * normal
-    # For any slope, the line is longer than the view; the axes clip the rest.
+    # At any slope, the line is longer than the view; the axes clip it.
     ends = foot + np.outer([-2, 2], along) * np.linalg.norm(view[:, 1] - view[:, 0])
     if tolerance is not None:
         offset = float(tolerance) / squared * normal

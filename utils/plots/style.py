@@ -1,7 +1,7 @@
 """The common style of all figures: palette, sizes, empty axes, legends and notes.
 
 Settings apply to the axes of a figure, or only while a function draws. Importing or calling
-:mod:`utils.plots` does not change the reader's own ``rcParams``. The background is opaque and
+:mod:`utils.plots` does not change the user's own ``rcParams``. The background is opaque and
 light, so that figures look the same in light and dark notebooks.
 """
 
@@ -36,7 +36,7 @@ PAPER, INK, MUTED, PALE, GRID = "#FFFFFF", "#1B1F24", "#57606A", "#A8B0B8", "#E7
 COLOURS = ListedColormap(matplotlib.colormaps["plasma"](np.linspace(0, 0.8, 32)))
 COLOURS = COLOURS.with_extremes(bad=PALE)
 
-WIDTH, HEIGHT = 8.5, 4.8  # inches; WIDTH is that of a notebook's output
+WIDTH, HEIGHT = 8.5, 4.8  # inches; WIDTH fits the output of a notebook
 MANY = 5_000  # points; in larger clouds, `frame` may cut off outliers
 
 STYLE = {
@@ -61,9 +61,9 @@ STYLE = {
 
 
 def styled(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Decorate a function to draw in the course's style and then restore the reader's settings.
+    """Decorate a function to draw in the course's style and then restore the user's settings.
 
-    If the function fails, figures that it opened are closed, as a notebook would show them empty.
+    If the function fails, the figures that it opened are closed; a notebook would show them empty.
     """
 
     @functools.wraps(draw)
@@ -114,7 +114,7 @@ def panels(
     columns: int,
     size: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """Return `count` axes in the course's style as a flat array; new ones in rows of `columns`."""
+    """Return `count` axes in the course's style as a flat array; new axes form a grid."""
     if axes is None:
         rows = -(-max(count, 1) // columns)
         figure, grid = plt.subplots(
@@ -155,7 +155,7 @@ def frame(
     limits : ((low, high), (low, high)) or (low, high, low, high), optional
         Horizontal limits, then vertical ones.
     equal : bool
-        Draw a metre equally long in both directions. If false, no heights are cut off.
+        Use the same scale in both directions. If false, no heights are cut off.
     """
     if equal:
         axes.set_aspect("equal", adjustable="box")

@@ -22,12 +22,12 @@ def timing(
 ) -> Axes:
     """Draw run time against the number of points on logarithmic axes.
 
-    On such axes, a power n^k is a straight line of slope k, so the exponent can be read from it.
+    On such axes, a power n^k is a straight line whose slope is the exponent k.
 
     Parameters
     ----------
     series : dict of str to (n, seconds)
-        For each name, the numbers of points and the run times, of equal length.
+        For each name, the numbers of points and the run times, in arrays of equal length.
     fit : bool
         Draw the fitted power as a dashed line, and add its exponent to the legend, as in
         "naive: n^2.0".

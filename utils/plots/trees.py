@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 MOST_NAMES, MOST_POINTS = 40, 15
 """Largest number of nodes in a tree that is drawn with indices, and with coordinates."""
 
-FOUND = "#A6DCC9"  # a green light enough for dark numbers
+FOUND = "#A6DCC9"  # light enough for dark numbers
 
 AXIS_LOOKS = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
 
@@ -56,7 +56,7 @@ def kd_tree(
 ) -> Axes:
     """Draw a kd-tree as a tree diagram: depth downwards, smaller coordinates to the left.
 
-    Equal or greater coordinates are to the right.
+    Equal and greater coordinates are to the right.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def _draw_nodes(
     depths = np.array([depth for _, depth in order], dtype=int)
     for axis, (name, marker, colour) in enumerate(AXIS_LOOKS[:dimensions]):
         ranks = np.flatnonzero(depths % dimensions == axis)
-        # The inside is white if a number is written there, as dark text on white is readable.
+        # The inside is white if a number is written there, because dark text is readable on white.
         style = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}
         axes.plot(ranks, depths[ranks], marker, color=colour, markersize=size, zorder=2, **style)
         key(axes, f"splits {name}", marker, colour=colour, size=8, **style)
@@ -173,7 +173,7 @@ def _name_node(
         zorder=5,
     )
     if with_point:
-        # The text has a white background, as links to the children start below it.
+        # The text has a white background, because links to the children pass behind it.
         text = write(axes, *position, _coordinates(node), offset=(0, -18), size=9)
         text.set_bbox({"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})
 
@@ -183,7 +183,7 @@ def _coordinates(node: Node) -> str:
 
 
 def _in_order(root: Node | None) -> list[tuple[Node, int]]:
-    """Return (node, depth) from left to right, without recursion, since wrong trees may be deep."""
+    """Return (node, depth) from left to right. Wrong trees may be too deep for recursion."""
     order, path, seen = [], [], set()
     node, depth = root, 0
     while node is not None or path:

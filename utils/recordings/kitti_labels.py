@@ -86,9 +86,9 @@ def read_object_labels(path: str | os.PathLike, calibration: Calibration) -> tup
     Returns
     -------
     tuple of utils.boxes.Box
-        Boxes in sensor coordinates. The kind is KITTI's class in lower case; the identity counts
-        the objects from 0. The velocity is NaN and the number of returns 0, because the file does
-        not contain them. Regions marked DontCare are left out.
+        Boxes in sensor coordinates. The kind is KITTI's class in lower case; the identity is the
+        object's index, from 0. The velocity is NaN and the number of returns 0, because the file
+        does not contain them. Regions marked DontCare are left out.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def read_object_labels(path: str | os.PathLike, calibration: Calibration) -> tup
 def read_tracking_labels(path: str | os.PathLike, calibration: Calibration) -> dict[int, tuple]:
     """Read a label file of the tracking benchmark (``label_02/0000.txt``).
 
-    Parameters and errors are those of `read_object_labels`.
+    Parameters and errors are the same as for `read_object_labels`.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def _box(kind: str, identity: int, numbers: list[float], calibration: Calibratio
 
 
 def _matrix(path: Path, names: list[str], shape: tuple[int, ...]) -> np.ndarray:
-    """Read the matrix in the line with one of the names; a colon may follow the name."""
+    """Read the matrix in the line that begins with one of the names; a colon may follow it."""
     for line, text in enumerate(read_bytes(path, (".txt",)).decode("latin-1").splitlines(), 1):
         words = text.split()
         if words and words[0].rstrip(":") in names:

@@ -1,4 +1,4 @@
-"""Drives of KITTI's raw data: scans, times and tracklets of an unpacked drive."""
+"""Read an unpacked drive of KITTI's raw data: scans, times and tracklets."""
 
 import os
 import xml.etree.ElementTree as ElementTree
@@ -62,7 +62,7 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
     -------
     dict of int to tuple of utils.boxes.Box
         The boxes of each frame that has any, by the number in the scan's file name. They are in
-        sensor coordinates; ``returns`` is 0 until a frame of the recording counts them.
+        sensor coordinates; ``returns`` is 0, and a `Recording` counts the returns on access.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
 
 
 def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
-    """Return the finite numbers in the named children of an element."""
+    """Parse the named children of an element as finite numbers."""
     texts = [item.findtext(name) for name in names]
     if None in texts:
         raise ValueError(f"<{names[texts.index(None)]}> is missing")
@@ -113,7 +113,7 @@ def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
 
 
 def _frame_numbers(clouds: CloudFolder) -> list[int]:
-    """Return the frame numbers in the file names, as some drives lack a few scans."""
+    """Return the frame numbers in the file names; some drives lack a few scans."""
     for path in clouds.paths:
         if not (path.stem.isascii() and path.stem.isdecimal()):
             raise file_error(path, "", "expected a frame number as the name, as in 0000000000.bin")
@@ -129,7 +129,7 @@ def _times(path: Path, numbers: list[int]) -> np.ndarray:
     for number in numbers:
         text = lines[number].strip() if number < len(lines) else ""
         try:
-            moment, _, fraction = text.partition(".")  # nine digits, too fine for datetime
+            moment, _, fraction = text.partition(".")  # nine digits, too many for datetime
             start_of_second = datetime.fromisoformat(f"{moment}+00:00").timestamp()
             seconds.append(start_of_second + float(f"0.{fraction or 0}"))
         except ValueError:

@@ -12,7 +12,7 @@ from utils.boxes import inside
 
 @dataclass(frozen=True, eq=False)
 class RecordedFrame:
-    """One scan of a recording; it has the `cloud`, `boxes` and `time` of a simulated frame.
+    """One scan of a recording, with `cloud`, `boxes` and `time` like a simulated frame.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Recording(Sequence):
         return len(self.clouds)
 
     def __getitem__(self, index: int | slice) -> RecordedFrame | Recording:
-        """Read frame `index`; a slice gives another lazy recording."""
+        """Read frame `index`, or return a lazy recording for a slice."""
         if isinstance(index, slice):
             return Recording(self.clouds[index], self.times[index], self.boxes[index])
         cloud = self.clouds[index]

@@ -58,7 +58,7 @@ class Bag(Sequence):
         return len(self.timestamps)
 
     def __getitem__(self, index: int | slice) -> np.ndarray | Bag:
-        """Read cloud `index`; a slice gives another lazy sequence."""
+        """Read cloud `index`, or return a lazy sequence for a slice."""
         if isinstance(index, slice):
             return Bag(self.path, self.topic, self.timestamps[index], self.repeats[index])
         index = range(len(self))[index]
@@ -98,7 +98,7 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     path : str or path
         A ROS 1 .bag, a ROS 2 .db3 or .mcap, or the folder of a ROS 2 recording.
     topic : str, optional
-        A PointCloud2 topic; needed if the recording has several.
+        A PointCloud2 topic; required if the recording has several.
 
     Returns
     -------
@@ -147,8 +147,8 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     Parameters
     ----------
     message : object
-        An object with the attributes of ``sensor_msgs/PointCloud2``. Its fields may be anywhere in
-        a point, its points and rows may be padded, and its byte order may be either.
+        An object with the attributes of ``sensor_msgs/PointCloud2``. Fields may be in any order,
+        points and rows may be padded, and either byte order is accepted.
     name, number : str, int
         Origin and index of the message, shown in errors.
 
@@ -179,7 +179,8 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     height, width, step = message.height, message.width, message.point_step
     if height * width == 0:
         return np.empty((0, len(wanted)), precision)
-    row_step = step * width if height == 1 else message.row_step  # some drivers omit it for one row
+    # Some drivers omit `row_step` for a single row.
+    row_step = step * width if height == 1 else message.row_step
     ends = [fields[field].offset + kind.itemsize for field, kind in zip(wanted, kinds, strict=True)]
     if (
         max(ends) > step
@@ -228,7 +229,7 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
             yield reader
     except CloudFileError:
         raise
-    except Exception as error:  # rosbags passes on errors of struct, sqlite, lz4, yaml ...
+    except Exception as error:  # rosbags passes on errors from struct, sqlite, lz4, yaml ...
         raise file_error(
             path,
             "",
@@ -253,7 +254,7 @@ def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
 class _BoundedPath(type(Path())):
     """A path whose files never read, and so never allocate, more bytes than they contain.
 
-    Lengths in a damaged recording are arbitrary, and rosbags requests as many bytes as they say.
+    A damaged recording may contain any length, and rosbags requests that many bytes.
     """
 
     def open(self, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:

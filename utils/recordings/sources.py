@@ -35,7 +35,7 @@ class RecordingSource:
     files : dict of str to str or None
         SHA-256 of each file by name; None if it is unknown.
     read : callable
-        Opens the folder of the unpacked files.
+        Opens the folder with the unpacked files.
     about : str
         Description of the recording.
     licence : str
@@ -50,7 +50,7 @@ class RecordingSource:
 
 
 def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> RecordingSource:
-    """Describe a folder of numbered PCD files recorded at 10 Hz."""
+    """Return the source of a folder of numbered PCD files recorded at 10 Hz."""
     names = {f"{number:010d}.pcd": sums.get(number) for number in range(count)}
     return RecordingSource(f"{UDACITY}/{folder}", names, _read_frames, about)
 
@@ -61,7 +61,7 @@ def _read_frames(folder: Path) -> Recording:
 
 
 def _drive(day: str, number: str, about: str) -> RecordingSource:
-    """Describe a drive of KITTI's raw data, including its calibration and tracklets."""
+    """Return the source of a drive of KITTI's raw data, with its calibration and tracklets."""
     drive = f"{day}_drive_{number}"
     names = (f"{day}_calib.zip", f"{drive}/{drive}_tracklets.zip", f"{drive}/{drive}_sync.zip")
     return RecordingSource(
@@ -117,6 +117,6 @@ def fetch(name: str, cache: Path) -> Recording:
             if path.suffix == ".zip":
                 unpack(path, folder, lambda member: not member.endswith(".png"))
         complete.touch()
-        for archive in folder.glob("*.zip"):  # large, and mostly camera images
+        for archive in folder.glob("*.zip"):  # large, with mostly camera images
             archive.unlink()
     return source.read(folder)

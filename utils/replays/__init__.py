@@ -1,7 +1,7 @@
 """Step-by-step replay of your own function: ``replay(my_function)`` in a notebook.
 
-The run is recorded from the function as it is, however it is written. The player shows it step by
-step and begins at the first mistake. It reports only mistakes that are certain.
+The function is run and recorded unchanged, in whatever style it is written. The player shows the
+run step by step and begins at the first mistake. It reports only mistakes that are certain.
 """
 
 from __future__ import annotations

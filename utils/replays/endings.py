@@ -1,4 +1,4 @@
-"""A sentence about the end of a run."""
+"""Describe how a run ended."""
 
 from collections.abc import Callable
 

@@ -42,7 +42,7 @@ class Fault:
     step : int
         Index of the step, from 0.
     why : str
-        Description of the mistake, which contains only facts.
+        Description of the mistake, with facts only.
     """
 
     step: int

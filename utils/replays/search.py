@@ -83,7 +83,7 @@ def walk(
 
 
 def _nodes_with_parents(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
-    """Yield each node with its parent, its side ("left" or "right") there, and its depth."""
+    """Yield each node with its parent, its side of the parent, "left" or "right", and its depth."""
     waiting, seen = [(root, None, "", 0)] if root is not None else [], set()
     for node, parent, side, depth in waiting:  # the list grows during the loop
         if id(node) in seen:  # a wrong tree may have loops

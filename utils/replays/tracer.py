@@ -20,7 +20,7 @@ PATIENCE = 5  # the limit of wall-clock time is this many times SECONDS
 
 
 class RecordingComplete(BaseException):
-    """Ends the function. It is not an `Exception`, because student code may catch those."""
+    """Signal to end the function; not an `Exception`, because student code may catch those."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def record(
     arguments : tuple
         Arguments, which are passed on without copying.
     see : callable
-        Takes a frame of the notebook, an event and its value, like the argument of `sys.settrace`.
+        Takes a frame of the notebook, an event and its value, like a trace function of `sys`.
         It raises `RecordingComplete` to end the run; any other exception ends only the recording.
     """
     home, due = getattr(function, "__globals__", None), time.process_time() + SECONDS
@@ -71,7 +71,7 @@ def record(
             raise RecordingComplete
         try:
             see(frame, event, value)
-        except Exception:  # an error of the observer must not affect the student's function
+        except Exception:  # an error in the observer must not affect the student's function
             sys.settrace(before)
             return None
         return look

@@ -5,7 +5,7 @@
 >>> scene.show("TopDown")
 >>> scene.show(interactive=True)
 
-No screen is needed. Where PyVista is missing or cannot draw, matplotlib draws instead. The browser
+No screen is needed. If PyVista is missing or cannot draw, matplotlib draws instead. The browser
 draws the interactive view, without PyVista or matplotlib.
 """
 

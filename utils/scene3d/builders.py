@@ -1,4 +1,4 @@
-"""Conversion of data to parts of a scene, with their colours, names and layers."""
+"""Convert data to parts of a scene, with their colours, names and layers."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def ray_parts(cloud: ArrayLike, origin: ArrayLike, most: int) -> list[Part]:
     name = counted(len(ends), "lidar ray")
     if len(ends) > most:
         name = f"{most:,} of {name}"
-        # A random choice: every k-th return could fall in step with the beams.
+        # A random choice, because every k-th return could coincide with the order of the beams.
         ends = ends[np.random.default_rng(0).choice(len(ends), most, replace=False)]
     rays = np.stack([np.broadcast_to(np.asarray(origin, float), ends.shape), ends], axis=1)
     return [Segments(rays, ORANGE, 1.0, "lidar_rays", name, 0.3)]
@@ -140,7 +140,7 @@ def box_parts(
     name: str,
     layer: str,
 ) -> list[Part]:
-    """Return boxes as edges and transparent faces; a reference has only dashed grey edges."""
+    """Return boxes as edges and transparent faces; reference boxes have only dashed grey edges."""
     corners = _as_corners(corners)
     texts = as_names(names, len(corners))
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
@@ -179,7 +179,7 @@ def ego_parts(minimum: Iterable[float], maximum: Iterable[float]) -> list[Part]:
 def road_parts(height: float, length: float, width: float) -> list[Part]:
     """Return a straight road with two lane lines, `height` metres below the sensor."""
     ends = (-length / 2, length / 2)
-    # The road is slightly too low, or else its surface would hide half of the noisy returns.
+    # The road is drawn slightly too low; otherwise it would hide half of the noisy returns.
     surface = solids.rectangle(ends, (-width / 2, width / 2), -height - SINK)
     lines = [[(x, side * LANE_LINE, -height - SINK / 2) for x in ends] for side in (-1, 1)]
     return [

@@ -80,7 +80,7 @@ CAMERAS: dict[str, Camera] = {
 
 
 def as_camera(camera: str | Camera) -> Camera:
-    """Return a camera, given as a `Camera` or by name; upper and lower case do not matter."""
+    """Return a camera that is given as a `Camera` or by name, ignoring case."""
     if isinstance(camera, Camera):
         return camera
     for name, preset in CAMERAS.items():

@@ -1,4 +1,4 @@
-"""Eye-dome lighting, which shows the shape of a cloud by darkening edges in depth.
+"""Eye-dome lighting, which shows the shape of a cloud by darkening depth edges.
 
 C. Boucheny, "Interactive scientific visualization of large datasets: towards a
 perceptive-based approach", PhD thesis, Université Joseph Fourier, 2009.
@@ -10,7 +10,7 @@ import numpy as np
 
 STRENGTH = 1.1
 DARKEST = 0.5
-"""Lowest share of its brightness that a colour keeps, so that its meaning remains clear."""
+"""Smallest share of its brightness that a colour keeps, so that its meaning remains clear."""
 
 NEIGHBOURS = ((0, 1), (1, 0), (0, 2), (2, 0))
 

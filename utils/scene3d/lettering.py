@@ -19,7 +19,7 @@ MARGIN = 10
 
 @lru_cache(maxsize=16)
 def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
-    """Return the font of matplotlib's figures, which comes with every installation."""
+    """Return matplotlib's default font, which comes with every installation."""
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name, size)
 

@@ -1,8 +1,8 @@
-"""Tests whether VTK can draw on this machine, without output on standard error.
+"""Test whether VTK can draw on this machine, without output on standard error.
 
 When VTK creates a render window, it tries the X server, then EGL, then OSMesa. It writes each
 failure to standard error, which some graders count as a failure of the submission. If all three
-fail, the first picture crashes the process. So this module chooses one of them and tests it first.
+fail, the first picture crashes the process. This module therefore chooses one and tests it first.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NO_OPENGL = (
 def problem() -> str:
     """Return the reason why PyVista cannot draw, as a sentence; empty if it can.
 
-    Colab comes without PyVista. There, the first call installs it.
+    In Colab, which comes without PyVista, the first call installs it.
     """
     if importlib.util.find_spec("pyvista") is None:
         if not colab.in_colab():
@@ -96,9 +96,9 @@ def without_screen() -> Iterator[None]:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Discard all output on the file descriptor of standard error, such as that of C libraries.
+    """Discard all output to the file descriptor of standard error, even from C libraries.
 
-    Messages that Python has buffered before are still written.
+    Messages that Python has already buffered are still written.
     """
     try:
         saved = os.dup(2)

@@ -38,13 +38,13 @@ class Points:
     Attributes
     ----------
     xyz : ndarray of float32, shape (n, 3)
-        Finite, in metres.
+        Finite coordinates in metres.
     colours : ndarray of uint8, shape (n, 3)
         Red, green and blue.
     size : float
         Width of a dot in pixels.
     layer, name : str
-        `name` is the entry in the legend; there is none if it is empty.
+        `name` is the entry in the legend; an empty name gives no entry.
     """
 
     xyz: np.ndarray
@@ -65,11 +65,11 @@ class Segments:
     ends : ndarray, shape (m, 2, 3)
         Both ends of each segment, in metres.
     colour : str
-        Such as "#0072B2".
+        A colour such as "#0072B2".
     width : float
-        In pixels.
+        Width in pixels.
     layer, name : str
-        `name` is the entry in the legend; there is none if it is empty.
+        `name` is the entry in the legend; an empty name gives no entry.
     opacity : float
         From 0 (invisible) to 1 (opaque).
     is_dashed : bool
@@ -98,7 +98,7 @@ class Faces:
     opacity : float
         From 0 (invisible) to 1 (opaque).
     layer, name : str
-        `name` is the entry in the legend; there is none if it is empty.
+        `name` is the entry in the legend; an empty name gives no entry.
     """
 
     triangles: np.ndarray
@@ -110,7 +110,7 @@ class Faces:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """A text at a position `at`, of shape (3,) in metres; no other part hides it."""
+    """A text at the position `at`, shape (3,) in metres, which no other part hides."""
 
     at: np.ndarray
     text: str
@@ -133,7 +133,7 @@ class Drawable(Protocol):
     switches : dict of str to bool
         For each layer, whether it is on.
     all_parts, parts : tuple of Part
-        All parts, and those whose layers are on.
+        All parts, and the parts whose layers are on.
     """
 
     title: str
@@ -150,7 +150,7 @@ def bytes_of(colour: str) -> np.ndarray:
 
 
 def dot_size(count: int) -> float:
-    """Return the size of a dot in pixels, which is smaller for a cloud of more points."""
+    """Return the size of a dot in pixels, smaller for a cloud with more points."""
     return float(np.clip(round(30 / max(count, 1) ** 0.25), 2, 6))
 
 
@@ -162,7 +162,7 @@ def dashed(ends: np.ndarray, dash: float = 0.25) -> np.ndarray:
     if not len(ends):
         return ends
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    # An odd number of pieces puts a dash at either end. The limit is for boxes of absurd size.
+    # An odd number of pieces puts a dash at either end. The limit guards against huge boxes.
     pieces = np.clip(np.nan_to_num(lengths / dash), 1, 400).astype(int) // 2 * 2 + 1
     rows = np.repeat(np.arange(len(ends)), (pieces + 1) // 2)
     first = np.concatenate([np.arange(0, count, 2) for count in pieces])

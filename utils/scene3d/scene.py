@@ -29,13 +29,13 @@ class Scene:
     """A street in three dimensions, built part by part.
 
     Each method ``add_...`` returns the scene, so that calls can be chained. It adds parts on a
-    layer that `switch` turns on and off. Coordinates are those of the cloud: in metres, with x
-    forward, y left, z up and the sensor at the origin.
+    layer that `switch` turns on and off. Coordinates are the same as in the cloud: in metres, with
+    x forward, y left, z up and the sensor at the origin.
 
     Parameters
     ----------
     title : str
-        Written above the picture.
+        Text above the picture.
     alt : str
         Text alternative for readers who cannot see the picture; by default made from the parts.
 
@@ -141,7 +141,7 @@ class Scene:
         labels : (n,) array_like of int
             1 and above for clusters; 0 (or less) for noise, which is pale and small.
         names : bool
-            Write the labels.
+            Whether to write the labels.
         """
         return self._add(builders.cluster_parts(cloud, labels, names))
 
@@ -194,7 +194,7 @@ class Scene:
         names : bool or sequence of str or int
             Names to write above the boxes; True for the row numbers.
         reference : bool
-            Draw dashed grey lines, for true boxes or those of the previous frame.
+            Draw dashed grey lines, for true boxes or the previous frame's boxes.
         name : str
             Entry in the legend; the number of boxes is added.
         """
@@ -226,7 +226,7 @@ class Scene:
         return self._add(builders.road_parts(height, length, width))
 
     def add_cars(self, corners: ArrayLike, *, colour: str = BLUE) -> Scene:
-        """Add a car made of blocks into each box (N, 8, 3), with its length along the longer side.
+        """Add a car made of blocks for each box (N, 8, 3), with its length along the longer side.
 
         The corners are in metres.
         """
@@ -246,7 +246,7 @@ class Scene:
         size: tuple[int, int] = SIZE,
         renderer: str | None = None,
     ) -> np.ndarray:
-        """Draw the scene into an image.
+        """Draw the scene and return the image.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class Scene:
         size : (int, int)
             Width and height in pixels.
         renderer : {"pyvista", "matplotlib"}, optional
-            By default PyVista if it can draw, or else matplotlib.
+            By default PyVista if it can draw here, or else matplotlib.
 
         Returns
         -------
@@ -279,19 +279,19 @@ class Scene:
         camera, size, renderer
             See `picture`.
         interactive : bool
-            In a notebook, show a view to rotate and zoom by mouse, finger or keyboard. It contains
+            In a notebook, show a view to rotate and zoom with mouse, finger or keyboard. It has
             about 20 000 points at most. It needs no server and also works in a saved notebook.
         alt : str
-            Text alternative for readers who cannot see the picture; by default that of `describe`.
+            Text alternative for readers who cannot see the picture; by default from `describe`.
         """
         output.show(self, camera, interactive, size, renderer, alt)
 
     def save(
         self, path: str | os.PathLike, camera: str | Camera = "XY", *, size: tuple[int, int] = SIZE
     ) -> Path:
-        """Save a picture (.png, .jpg, .jpeg, .webp) or the interactive view (.html).
+        """Save a picture (.png, .jpg, .jpeg, .webp) or the interactive view (.html); return `path`.
 
-        `size` is the width and height of a picture in pixels. The path is returned.
+        `size` is the width and height of a picture in pixels.
         """
         return output.save(self, path, camera, size)
 

@@ -60,7 +60,7 @@ def faces_of(corners: np.ndarray) -> np.ndarray:
 
 
 def lit(triangles: np.ndarray, colour: np.ndarray) -> np.ndarray:
-    """Return the colours (m, 3) of triangles under one light; those that face it are brightest."""
+    """Return the colours (m, 3) of triangles under one light; facing triangles are brightest."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     facing = normals / np.maximum(lengths, 1e-12) @ LIGHT
@@ -84,7 +84,7 @@ def block_car(corners: np.ndarray) -> np.ndarray:
     if np.linalg.norm(floor[1] - floor[0]) < np.linalg.norm(floor[2] - floor[1]):
         floor, roof = np.roll(floor, -1, axis=0), np.roll(roof, -1, axis=0)
     waist = floor + (roof - floor) * 2 / 3
-    # Corners 0 and 1 are the ends of one long side, 3 and 2 those of the other.
+    # Corners 0 and 1 are the ends of one long side, corners 3 and 2 of the other.
     other_end = [1, 0, 3, 2]
 
     def shortened(ring: np.ndarray) -> np.ndarray:
@@ -120,7 +120,7 @@ def plane_patch(
             f"yours is {plane!r}."
         )
     normal, distance = normal / length, float(plane[3]) / length
-    # The first direction follows x where possible, so that the grid of a road is aligned with it.
+    # The first direction follows x if possible, so that a road's grid is aligned with the road.
     helper = (0, 1, 0) if abs(normal[0]) > 0.9 else (1, 0, 0)
     along = np.asarray(helper) - normal * (normal @ helper)
     along /= np.linalg.norm(along)

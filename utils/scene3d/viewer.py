@@ -1,9 +1,9 @@
 """The interactive view: one HTML page that contains the scene and the code to draw it.
 
-It needs no server, network, graphics card or PyVista. So it works in JupyterLab, VS Code and
-Colab, and in a notebook that was saved and sent to another reader. PyVista's own export needs
-trame and twenty further packages. Each view of it takes 1.6 MB and one of the browser's few WebGL
-contexts.
+The page needs no server, network, graphics card or PyVista. It therefore works in JupyterLab, VS
+Code and Colab, and in a notebook that was saved and sent to another reader. PyVista's own export
+needs trame and twenty further packages, and each exported view takes 1.6 MB and one of the
+browser's few WebGL contexts.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from utils.scene3d.lettering import legend_of
 from utils.scene3d.parts import LAYERS, Drawable, Faces, Label, Points, Segments, dot_size
 
 MOST_POINTS = 20_000
-STEPS = 65_535  # per axis, as 16-bit integers allow: 3 mm in a cloud of 200 m
+STEPS = 65_535  # per axis, the most that 16 bits allow; 3 mm in a cloud of 200 m
 
 OWN = "Chosen"
 
@@ -124,13 +124,13 @@ def _layers(scene: Drawable) -> Iterator[dict]:
 
 
 def _points(part: Points, share: float) -> dict:
-    """Return points as 16-bit steps from the lowest corner, which are half as large as floats.
+    """Return points as 16-bit steps from the lowest corner, which take half the space of floats.
 
     `share` is the proportion of the points to include, from 0 to 1.
     """
     xyz, colours = part.xyz, part.colours
     if share < 1 and len(xyz):
-        # A random choice: every k-th point could fall in step with the beams of the scan.
+        # A random choice, because every k-th point could coincide with the order of the beams.
         count = max(int(share * len(xyz)), 1)
         rows = np.sort(np.random.default_rng(0).choice(len(xyz), count, replace=False))
         xyz, colours = xyz[rows], colours[rows]

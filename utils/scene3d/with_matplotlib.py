@@ -1,7 +1,7 @@
 """Renderer based on matplotlib, for machines without PyVista; it draws the same scenes.
 
 Points become an image in which the nearest point is on top. Transparent faces and most edges are
-drawn over it, because matplotlib has no depth buffer. Its own 3D axes are not used, as their
+drawn over it, because matplotlib has no depth buffer. Its own 3D axes are not used, because their
 camera cannot be inside a cloud.
 """
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyvista
 
 SMOOTHED = 2
-"""Factor by which dots and lines are widened, since supersampling makes them thinner."""
+"""Factor by which dots and lines are widened, because supersampling makes them thinner."""
 
 
 class Studio:
@@ -56,10 +56,7 @@ class Studio:
         return write(image, scene.parts, camera, scene.title, scene.caption)
 
     def _depth(self) -> np.ndarray:
-        """Return the distance from the camera in metres per pixel; infinite for empty background.
-
-        The shape is (height, width).
-        """
+        """Return the distance in metres (height, width) of each pixel; infinite for background."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkCommonCore import vtkFloatArray
 
@@ -72,7 +69,7 @@ class Studio:
         return np.where(fractions < 1.0, depth, np.inf)
 
     def close(self) -> None:
-        """Free the memory."""
+        """Close the plotter and free its memory."""
         with quiet():
             self.plotter.close()
 
@@ -92,7 +89,7 @@ class Window:
     Attributes
     ----------
     paused : bool
-        Whether the reader has paused.
+        Whether the user has paused.
     open : bool
         Whether the window is still open.
     """
@@ -111,7 +108,7 @@ class Window:
         aim(self.plotter, camera)
 
     def show_scene(self, scene: Drawable) -> None:
-        """Replace the scene; the view that the reader has chosen remains."""
+        """Replace the scene, but keep the view that the user has chosen."""
         self.plotter.clear_actors()
         for part in scene.parts:
             add(self.plotter, part)
@@ -122,12 +119,12 @@ class Window:
         self.refresh()
 
     def refresh(self) -> None:
-        """Process events of mouse and keyboard."""
+        """Process mouse and keyboard events."""
         if self.open:
             self.plotter.update()
 
     def wait_until_closed(self) -> None:
-        """Keep the window open until the reader closes it."""
+        """Keep the window open until the user closes it."""
         if self.open:
             self.plotter.iren.start()
 
@@ -151,10 +148,7 @@ def aim(plotter: pyvista.Plotter, camera: Camera) -> None:
 
 
 def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
-    """Add a part other than a label to the plotter, with dots and lines `widening` times as wide.
-
-    Labels are skipped.
-    """
+    """Add a part to the plotter, with dots and lines `widening` times as wide; skip labels."""
     import pyvista
 
     if isinstance(part, Label):
@@ -194,7 +188,7 @@ def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
 
 
 def _add_labels(plotter: pyvista.Plotter, scene: Drawable) -> None:
-    """Add title, caption, and labels that keep facing the camera when the reader rotates it."""
+    """Add title, caption, and labels that keep facing the camera when it rotates."""
     labels = [part for part in scene.parts if isinstance(part, Label)]
     if labels:
         plotter.add_point_labels(

@@ -1,8 +1,8 @@
 """A score card for boxes: hits at three overlaps, by distance and by how much is hidden.
 
-Each number has a standard error over the frames, by the jackknife (leave one out). The frames
-should therefore be independent, for example from eight streets. Frames within one second are
-nearly the same.
+Each number has a standard error over the frames, computed with the jackknife (leave one out). The
+frames should therefore be independent, for example from eight streets. Frames within one second
+are nearly the same.
 
 References
 ----------
@@ -68,7 +68,7 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
     """Estimate how much of each obstacle is hidden behind others, from 0 to 1.
 
     The estimate uses the returns from obstacles in the direction of a box, as seen from the
-    sensor. It is the share that comes from other obstacles in front of the box.
+    sensor. It is the share of these returns that comes from other obstacles in front of the box.
 
     Parameters
     ----------
@@ -100,12 +100,12 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
 
 
 def _between(angles: np.ndarray, angle: float) -> np.ndarray:
-    """Return the absolute differences between angles and one angle, from 0 to pi."""
+    """Return the absolute differences between `angles` and `angle`, from 0 to pi."""
     return np.abs((angles - angle + np.pi) % (2 * np.pi) - np.pi)
 
 
 def with_error(parts: ArrayLike, value: Callable[[np.ndarray], float]) -> tuple[float, float]:
-    """Compute a number from counts summed over frames, with its standard error by the jackknife.
+    """Compute a number from counts summed over frames, with a jackknife standard error.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def with_error(parts: ArrayLike, value: Callable[[np.ndarray], float]) -> tuple[
     Returns
     -------
     tuple of float
-        The number and its error. The error is NaN for a single frame.
+        The number and its standard error, which is NaN for a single frame.
     """
     parts = np.asarray(parts, dtype=float)
     whole, n = parts.sum(axis=0), len(parts)
@@ -170,14 +170,14 @@ def score_card(
     title: str = "",
     overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
 ) -> ScoreCard:
-    """Compare boxes with the true ones of some frames.
+    """Compare detected boxes with the true boxes of some frames.
 
     Parameters
     ----------
     found : sequence of ndarray, shape (N, 8, 3)
         The boxes of each frame. Boxes outside the region are ignored.
     frames : sequence of Frame
-        Simulated frames, which show how much is hidden.
+        Simulated frames, from which the hidden shares can be estimated.
     region : ((x from, x to), (y from, y to))
         In metres; `counted` selects the true boxes in it.
     title : str

@@ -35,8 +35,8 @@ __all__ = [
 class Score:
     """Counts of found, false and missed boxes; the scores of frames can be added.
 
-    Without found boxes the precision is 1, as no box is false. Without true boxes the recall is 1,
-    as no box is missed.
+    Without found boxes the precision is 1, because no box is false. Without true boxes the recall
+    is 1, because no box is missed.
     """
 
     true_positives: int = 0
@@ -80,7 +80,7 @@ class TrackedFrame:
         The track ID of each box, which should be the same for an obstacle in every frame.
     truth : ndarray, shape (M, 8, 3)
     identities : sequence of int, length M
-        The true identity of each true box.
+        Identity of the obstacle in each true box.
     """
 
     found: np.ndarray
@@ -96,7 +96,7 @@ class NameMistakes:
     Attributes
     ----------
     switches : int
-        How often an obstacle was found without any track ID that it had the last time.
+        Number of times that an obstacle was found without any track ID that it had the last time.
     shared : int
         Number of track IDs that two or more obstacles had, one after the other or at once.
     """
@@ -120,7 +120,7 @@ def match(overlaps: np.ndarray, minimum_overlap: float = 0.5) -> np.ndarray:
     ndarray of int, shape (N,)
         For every found box the index of its true box, or -1.
     """
-    from scipy.optimize import linear_sum_assignment  # imported here, as it takes 0.2 s
+    from scipy.optimize import linear_sum_assignment  # imported here because it takes 0.2 s
 
     overlaps = np.asarray(overlaps, dtype=float)
     allowed = (overlaps >= minimum_overlap) & (overlaps > 0)
@@ -137,7 +137,7 @@ def score_boxes(
     minimum_overlap: float = 0.5,
     overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
 ) -> Score:
-    """Compare the boxes found in one frame with the true ones.
+    """Compare the boxes found in one frame with the true boxes.
 
     Parameters
     ----------
@@ -159,8 +159,8 @@ def score_stream(
 ) -> Score:
     """Score a tracker over a stream, including its identity switches.
 
-    An obstacle stays paired with the label that it had last while their boxes overlap enough, even
-    if another box overlaps a little more. A switch is counted whenever an obstacle is found with a
+    An obstacle keeps its last label while the two boxes overlap enough, even if another box
+    overlaps a little more. A switch is counted whenever an obstacle is found with a
     different label than the last time (CLEAR MOT).
 
     Parameters
@@ -202,7 +202,7 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
     Parameters
     ----------
     boxes : ndarray, shape (N, 8, 3)
-        Upright; the four corners of the floor first, going round.
+        Upright boxes; the four corners of the floor come first, in order around the floor.
     cloud : ndarray, shape (n, 3) or (n, 4)
     objects : ndarray of int, shape (n,)
         The true obstacle of each return; 0 for none, such as the road.
@@ -220,7 +220,7 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
         length = np.maximum((sides**2).sum(axis=1), 1e-9)
         low, high = box[:4, :2].min(axis=0) - 0.1, box[:4, :2].max(axis=0) + 0.1
         near = np.flatnonzero(((xy >= low) & (xy <= high)).all(axis=1))
-        # Boxes around the centroids of a thinned cloud are slightly too small for all returns.
+        # Boxes around centroids of a thinned cloud are slightly too small, hence the margin.
         share = (xy[near] - corner) @ sides.T / length
         margin = 0.1 / np.sqrt(length)
         held = near[((share >= -margin) & (share <= 1 + margin)).all(axis=1)]
@@ -230,7 +230,7 @@ def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.nda
 
 
 def name_mistakes(things: Iterable[np.ndarray], names: Iterable[np.ndarray]) -> NameMistakes:
-    """Count track IDs that change on the same obstacle, and IDs that several obstacles had.
+    """Count the changes of an obstacle's track ID, and the IDs that several obstacles had.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""LiDAR simulator that casts rays at solids and knows which object each ray hit.
+"""LiDAR simulator that casts rays at solids and records which object each ray hit.
 
 The modules, from the solids up: `pose`, `shapes` and `bounds`; `ground`, `world` and `traffic`;
 `sensor` and `scanner`; `frames`; `streets`, `layouts` and `scenes`. The same seed gives the same

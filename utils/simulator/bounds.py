@@ -1,4 +1,4 @@
-"""Angles under which shapes appear from the origin, to select the rays that may hit them."""
+"""Compute the angles that shapes cover from the origin, to select the rays that may hit them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def disc_azimuths(centre: np.ndarray, radius: float) -> tuple[float, float]:
 
 
 def polygon_azimuths(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
-    """Return the azimuths in radians that the hull of corners (x, y) covers from the origin."""
+    """Return the azimuths in radians that a hull of corners (x, y) covers, seen from the origin."""
     middle_x, middle_y = _middle(corners)
     if math.hypot(middle_x, middle_y) == 0.0:
         return FULL_CIRCLE
@@ -38,9 +38,9 @@ def polygon_azimuths(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
 def polygon_distance(corners: Sequence[Sequence[float]]) -> float:
     """Return a lower bound of the distance from the origin to the hull of corners (x, y).
 
-    It is the largest distance to a line that separates the two and is perpendicular to an axis, or
-    to the direction of a corner or of the middle. It is exact or slightly too small, never too
-    large.
+    The bound is the largest distance to a line that separates the origin from the hull. The lines
+    are perpendicular to an axis, or to the direction of a corner or of the middle. The bound is
+    exact or slightly too small, never too large.
     """
     ahead, aside = [x for x, _ in corners], [y for _, y in corners]
     # Faces perpendicular to an axis are common, such as a long wall along the road.
@@ -63,7 +63,7 @@ def _middle(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
 def elevation_limits(
     lowest: float, highest: float, nearest: float, farthest: float
 ) -> tuple[float, float]:
-    """Return the elevations in radians of heights lowest..highest at nearest..farthest metres."""
+    """Return the lowest and highest elevation, in radians, of an object with these limits."""
     return (
         math.atan2(lowest, nearest if lowest < 0 else farthest),
         math.atan2(highest, nearest if highest > 0 else farthest),

@@ -1,4 +1,4 @@
-"""Frames, which are scans with their true boxes, and streams of frames."""
+"""Frames (scans with their true boxes) and streams of frames."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Stream(Sequence):
 
 
 def observe(world: World, sensor: Sensor, seed: int | Sequence[int], time: float = 0.0) -> Frame:
-    """Scan a world, given in the vehicle's frame, and add the boxes of all obstacles seen."""
+    """Scan a world in the vehicle's frame, and add the true boxes of all obstacles seen."""
     swept = scan(world, sensor, seed)
     echoes = np.bincount(swept.objects) if len(swept.objects) else np.zeros(1, dtype=int)
     boxes = []

@@ -29,13 +29,13 @@ class Ground:
     slope : float
         Rise per metre along the road.
     width : float
-        From kerb to kerb in metres; infinite for an open plane.
+        Distance from kerb to kerb in metres; infinite for an open plane.
     crown : float
         Fall per metre from the middle of the road to the kerb.
     kerb : float
         Height of the kerb in metres.
     verge : float
-        Rise per metre of the pavement, outwards.
+        Outward rise of the pavement per metre.
     material : Material
     """
 
@@ -72,7 +72,7 @@ class Ground:
         rays : ndarray, shape (3, ...)
             Unit directions.
         origin : tuple of float
-            Start of all rays, in metres.
+            Starting point of all rays, in metres.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class Ground:
         half = self.width / 2
 
         def meet(height: float, tilt: float, side: int, inner: float, outer: float) -> None:
-            """Add hits of the strip z = height + tilt * v, v = side * across in inner..outer."""
+            """Add hits on the strip z = height + tilt * v, v = side * across in inner..outer."""
             drop = climb - tilt * side * across
             reach = -(start_height - height - tilt * side * start_across) / drop
             aside = side * (start_across + reach * across)
@@ -119,7 +119,7 @@ class Ground:
     def _road_coordinates(
         self, x: float | np.ndarray, y: float | np.ndarray
     ) -> tuple[float | np.ndarray, float | np.ndarray]:
-        """Return the metres along the road and to the left of its crown."""
+        """Return the distances along the road and to the left of its crown, in metres."""
         cosine, sine = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
         x, y = x - self.pose.x, y - self.pose.y
         return cosine * x + sine * y, cosine * y - sine * x

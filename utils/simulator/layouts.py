@@ -24,7 +24,7 @@ from utils.simulator.world import Obstacle, World
 
 
 def lesson_obstacles() -> list[Obstacle]:
-    """Return the obstacles around the sensor, in road coordinates."""
+    """Return the obstacles of the lessons' street, in road coordinates."""
     back = math.pi
     return [
         # Parked on the right and on the left.
@@ -76,7 +76,7 @@ def lesson_obstacles() -> list[Obstacle]:
 def winding(
     distance: float, speed: float, aside: float, weave: float
 ) -> tuple[float, float, float, float]:
-    """Return x, y, heading and speed on a winding path, `aside` metres left of it and weaving."""
+    """Return x, y, heading and speed of a weaving ride, `aside` metres left of a winding path."""
     bend, ripple = 2 * math.pi / 45, 2 * math.pi / 13
     y = 3.0 * math.sin(bend * distance) + aside + weave * 0.4 * math.sin(ripple * distance)
     rise = 3.0 * bend * math.cos(bend * distance)

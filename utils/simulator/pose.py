@@ -37,6 +37,6 @@ class Pose:
         )
 
     def then(self, inner: Pose) -> Pose:
-        """Return the outer pose of an object whose pose in this pose's own frame is `inner`."""
+        """Return the outer-frame pose of an object that has pose `inner` in this pose's frame."""
         x, y, z = self.apply(np.array([inner.x, inner.y, inner.z])).tolist()
         return Pose(x, y, z, self.yaw + inner.yaw)

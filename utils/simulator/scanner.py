@@ -1,6 +1,6 @@
 """Ray-casting LiDAR: the measurements of a rotating laser scanner with their ground truth.
 
-Each pulse is one ray. It measures the distance to the first surface in its way, with Gaussian
+Each pulse is one ray. It measures the distance to the first surface on its path, with Gaussian
 noise along the ray, unless the echo is lost. The world does not move during a scan.
 
 Coordinates: a `utils.simulator.world.World` is in the frame of the vehicle (x forward, y left,
@@ -80,7 +80,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     """
     rays = ray_directions(sensor)
     rng = np.random.default_rng(seed)
-    # Random numbers are drawn for every ray, so that a hit of one ray does not change the others.
+    # Random numbers are drawn for every ray, so that hits do not change the numbers of other rays.
     shape = rays.shape[1:]
     noise, flicker = rng.standard_normal(shape), rng.standard_normal(shape)
     luck, penetration = rng.random(shape), rng.standard_exponential(shape)
@@ -159,7 +159,7 @@ def _nearest(
     sources: list[tuple[str, int, Solid]],
     penetration: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for every ray the index of its first hit (-1: ground), distance and cosine."""
+    """Return, for every ray, the index of the first solid (-1: ground), distance and cosine."""
     distance, cosine = world.ground.crossings(rays, sensor.origin)
     hits = np.full(distance.shape, -1, dtype=np.int32)
     for index, (_, _, solid) in enumerate(sources):
@@ -178,7 +178,7 @@ def _nearest(
 
 
 def _blocks(solid: Solid, sensor: Sensor) -> Iterator[tuple[slice, slice]]:
-    """Yield the blocks (beams, firings) of rays that can meet a solid, at most two."""
+    """Yield at most two blocks (beams, firings) of rays that may hit a solid."""
     lowest, highest = solid.elevations()
     # The tolerance accounts for rounding of the angles.
     beams = [

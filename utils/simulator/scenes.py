@@ -58,8 +58,8 @@ def _highway_frame(seed: int, number: int) -> Frame:
         placed(block_car(), 8.0, -4.0, speed=18.0),
         placed(block_car(), -12.0, 4.0, speed=23.0),
     )
-    # The ego car is 0.1 m lower than the others. The rays of the original simulation took steps
-    # of 0.2 m and so passed through the edge of the ego car's roof.
+    # The ego car is 0.1 m lower than the others, because the rays of the original simulation took
+    # steps of 0.2 m and so passed through the edge of the ego car's roof.
     world = World(Ground(), numbered(obstacles), ego=block_car(height=1.9).solids)
     vehicle = Pose(ego_speed * time)
     return observe(world.seen_from(vehicle, time), highway_sensor(), (seed, number), time)
@@ -72,7 +72,7 @@ ROAD = Ground(slope=0.022, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
 def lesson_street(seed: int = 0) -> Frame:
     """Return the frame in `data/cloud.txt`: a street laid out by hand near the sensor.
 
-    Within 10 m it has parked, passing and turning cars, people, a cyclist, poles and trees.
+    Within 10 m there are parked, passing and turning cars, people, a cyclist, poles and trees.
     """
     rng = np.random.default_rng((seed, 1))
     far = StreetPlan(
@@ -134,7 +134,7 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
     Raises
     ------
     ValueError
-        The difficulty is outside 0 to 1.
+        The difficulty is not between 0 and 1.
     """
     if not 0.0 <= difficulty <= 1.0:
         raise ValueError(f"The difficulty is a number from 0 to 1, not {difficulty}.")
@@ -168,7 +168,7 @@ def write_lesson_cloud(folder: Path) -> None:
     """
     frame = lesson_street()
     cloud = np.round(frame.cloud, 3) + 0.0  # adding zero turns -0.0 into 0.0
-    # With a point at exactly z = -1.200, a lesson would depend on `>` or `>=`.
+    # With a point at exactly z = -1.200, a lesson's answer would depend on `>` or `>=`.
     cloud[cloud[:, 2] == -1.2, 2] = -1.201
     line = "%.3f %.3f %.3f %.2f\n"
     text = (line * len(cloud)) % tuple(cloud.ravel().tolist())

@@ -1,4 +1,4 @@
-"""Solids that a ray can meet: convex polyhedra, upright cylinders and spheres.
+"""Solids that a ray can hit: convex polyhedra, upright cylinders and spheres.
 
 Every ray starts at the origin of the coordinates in which the solid is given. A solid is therefore
 first moved into the sensor's frame, and then computes where the rays enter and leave it. The rays
@@ -55,7 +55,7 @@ class Convex:
     offsets : ndarray, shape (p,)
         Signed distance of each face from the origin, in metres.
     corners : ndarray, shape (k, 3)
-        Vertices in metres, which select the rays that may hit.
+        Vertices in metres, used to select the rays that may hit.
     material : Material
     """
 
@@ -86,7 +86,7 @@ class Convex:
             for normal, offset in zip(self.normals.tolist(), self.offsets.tolist(), strict=True):
                 facing = _dot(normal, rays)
                 distance = offset / facing
-                if offset > 0:  # rays start on its inner side and can only leave
+                if offset > 0:  # rays start on the inner side and can only leave
                     np.copyto(leave, distance, where=(facing > 0) & (distance < leave))
                 else:
                     later = (facing < 0) & (distance > enter)
@@ -96,11 +96,11 @@ class Convex:
         return enter, leave, cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the azimuths (first, last) in radians that contain every ray that hits."""
+        """Return the first and last azimuth, in radians, of the rays that may hit."""
         return polygon_azimuths(self.corners[:, :2].tolist())
 
     def elevations(self) -> tuple[float, float]:
-        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
+        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
         corners = self.corners.tolist()
         nearest = polygon_distance([(x, y) for x, y, _ in corners])
         farthest = max(math.hypot(x, y) for x, y, _ in corners)
@@ -109,7 +109,7 @@ class Convex:
 
 
 def _dot(normal: list[float], rays: np.ndarray) -> np.ndarray:
-    """Multiply a normal by rays (3, ...), without the normal's components that are zero."""
+    """Multiply a normal by rays (3, ...), skipping components of the normal that are zero."""
     terms = [part * axis for part, axis in zip(normal, rays, strict=True) if part]
     # Adding zero turns -0.0 into +0.0, so that the sign for a ray along a face is defined.
     return sum(terms[1:], start=terms[0]) + 0.0
@@ -145,11 +145,11 @@ class Cylinder:
         return np.maximum(side_in, cap_in), np.minimum(side_out, cap_out), cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the azimuths (first, last) in radians that contain every ray that hits."""
+        """Return the first and last azimuth, in radians, of the rays that may hit."""
         return disc_azimuths(self.base, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
+        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
         x, y, z = self.base.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(
@@ -179,11 +179,11 @@ class Sphere:
         return along - root, leave, root / self.radius
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the azimuths (first, last) in radians that contain every ray that hits."""
+        """Return the first and last azimuth, in radians, of the rays that may hit."""
         return disc_azimuths(self.centre, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Return the elevations (lowest, highest) in radians that contain every ray that hits."""
+        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
         x, y, z = self.centre.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(
@@ -236,7 +236,7 @@ def box(
             (0.0, 0.0, -1.0),
         ]
     )
-    # Each side face contains a corner of the floor, and the roof face one of the roof.
+    # Each side face contains a corner of the floor, and the roof face a corner of the roof.
     reach = [
         ahead[0] * x - ahead[1] * z,
         behind[0] * x - behind[1] * z,

@@ -34,7 +34,7 @@ LANE, PARKED, FURNITURE, WALKERS, FRONTS = 1.6, 3.95, 5.6, 7.0, 8.3
 
 ROAD_WIDTH = 10.0
 EGO_LANE = -1.2
-"""y of the ego car, in metres, which leaves it enough distance from the parked cars."""
+"""y of the ego car in metres, far enough from the parked cars."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def placed(
     speed: float = 0.0,
     turn_rate: float = 0.0,
 ) -> Obstacle:
-    """Return an obstacle at (x, y) in metres with its heading and motion."""
+    """Return an obstacle moved to (x, y) in metres, with this heading and motion."""
     return replace(obstacle, pose=Pose(x, y, 0.0, yaw), speed=speed, turn_rate=turn_rate)
 
 
@@ -91,7 +91,7 @@ def world_of(ground: Ground, obstacles: Iterable[Obstacle]) -> World:
 def street(rng: np.random.Generator, plan: StreetPlan) -> Iterator[Obstacle]:
     """Yield the objects on both sides of a street in road coordinates, with traffic on the right.
 
-    Everything that moves in a row has the same speed and direction, so it never collides.
+    All moving objects in a row have the same speed and direction, so they never collide.
     """
     for first, last in plan.spans:
         for side in (1, -1):
@@ -190,10 +190,10 @@ def _fronts(
 
 
 def some_car(rng: np.random.Generator) -> Obstacle:
-    """Draw a car of a usual size."""
+    """Draw a car of a typical size."""
     return car(3.7 + 1.1 * rng.random(), 1.65 + 0.2 * rng.random(), 1.42 + 0.3 * rng.random())
 
 
 def some_walker(rng: np.random.Generator) -> Obstacle:
-    """Draw a pedestrian of a usual size with a random stride."""
+    """Draw a pedestrian of a typical size with a random stride."""
     return pedestrian(1.55 + 0.35 * rng.random(), 0.1 + 0.25 * rng.random())

@@ -79,7 +79,7 @@ def truck(length: float = 7.5, width: float = 2.3, height: float = 3.1) -> Obsta
 
 
 def pedestrian(height: float = 1.75, stride: float = 0.25) -> Obstacle:
-    """Build a pedestrian with legs half a `stride` (metres) ahead and behind, trunk, arms, head."""
+    """Build a pedestrian: legs half a `stride` (metres) ahead and behind, trunk, arms and head."""
     hip, shoulder = 0.48 * height, 0.82 * height
     solids = (
         cylinder(0.08, hip, (stride / 2, 0.1, 0), CLOTH),
@@ -153,11 +153,11 @@ def garden_wall(length: float = 6.0, height: float = 1.4) -> Obstacle:
 
 
 def ego_roof(height: float = 1.73) -> tuple[Solid, ...]:
-    """Build the parts of the ego car in the lowest beams of a sensor `height` metres up.
+    """Build the parts of the ego car that are in the lowest beams of a sensor at `height` metres.
 
     Parts that return an echo are in the box (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) in sensor
-    coordinates. Matt parts return none but cast shadows on the road, about where KITTI's car
-    does: straight behind, ahead, and next to its racks.
+    coordinates. Matt parts return no echo but cast shadows on the road, in about the same places
+    as KITTI's car: straight behind, ahead, and next to its racks.
     """
     tailgate = box(0.2, 0.30, 0.1, (-1.35, 0.45, height - 0.69), PAINT)
     aerial = cylinder(0.012, 0.25, (-1.25, -0.50, height - 0.74), STEEL)

@@ -1,4 +1,4 @@
-"""World of a scanner: the ground, the obstacles on it, and the car that carries the scanner."""
+"""The world of a scanner: ground, obstacles on it, and the car that carries the scanner."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Obstacle:
     pose : Pose
         Position and heading; z is the height above the ground there, usually 0.
     identity : int
-        Positive and unique in its world; 0 before it is placed in one.
+        Positive and unique in its world; 0 until the obstacle is placed in a world.
     speed, turn_rate : float
-        Metres and radians per second.
+        In metres and radians per second.
     """
 
     kind: str

@@ -114,7 +114,7 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
 
 
 def _begins_cluster(now: ReplayFrame, state: tuple) -> bool:
-    """Return whether the changed labels begin a new cluster, without the point visited last."""
+    """Return whether the changed labels begin a cluster without the point visited last."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.visited is None or now.visited in changed:
         return False

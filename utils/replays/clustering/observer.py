@@ -1,7 +1,7 @@
 """Observer that finds the labels and the queue among the variables of a student's function.
 
 Any list or array with one entry per point may contain the labels. Any deque, list or set may
-contain the waiting points. They are recognised by their changes and not by their names.
+contain the waiting points. They are recognised by their changes, not by their names.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _as_entries(value: object) -> tuple | None:
         return None
     if not all(entry is None or _is_number(entry) for entry in value):
         return None
-    return tuple(None if entry != entry else entry for entry in value)  # NaN differs from itself
+    return tuple(None if entry != entry else entry for entry in value)  # NaN != NaN
 
 
 def _as_rows(value: object) -> tuple | None:
@@ -111,7 +111,7 @@ def as_labels(answer: object) -> list | None:
 def labels_among(
     tracks: list[VariableTrack], returned: object, answer: list | None
 ) -> VariableTrack | None:
-    """Find the variable with the labels: the returned one, or one that ends with equal groups."""
+    """Find the variable with the labels: the returned one, or one with the same final groups."""
     changing = [track for track in tracks if len({state for _, state, _ in track.states}) > 1]
     for track in changing:
         if track.last is returned:
@@ -132,7 +132,7 @@ def groups_in(labels: Sequence) -> list[int]:
 
 
 def queue_among(queues: list[VariableTrack]) -> VariableTrack | None:
-    """Find the queue, which gains points and loses one at a time; None unless there is just one."""
+    """Find the queue, which gains points and loses one at a time; None if it is ambiguous."""
 
     def is_queue(track: VariableTrack) -> bool:
         steps = list(zip(track.states, track.states[1:], strict=False))

@@ -3,7 +3,7 @@
 import numpy as np
 
 THRESHOLD = 0.8
-# The seven points of the lesson and five more, with a chain that grows together from both ends
+# The seven points of the lesson and five more. They include a chain whose middle point comes last,
 # and a sign above the road.
 POINTS = np.array(
     [

@@ -1,4 +1,4 @@
-"""Certain mistakes of a search, each with its round."""
+"""Mistakes that a search certainly made, each with its round."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
 @dataclass(frozen=True)
 class ModelAndMask:
-    """A model with the mask of its inliers, as a search returns them."""
+    """A model with the mask of its inliers, returned by a search."""
 
     task: Task
     model: np.ndarray | None
@@ -34,7 +34,7 @@ class ModelAndMask:
         return cls(task, known, np.array(mask))
 
     def is_of(self, one: Round) -> bool:
-        """Return whether the model is that of a round, with either sign."""
+        """Return whether the model equals a round's model, with either sign."""
         if self.model is None or one.model is None:
             return False
         mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, one.model))
@@ -49,7 +49,7 @@ class ModelAndMask:
 
     @property
     def fits(self) -> bool:
-        """Whether the mask is that of the model; a point at the threshold may be in or out."""
+        """Whether the mask matches the model; a point at the threshold may be in or out."""
         if self.model is None:
             return not self.mask.any()
         gaps = gaps_from(self.task.xyz, self.model)
@@ -82,7 +82,7 @@ class Rounds:
 
     @cached_property
     def name_of_mask(self) -> Hashable:
-        """The variable that contained the returned mask in the winning round."""
+        """Name of the variable that contained the returned mask in the winning round."""
         if self.winner is None:
             return None
         wanted = tuple(self.answer.mask.tolist())
@@ -90,7 +90,7 @@ class Rounds:
 
     @property
     def wrong(self) -> Fault | None:
-        """The first round with a mistake, or None."""
+        """The first mistake, or None."""
         found = [_own_mistake(round_) for round_ in self.rounds]
         if self.answer is not None:
             found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
@@ -121,7 +121,7 @@ class Rounds:
         if self.winner is None:
             place = f"within {task.tolerance} m of the {task.model} that you return"
             return Fault(self._last, f"Your mask has {both} {place}. They are not the same points.")
-        for round_ in self.rounds:  # earlier masks in the variable of the returned mask
+        for round_ in self.rounds:  # earlier masks in the same variable
             held = round_.masks.get(self.name_of_mask)
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Fault(
@@ -152,7 +152,7 @@ class Rounds:
         return Fault(step, f"{_count_in_words(best)}, more than any other, but {then}.")
 
     def _was_closest(self) -> bool:
-        """Return whether the winner has the lowest cost of MSAC, a method that the lesson names."""
+        """Return whether the winner has the lowest cost of MSAC, which the lesson mentions."""
         costs = {
             round_.number: np.sum(
                 np.minimum(gaps_from(self.task.xyz, round_.model), self.task.tolerance) ** 2

@@ -1,8 +1,8 @@
 """Observer that finds the rounds of a search while it runs.
 
 A round is a call of `line_through` or `plane_through` from any function. Its arguments are the
-sample, and its return value is the model. In a search without these calls, a round begins when as
-many variables as a sample has points contain new points of the cloud.
+sample, and its return value is the model. In a search without these calls, a round begins when new
+points of the cloud appear in as many variables as a sample has points.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ MOST_ROUNDS = 3 * ROUNDS
 class Round:
     """A sample with its model, and the masks that appeared in the round.
 
-    Its rows are None if the sample does not consist of points of the cloud. Distances from the
-    model are then unknown.
+    If the sample does not consist of points of the cloud, `rows` is None and distances from the
+    model are unknown.
     """
 
     task: Task
@@ -37,7 +37,7 @@ class Round:
 
     @property
     def rows(self) -> list[int] | None:
-        """Rows of the sample's points in the cloud; None if they are not in it."""
+        """Rows of the sample's points in the cloud; None if a point is not in the cloud."""
         if self.sample is None:
             return None
         gaps = np.linalg.norm(self.task.xyz[:, None] - self.sample, axis=2)
@@ -73,7 +73,7 @@ class SampleObserver:
 
     @property
     def was_called(self) -> bool:
-        """Whether the rounds are calls, so that none was missed."""
+        """Whether the rounds were observed as calls, which ensures that none was missed."""
         return bool(self._calls)
 
     def see(self, frame: FrameType, event: str, value: object) -> None:

@@ -27,7 +27,7 @@ class Task:
     tolerance : float
         Threshold for inliers, in metres.
     seed : int
-        Seed of the search.
+        Random seed for the search.
     """
 
     search: str
