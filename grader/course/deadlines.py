@@ -158,7 +158,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
 
 
 def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
-    """Return the dates of a stage. `location` is where they are, such as "FILE, [STAGE"."""
+    """Return the dates of a stage. Error messages begin with `location`, such as "FILE, [STAGE"."""
     if not isinstance(table, dict):
         raise DeadlinesError(
             f"{location}]: make this a heading, and write due = {_EXAMPLE} below it."

@@ -129,7 +129,7 @@ def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
     """Do the work in the child, then exit without clean-up, because the parent shares its files."""
     code = 1
     try:
-        gc.disable()  # a collection would write to all memory pages, which copies them
+        gc.disable()  # a collection writes to, and so copies, all memory pages
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)

@@ -37,7 +37,8 @@ def settings() -> dict[str, object]:
         "myst_enable_extensions": ["dollarmath", "amsmath"],
         "myst_heading_anchors": 4,
         "templates_path": ["_templates"],
-        "html_show_search_summary": False,  # they need a server; search.js replaces them
+        # Sphinx's summaries need a server, so search.js shows summaries instead.
+        "html_show_search_summary": False,
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},

@@ -254,7 +254,7 @@ def most_inliers(points, tolerance):
 
 
 def successes(student, clouds, max_iterations, tolerance, must_mark=False):
-    """Yield, for each cloud, whether the answer finds 80 % of the most inliers of any line.
+    """Yield, for each cloud, whether the answer finds a line with 80 % of the possible inliers.
 
     If `must_mark` is true, the mask must also mark at least 80 % of the points near the line, and
     few others.

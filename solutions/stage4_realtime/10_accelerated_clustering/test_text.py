@@ -192,7 +192,7 @@ def test_statements_about_pairs_are_true(obstacles):
 
 @pytest.mark.slow
 def test_listing_pairs_is_faster_than_querying_and_joining(obstacles):
-    """Listing and joining pairs takes about as long as queries alone, without joining."""
+    """Listing and joining pairs takes about as long as querying the tree without joining."""
     by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
     few = np.random.default_rng(1).permutation(obstacles)[:6000]
     for points in (few, obstacles):
