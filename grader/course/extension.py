@@ -1,4 +1,4 @@
-"""What a course adds to the grader, from the optional file ``extension/registry.py``."""
+"""Additions of a course to the grader, in the optional file ``extension/registry.py``."""
 
 import importlib
 from collections.abc import Collection

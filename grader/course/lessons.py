@@ -17,7 +17,7 @@ from grader.course.header import LessonHeader, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
 
-# Folder in ``solutions/`` of the lessons that belong to no stage.
+# Folder of the optional lessons in ``solutions/``.
 OPTIONAL = "optional"
 
 
@@ -91,7 +91,7 @@ class Lesson:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the graded functions, and of functions and classes that the lesson gives."""
+        """Names of the graded functions, and of functions and classes that the lesson provides."""
         return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
 
     def source_of(self, names: tuple[str, ...]) -> str:

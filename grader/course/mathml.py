@@ -67,7 +67,7 @@ def formula(latex: str, display: bool) -> str:
             element = ElementTree.fromstring(
                 convert(translated, display="block" if display else "inline")
             )
-        except Exception:  # latex2mathml can raise many types, including RecursionError
+        except Exception:  # latex2mathml raises various exceptions, even RecursionError
             element = None
         if element is not None and _is_mathematics(element):
             ElementTree.register_namespace("", NAMESPACE)

@@ -46,7 +46,7 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
     try:
         client.execute()
     except nbclient.exceptions.CellExecutionError:
-        pass  # `_first_error` gets the error from the outputs of the cell
+        pass  # `_first_error` finds the error in the outputs of the cell
     except nbclient.exceptions.CellTimeoutError:
         raise NotebookStopped(
             f"a cell took more than {LONGEST_CELL} seconds. Is the machine busy? Run the same "

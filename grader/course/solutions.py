@@ -30,7 +30,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 def reason_still_open(
     deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
-    """Return a sentence on why the solutions must wait; empty if no student may submit a stage.
+    """Return why a stage's solutions must wait, as a sentence; empty if no student can submit.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
-# First line of the setup cell, by which the cell is found in a submission.
+# First line of the setup cell, which identifies the cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 BADGE_TEXT = (
     "*This notebook does not need any other file. Upload it to Colab or Kaggle, or open it in VS "
@@ -120,7 +120,7 @@ def setup_cell(lesson: str) -> str:
 
 
 def packed_tools(lesson: str) -> bytes:
-    """Return a compressed archive of ``utils`` for one lesson; same files, same bytes."""
+    """Return a reproducible, compressed archive of ``utils`` for one lesson."""
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     own_lesson = next(one for one in every_lesson() if one.name == lesson)
     text = own_lesson.released.read_text("utf-8")

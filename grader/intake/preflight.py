@@ -229,7 +229,7 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
     the code cells, whose definitions then count.
     """
     names, hand_graded = _exercise_names(draft.lesson), _hand_graded_cells(draft.lesson)
-    sort_keys: list[float] = list(range(len(draft.cells)))  # of the cells, for their new order
+    sort_keys: list[float] = list(range(len(draft.cells)))  # determine the new order of cells
     # Index of the last cell that defines each function.
     last = {name: found_cells[-1] for name in names if (found_cells := _answer_cells(draft, name))}
     restored = []
@@ -351,7 +351,7 @@ def _imported(draft: _Draft, modules: Iterable[str]) -> str:
 
 
 def _report_skipped_answers(draft: _Draft) -> Iterator[str]:
-    """Report exercises that are defined only in cells that the judge skips, such as %%bash."""
+    """Report exercises that are defined only in skipped cells, such as a %%bash cell."""
     for name in _exercise_names(draft.lesson):
         cells = [draft.cells[index].source for index in _answer_cells(draft, name)]
         magics = [source.split(maxsplit=1)[0] for source in cells]
@@ -415,7 +415,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
 
 
 def _as_text(cell: Cell) -> Cell:
-    """Uncomment a code cell of comments, because in Markdown each # would begin a heading."""
+    """Uncomment a code cell that has only comments, because # begins a heading in Markdown."""
     lines = [line for line in cell.source.splitlines() if line.strip()]
     if cell.kind != "code" or not all(line.startswith("#") for line in lines):
         return cell

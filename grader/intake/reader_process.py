@@ -157,7 +157,7 @@ def _reply(work: Callable[[], object]) -> bytes:
 
 
 def _close_all_but(pipe: int) -> None:
-    """Close inherited files, because an open pipe would keep the process at its end waiting."""
+    """Close inherited files, because a pipe that stays open would keep its reader waiting."""
     with contextlib.suppress(OSError):  # /dev/fd does not exist on every system
         for number in map(int, os.listdir("/dev/fd")):
             if number > 2 and number != pipe:

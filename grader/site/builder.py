@@ -64,7 +64,7 @@ def write_site(
         no outputs.
     origin : grader.course.build.Origin
     live : bool
-        Whether to add a page for each lesson on which the lesson runs in the browser.
+        Whether to add pages on which the lessons run in the browser.
 
     Raises
     ------

@@ -31,7 +31,7 @@ STILL = 0.45
 
 @dataclass(frozen=True)
 class LessonCard:
-    """What the front page shows of a lesson."""
+    """Content of a lesson's card on the front page."""
 
     number: str
     title: str

@@ -86,7 +86,7 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
 
 
 def key_of(question: str) -> str:
-    """Return a key for a question, by which the page matches the answer to it."""
+    """Return a key with which the page assigns an answer to its question."""
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 

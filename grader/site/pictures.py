@@ -22,7 +22,7 @@ class Pictures:
         return place
 
     def tag(self, content: bytes, alt: str, up: str, width: int | None = None) -> str:
-        """Store a picture and return its HTML tag, with lazy loading and the size stated.
+        """Store a picture and return its HTML tag, with lazy loading and a fixed size.
 
         Parameters
         ----------

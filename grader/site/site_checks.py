@@ -1,4 +1,4 @@
-"""Checks of a finished site: it has no solutions, requests to other hosts or dead links."""
+"""Check that a finished site has no solutions, requests to other hosts or dead links."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class ParsedPage(HTMLParser):
         return page
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Record a tag's names, which links may lead to, its fetched files and its links."""
+        """Record the anchors, fetched files and links of a tag."""
         attributes = {name: value or "" for name, value in attrs}
         self.names |= {attributes[name] for name in ("id", "name") if name in attributes}
         self.fetched += [attributes[name] for name in FETCHED & attributes.keys()]

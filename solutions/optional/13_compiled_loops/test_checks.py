@@ -1,4 +1,4 @@
-"""Tests of the checks of the optional lesson, on answers in plain Python and compiled answers."""
+"""Tests of the optional lesson's checks, with plain and with compiled answers."""
 
 import contextlib
 import sys

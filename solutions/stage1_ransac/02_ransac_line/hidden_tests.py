@@ -1,7 +1,7 @@
 """Hidden tests of lesson 02. Students see the titles and hints but not the code.
 
-RANSAC is random, so the tests of it count successes over many seeds. The margins are so wide that a
-right answer fails less than once in a billion runs.
+RANSAC is random, so its tests count successes over many seeds. The margins are so wide that a right
+answer fails less than once in a billion runs.
 """
 
 import functools
@@ -287,9 +287,9 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
     raise CheckFailed("The line is found too rarely.")
 
 
-# Below, "a run misses 1e-8" states the probability that one run without early stopping misses the
-# line. It was computed from all pairs of points in 2000 scenes. An answer that stops early, at a
-# confidence of 99 %, misses the line in at most one run in 100.
+# P(miss) is the probability that one run without early stopping misses the line. It was computed
+# from all pairs of points in 2000 scenes. An answer that stops early, at a confidence of 99 %,
+# misses the line in at most one run in 100.
 
 
 @hidden(
@@ -300,7 +300,7 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
 )
 def test_finds_fresh_lines(student, seed):
     clouds = [wall_and_clutter((seed, run), 25, 25)[0] for run in range(12)]
-    assert_mostly_found(student, clouds, 120, 0.4, 8)  # a run misses 1e-8
+    assert_mostly_found(student, clouds, 120, 0.4, 8)  # P(miss) = 1e-8
 
 
 @hidden(
@@ -335,7 +335,7 @@ def test_mask_belongs_to_line(student, seed):
 )
 def test_finds_lines_among_many_outliers(student, seed):
     clouds = [wall_and_clutter((seed, run, 1), 12, 38)[0] for run in range(16)]
-    assert_mostly_found(student, clouds, 400, 0.3, 11)  # a run misses 3e-8
+    assert_mostly_found(student, clouds, 400, 0.3, 11)  # P(miss) = 3e-8
 
 
 @hidden(

@@ -146,7 +146,7 @@ def test_points_on_a_line_give_none(student, seed):
 
 
 def in_front(points, plane):
-    """Return the points in front of a plane and in front of its parallel through the sensor."""
+    """Return the points in front of a plane and of the parallel plane through the sensor."""
     height = points[:, :3].astype(float) @ plane[:3]
     return points[(height > 0.01) & (height + plane[3] > 0.01)]
 
@@ -244,7 +244,7 @@ def test_measures_any_array(student, seed):
 
 
 def tilted(cloud, rng):
-    """Return a cloud as a scanner sees it that is mounted at a random angle and height."""
+    """Return the cloud as seen by a scanner mounted at a random angle and height."""
     lean, heading = rng.uniform(0.2, 0.7), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
     upright = np.cross(axis, [0.0, 0.0, 1.0])

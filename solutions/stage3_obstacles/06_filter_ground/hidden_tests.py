@@ -149,7 +149,7 @@ def clear_of_borders(cloud, size, highest=1 - 1e-3):
 
 
 def in_lower_halves(cloud, size):
-    """Return rows that get the same cells if an answer rounds, or starts at the smallest values."""
+    """Return rows that get the same cells even if an answer rounds, or counts from the minimum."""
     cloud = clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size

@@ -60,7 +60,7 @@ def middles_first(cloud, labels):
 
 @functools.lru_cache(maxsize=64)
 def course_clusters(seed):
-    """Return some returns of the course's scan and their labels, 0 on the road."""
+    """Return part of the course's scan, with cluster labels; the road has the label 0."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
     stands = cloud[:, 2] > -1.1
     found = without_small(samples.cluster_labels(cloud[stands, :3], 0.7), 4)
@@ -69,7 +69,7 @@ def course_clusters(seed):
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
-    """Return some returns of a new street and their labels."""
+    """Return part of a new street, with cluster labels."""
     cloud = samples.obstacles_of_street(seed, 1500)
     found = without_small(samples.cluster_labels(cloud[:, :3], 0.8), 4)
     return as_filtered(*middles_first(cloud, found), cloud[found == 0] - [0, 0, 3, 0], seed)

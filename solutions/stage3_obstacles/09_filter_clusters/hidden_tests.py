@@ -39,7 +39,7 @@ def assert_filtered(student, labels, minimum):
 
 
 def clutter(rng, clusters, largest):
-    """Return shuffled labels of clusters with various sizes, from 1, and of some noise."""
+    """Return shuffled labels of clusters of various sizes, numbered from 1, with some noise."""
     sizes = np.ceil(np.exp(rng.uniform(0, np.log(largest), clusters))).astype(int)
     labels = np.repeat(np.arange(1, clusters + 1), sizes)
     return rng.permutation(np.concatenate([labels, np.zeros(clusters, dtype=int)]))

@@ -82,7 +82,7 @@ def errors(street, find):
 
 
 def function_of_answer(name):
-    """Run a kept answer with the functions that the lesson gives, and return its function."""
+    """Run a kept answer with the functions that the lesson provides, and return its function."""
     source = next(
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
     )

@@ -90,7 +90,7 @@ def boxes_in(student, frame):
 
 
 def assert_found_on_climbs(student, seed, kind):
-    """Require the cars on a square, and check that objects of a kind are found on two climbs."""
+    """Require that a square's cars are found, and check objects of a kind on two climbing roads."""
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     for frame in (climb(seed), climb(seed + 1)):
         assert_kind_contained(detected(student.detect_obstacles, frame), kind, frame)
@@ -339,7 +339,7 @@ def scattered_places(rng, count):
 
 
 def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
-    """Return the centres of boxes in two frames, and the right partner of each second box."""
+    """Return the box centres of two frames, and the right partner of each box in the second."""
     places = scattered_places(rng, count + new)
     stay = rng.permutation(count)[gone:]
     angle, length = rng.uniform([[0], [0.9]], [[2 * np.pi], [1]], (2, len(stay)))
@@ -351,7 +351,10 @@ def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
 
 
 def rivals(rng):
-    """Return centres in two frames. For each first box, two boxes compete, the nearer one first."""
+    """Return the box centres of two frames, where two boxes compete for each box in the first.
+
+    The nearer boxes come first.
+    """
     previous = scattered_places(rng, 8)
     offset = rng.uniform(0, 2 * np.pi, 8)
     aside = np.column_stack([np.cos(offset), np.sin(offset)])
