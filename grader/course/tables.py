@@ -1,4 +1,4 @@
-"""Read tables with any common separator, and escape cells that spreadsheets would execute."""
+"""Read CSV tables with any common separator, and escape cells that contain formulas."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import csv
 import io
 
 SEPARATORS = ",;\t"
-# A spreadsheet treats a cell that begins with one of these as a formula, and may execute it.
+# Spreadsheets execute a cell that begins with one of these characters as a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-csv.field_size_limit(2**24)  # for this process, because platforms export long texts
+csv.field_size_limit(2**24)  # LMSs export texts longer than the default limit
 
 
 def harmless_cell(text: str) -> str:
@@ -17,7 +17,7 @@ def harmless_cell(text: str) -> str:
 
 
 def read_table(text: str) -> tuple[str, list[list[str]]]:
-    """Return the separator that fits a table best, and the non-empty rows.
+    """Return the separator that fits a CSV table best, and the non-empty rows.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def _rows(text: str, separator: str) -> list[list[str]]:
 
 
 def _separator_fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
-    """Rate a separator by the share of rows as wide as the header, and by the number of columns."""
+    """Rate a separator by the share of rows that are as wide as the header, then by the width."""
     rows = found[1]
     width = len(rows[0]) if rows else 0
     if width < 2:
