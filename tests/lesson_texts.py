@@ -1,4 +1,4 @@
-"""Run lessons as a student who follows the hints: functions, variables and printed text."""
+"""Run lessons like a student who follows the hints; return functions, variables and text."""
 
 import contextlib
 import io
@@ -23,14 +23,14 @@ def source_of(exercise, variant=FOLLOWED):
 
 
 def taught(exercise, variant=FOLLOWED):
-    """Return the function that results from following the hints, or another kept answer."""
+    """Return the function of a student who follows the hints, or of another kept answer."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
 def names_of(name, *wanted, **variants):
-    """Run the statements of a lesson that define some names, and return all defined names.
+    """Run only the statements of a lesson that some names need, and return all names defined.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def names_of(name, *wanted, **variants):
 
 @dataclass(frozen=True)
 class LessonRun:
-    """The variables of a finished lesson, and its printed text."""
+    """The variables of a finished lesson, and the text that it printed."""
 
     names: dict
     text: str

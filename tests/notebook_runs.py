@@ -5,7 +5,7 @@ from pathlib import Path
 
 import nbclient
 
-LONGEST_CELL = 120  # seconds; a whole notebook should take about 30
+LONGEST_CELL = 120  # seconds; a whole notebook usually takes about 30
 
 
 def run(notebook, folder, **settings):

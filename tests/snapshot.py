@@ -1,4 +1,4 @@
-"""Compare what two checkouts say about every kept answer: verdicts, messages, titles and hints.
+"""Compare the output of two checkouts for every kept answer: verdicts, messages and hints.
 
     python tests/snapshot.py write before.json        # in one checkout
     python tests/snapshot.py write after.json         # in the other
@@ -109,7 +109,7 @@ def same(before: object, after: object) -> bool:
 
 
 def differences(before: object, after: object, where: str = "") -> list[str]:
-    """Return the places where two outputs differ, as texts to print."""
+    """Return a printable text for each place where two outputs differ."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [*before, *(key for key in after if key not in before)]
         return [

@@ -19,7 +19,7 @@ LESSON = find_lesson("08_bounding_boxes")
 
 @pytest.fixture
 def full_disk():
-    """Return a function after whose call no file can grow beyond a thousand bytes."""
+    """Return a function that prevents files from growing beyond a thousand bytes."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def fill():
