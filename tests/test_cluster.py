@@ -245,7 +245,7 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
 
 @pytest.mark.slow
 def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypatch):
-    """A dying process fails only its job, and each connection runs its own version of the course."""
+    """A dying process fails only its job, and each connection has its own version of the course."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None

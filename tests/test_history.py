@@ -66,7 +66,7 @@ def test_the_first_marks_are_logged_with_their_verdict(course):
     } == {
         (student, lesson.name, exercise.name): score
         for student, lessons in EARNED.items()
-        for lesson, scores in lessons.items()  # only submitted lessons
+        for lesson, scores in lessons.items()  # EARNED contains only submitted lessons
         for exercise, score in zip(lesson.machine_graded, scores, strict=True)
     }
     assert {change.before for change in changes} == {None} and {

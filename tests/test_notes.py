@@ -1,4 +1,4 @@
-"""The notes of lessons 05 to 07 are remarks about deviations that do not cost points."""
+"""The notes of lessons 05 to 07 are remarks on deviations that do not cost points."""
 
 import numpy as np
 import pytest
