@@ -48,7 +48,7 @@ def commands(readme, program):
 
 
 def anchors(text):
-    """Yield the anchors of a text's headings, which links may point to."""
+    """Yield the anchors of a text's headings, to which links can point."""
     for heading in re.findall(r"^#+ (.+)$", FENCED.sub("", text), re.M):
         yield re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
 
@@ -63,7 +63,7 @@ def test_the_readmes_contain_commands():
 def test_every_grader_command_exists_with_its_options(readme):
     for rest in commands(readme, r"python3? -m grader"):
         verb, *words = rest.split()
-        if verb == "--help" or readme == "docs/commands.md":  # generated from the parser
+        if verb == "--help" or readme == "docs/commands.md":  # the page is generated
             continue
         options = [
             word.split("=")[0].strip("[]") for word in words if word.strip("[").startswith("--")
@@ -107,7 +107,7 @@ def test_every_link_has_a_target(readme):
 
 
 def test_addresses_of_gradebooks_name_their_driver():
-    """Without a driver, SQLAlchemy fails with a traceback for a missing default driver."""
+    """Without a driver in the address, SQLAlchemy looks for its default driver and fails."""
     addresses = re.findall(r'"(\w[\w+]*://[^"]+)"', text_of("docs/platforms/nbgrader.md"))
     databases = [address for address in addresses if not address.startswith("http")]
     assert {database.partition(":")[0] for database in databases} == {"sqlite", "postgresql+pg8000"}

@@ -82,7 +82,7 @@ def container(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("is_shared", [0, 1])
 def test_a_jail_contains_the_library_that_python_was_built_with(is_shared, monkeypatch):
-    """Python finds this library through its own path, not among the system's libraries."""
+    """A shared libpython may be outside the system's library folders."""
     variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
     monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
     assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
@@ -111,7 +111,7 @@ def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
 
 
 def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
-    """The judge stops both, although it knows nothing about processes in such a sandbox.
+    """The judge stops both, although it cannot see the processes in such a sandbox.
 
     Each case has its own function, because a function that was stopped gets less time later.
     """

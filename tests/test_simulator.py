@@ -1,4 +1,4 @@
-"""The scanner agrees with exact formulas, marching along rays and statistics."""
+"""The scanner agrees with exact formulas, with marching along rays, and with statistics."""
 
 import math
 from dataclasses import replace
@@ -82,7 +82,7 @@ def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
     inside = contains(solid, rays.T[:, None] * steps[None, :, None])
     enter, leave, cosine = solid.crossings(rays)
     hit = (leave >= enter) & (leave > 0)
-    # Marching may miss a part that is thinner than a step, but never hits empty space.
+    # Marching may miss a part thinner than a step, but it never reports a hit in empty space.
     assert not np.any(inside.any(axis=1) & ~hit)
     assert np.all((leave - np.maximum(enter, 0))[hit & ~inside.any(axis=1)] <= step + 1e-9)
     outside = inside.any(axis=1) & (enter > 0)
@@ -302,7 +302,7 @@ def test_the_stated_share_of_echoes_is_lost():
 
 
 def share_seen(distance, material, weakest_signal):
-    """Return the share of rays that return from a wall perpendicular to the beam."""
+    """Return the share of rays that a wall perpendicular to the beam returns."""
     sensor = replace(EXACT, azimuth_step=math.radians(0.2), elevations=layers(40, 1.0, -1.0))
 
     def returns(material, weakest_signal):

@@ -1,4 +1,4 @@
-"""After one edit, a right answer loses points or is still equivalent to the solution.
+"""A right answer after one edit either loses points or is still equivalent to the solution.
 
 `python -m tests.survey` prints a table for all solutions. With the name of an exercise, it prints
 the table for all right answers to that exercise.

@@ -1,4 +1,4 @@
-"""The grader works with another course, which has exercises on plain lists."""
+"""The grader works with another course, whose exercises use plain lists."""
 
 import csv
 import json
