@@ -151,7 +151,7 @@ DROPS_NOTHING = "def drop_invalid(cloud):\n    return cloud.copy()"
 
 
 def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
-    """The answer applies only half of the rule, which a named mistake explains but no edit fixes."""
+    """The answer applies half of the rule, which a named mistake explains but no edit fixes."""
     lesson = find_lesson("01_point_clouds")
     _, exercises = judge_with(sandbox, lesson, drop_invalid=KEEPS_LOST)
     drop = exercises["drop_invalid"]
