@@ -1,4 +1,4 @@
-"""Compare two answers to an exercise as loosely as the docstring of the exercise allows.
+"""Compare two answers to an exercise as loosely as the exercise's docstring allows.
 
 A list may replace an array, because the lessons only add a note and deduct no points for it. The
 sign of a normal, the order of cells, corners and found indices, and the cluster labels may differ.
@@ -126,9 +126,10 @@ def has_same_orientation(first, second):
 def is_hardly_larger(points, rectangle):
     """Return whether a rectangle is hardly larger than one with a standard orientation.
 
-    Standard orientations are those of the smallest rectangle, of the narrowest one, of the first
-    principal axis, and of the sides closest to the points (Zhang et al., IV 2017). If they agree,
-    any other orientation gives a larger rectangle. If they do not, the orientation is not defined.
+    Standard orientations are the orientations of the smallest rectangle, the narrowest one, the
+    first principal axis, and the sides closest to the points (Zhang et al., IV 2017). If they
+    agree, any other orientation results in a larger rectangle. If they do not, the orientation is
+    not defined.
     """
     turns = np.arange(0, 180, 0.5)
     if len(points) > 1:
@@ -156,7 +157,7 @@ def is_filled(points, rectangle):
 
 
 def fitted_models(answer, expected, points, max_iterations, distance_tolerance, rng=None):
-    """Accept any normalised model with its own inliers; None agrees only with None.
+    """Accept any normalised model with its own inliers; None matches only None.
 
     The model found depends on the random draws. One sample too many, as in
     ``range(max_iterations + 1)``, is accepted because it does no harm. The checks themselves
@@ -176,7 +177,7 @@ def fitted_models(answer, expected, points, max_iterations, distance_tolerance, 
 
 
 def balanced_orders(answer, expected, points):
-    """Accept an order with each row once in which every part starts with its lower median.
+    """Accept an order of all rows in which each part starts with its lower median.
 
     If points share a coordinate, several orders are right, so any order is accepted.
     """
@@ -247,7 +248,7 @@ def anything(answer, expected):
 
 
 BY_EXERCISE = {
-    "insert": lambda answer, expected: True,  # the answer is the changed tree, not a return value
+    "insert": lambda answer, expected: True,  # `insert` changes the tree and returns nothing
     "line_through": models,
     "plane_through": models,
     "fit_plane": models,

@@ -20,12 +20,12 @@ PDF_TO_TEXT = shutil.which("pdftotext")
 MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
 # Entry files without MathJax's safe mode; pages that are safe without it are also safe with it.
 ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
-SECONDS = 100  # of Chromium's virtual time for the page's scripts
+SECONDS = 100  # virtual time that a page's scripts get
 PATIENCE = 500
 
 
 def _run(command, **options):
-    """Run Chromium with a TMPDIR that is short, as its lock requires, and writable."""
+    """Run Chromium with a writable TMPDIR whose path is short enough for Chromium's lock."""
     env = {**os.environ, "TMPDIR": tempfile.gettempdir()}
     return subprocess.run(command, env=env, timeout=PATIENCE, **options)
 

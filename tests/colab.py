@@ -1,4 +1,4 @@
-"""A stand-in for Google Colab: its versions in a separate environment, and a web server.
+"""A stand-in for Google Colab: an environment with Colab's versions, and a web server.
 
 The versions are those of Colab in August 2026. Only packages that a notebook can use are installed.
 """

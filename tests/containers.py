@@ -2,8 +2,8 @@
 
     python3 tests/containers.py USER COMMAND...    # USER is a number, and 0 is root
 
-The script needs root and only Python's standard library. The lists are from Docker's seccomp
-profile and its default capabilities.
+The script needs root and only Python's standard library. The lists are those of Docker's
+default seccomp profile and capabilities.
 """
 
 import ctypes

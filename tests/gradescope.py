@@ -28,7 +28,7 @@ from tests.prerequisites import require_sandbox
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405
-LONGEST = 1800  # seconds for set-up or for judging
+LONGEST = 1800  # seconds, for set-up and for judging
 PORT = 18_731  # port of a server on this machine, which attacks try to reach
 
 # Folders of this machine that a container can see; the others are empty there.
@@ -49,7 +49,7 @@ DEVICES = {
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """A kind of container, which differs from others in its permissions.
+    """A kind of container, defined by its permissions.
 
     Attributes
     ----------
@@ -348,7 +348,7 @@ def main(place):
             check(f"{name} earns {score:g}", found == score, output + str(results))
             check(f"{name} leaves no process", "left: 0" in done.stdout, output)
             check(f"{name} leaves no file", not left, left)
-    # If the attacks failed without a sandbox too, the results above would prove nothing.
+    # If the attacks also failed without a sandbox, the results above would prove nothing.
     _, done, _ = submit(place, image, submitted["hostile"], "as Docker's", script=WITHOUT_SANDBOX)
     gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
     check("without a sandbox, the attacks succeed", gained > expected(calm, place, here), done)

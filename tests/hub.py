@@ -46,7 +46,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """Return the page's blocks of shell commands, by the first words of the comment on top."""
+    """Return the page's blocks of shell commands, by their first comment."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
     return {start: "#" + rest for start, rest in found}

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 
-LONGEST = 300  # seconds between two results of a run
+LONGEST = 300  # maximum seconds until the next result of a run
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Cell:
 
     @property
     def banners(self):
-        """Messages that the lesson uses the course's answer, or the student's own again."""
+        """Messages that say which answer the lesson uses: the course's or the student's own."""
         return [text for text in self.displayed if re.search("course's answer|yours again", text)]
 
 
@@ -96,7 +96,7 @@ def _run_cells(shell, cells):
 
 
 def _in_fork(work, *arguments):
-    """Run a generator in a fork of this process, and yield here the bytes that it yields."""
+    """Run a generator of bytes in a fork of this process, and yield its items here."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:

@@ -1,4 +1,4 @@
-"""Run lessons like a student who follows the hints; return functions, variables and text."""
+"""Run lessons with answers that follow the hints, and return functions, variables and text."""
 
 import contextlib
 import io
@@ -23,14 +23,14 @@ def source_of(exercise, variant=FOLLOWED):
 
 
 def taught(exercise, variant=FOLLOWED):
-    """Return the function of a student who follows the hints, or of another kept answer."""
+    """Return the function from the kept answer that follows the hints, or from another one."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
 def names_of(name, *wanted, **variants):
-    """Run only the statements of a lesson that some names need, and return all names defined.
+    """Run only the statements that some names of a lesson need; return all names they define.
 
     Parameters
     ----------

@@ -135,7 +135,7 @@ class Mutant:
 
     @property
     def digest(self) -> str:
-        """The mutant's key in `RESULTS`."""
+        """Key of the mutant in `RESULTS`."""
         return hashlib.sha256(f"{self.module} {self.source}".encode()).hexdigest()
 
     def __str__(self) -> str:
@@ -296,9 +296,7 @@ class MutantRunner:
         Called with each mutant and its outcome.
     """
 
-    runs: ClassVar[
-        dict[str, Run]
-    ] = {}  # by test; shared, because a test can be near several modules
+    runs: ClassVar[dict[str, Run]] = {}  # by test; shared, because modules can share tests
 
     def __init__(
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
@@ -309,9 +307,9 @@ class MutantRunner:
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Run all tests in forks of this process."""
-        gc.unfreeze()  # otherwise functions that were frozen for another module would not be found
+        gc.unfreeze()  # finds functions that were frozen for an earlier module
         self.functions = functions_of(self.module)
-        gc.freeze()  # otherwise garbage collection in a fork would copy all objects
+        gc.freeze()  # prevents garbage collection in forks from copying all objects
         if new := [item for item in session.items if item.nodeid not in self.runs]:
             self.runs.update(self._in_a_fork(new))
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Harm:
-    """The effect of a slip on the result, and the range for the share of points it keeps."""
+    """The effect of a slip on the result, and the range of the share of points that it keeps."""
 
     word: str
     least: float

@@ -4,9 +4,9 @@
     python tests/snapshot.py write after.json         # in the other
     python tests/snapshot.py compare before.json after.json
 
-Names of exercises or lessons after the file limit the output. Some answers draw random numbers,
-so their output differs from run to run. To exclude them, write ``before.json`` twice under two
-names, and give both to `compare`. Points may differ by a rounding error.
+Names of exercises or lessons after the file restrict the output to them. Some answers draw random
+numbers, so their output differs from run to run. To exclude them, write ``before.json`` twice under
+two names, and give both to `compare`. Points may differ by a rounding error.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def notebook_output(lesson: object, exercise: str, notebook: str) -> str:
 
 
 def write(path: Path, wanted: list[str]) -> None:
-    """Write the output for all kept answers, or for the wanted ones, to a file."""
+    """Write the output for all or for the wanted kept answers to a file."""
     found, jobs = {}, answers(wanted)
     with Pool(os.cpu_count() or 1) as pool:
         futures = {job: pool.submit(output_for, *job) for job in jobs}

@@ -50,7 +50,7 @@ from utils.remote_objects import Remote
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that compare answers
 CALLS = 1000
 SECONDS = 0.5  # processor time for a check, in addition to four times that of a right answer
-AGES = 600  # seconds; a generous limit for right answers
+AGES = 600  # seconds; more than any right answer takes
 SAMPLE = 6  # number of wrong answers to judge in the sandbox for each exercise
 MOST = 0.6  # largest share of an exercise's points that one edit should usually cost
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
@@ -66,7 +66,7 @@ FORK = multiprocessing.get_context("fork")
 
 @dataclass(frozen=True)
 class Answer:
-    """A right answer: a notebook and the statements that only this exercise needs."""
+    """A right answer: a notebook, and the statements that belong only to this exercise."""
 
     lesson: Lesson
     exercise: str
@@ -75,7 +75,7 @@ class Answer:
     theirs: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
-        """Compile the statements after an edit to one of them, if an edit is given."""
+        """Compile the statements, after applying an edit if one is given."""
         texts = [
             edit.statement if edit and contains(statement, edit) else ast.unparse(statement.node)
             for statement in self.theirs
@@ -273,7 +273,7 @@ class CheckRunner:
         return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
     def check_calls_for(self, function):
-        """Return the check calls after replacing the exercise's function with another one."""
+        """Replace the exercise's function with another one, and return the check calls."""
         answers = {**self.right, self.exercise: function}
         vars(self.student).update(vars(student_with(self.lesson, answers)))
         setattr(self.student, self.exercise, LocalRemote(function))
@@ -342,7 +342,7 @@ class Oracle:
         self.cost = sum(self.seconds)
 
     def counterexample(self, function):
-        """Return a call for which the function is wrong, or None if there is none.
+        """Return a call that the function answers wrongly, or None if there is none.
 
         Right detectors may return different boxes, so a detector only has to pass on other streets.
         """
@@ -421,7 +421,7 @@ def first_failure(runner, mutant):
 
 
 def short_counterexample(oracle, mutant):
-    """Return a call for which a mutant is wrong as shortened text, or None."""
+    """Return the shortened text of a call that a mutant answers wrongly, or None."""
     call = oracle.counterexample(mutant.answer.function(mutant.code))
     return None if call is None else reprlib.repr(call)
 
@@ -485,7 +485,7 @@ def losses_of(exercise, sandbox, most=SAMPLE):
 
 
 def share_lost(mutant, sandbox):
-    """Judge a mutant in an otherwise right notebook; return the lost fraction of the exercise."""
+    """Judge a mutant in an otherwise right notebook; return the fraction of points lost."""
     answer, edit = mutant.answer, mutant.edit
     program = program_for(answer.lesson, answer.cells, {})
     program = program.edited(edit.cell, edit.first, edit.last, edit.text)

@@ -70,7 +70,7 @@ def test_results_have_gradescopes_format_and_add_up():
     for test in found["tests"]:
         assert set(test) <= TEST and test["visibility"] in VISIBILITIES
     assert found["output_format"] == found["test_output_format"] == "text"
-    # Exercises that a person grades are not in the results.
+    # The results exclude exercises that a person grades.
     scored = [test["max_score"] for test in found["tests"] if "max_score" in test]
     assert sum(scored) == 20.0 + 30.0
 

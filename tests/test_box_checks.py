@@ -89,7 +89,7 @@ def test_messages_use_singular_and_plural():
 
 
 def test_the_picture_shows_the_axis_in_the_message():
-    """The message names y, so the picture must not be a side view, which hides y."""
+    """The message names y, so the picture is not a side view, which would hide y."""
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))

@@ -109,7 +109,7 @@ def test_every_picture_is_embedded_and_has_a_description(built, lesson):
 
 
 def test_nbgrader_releases_only_notebooks(tmp_path):
-    """Hidden tests, kept answers and sources in the folder of a stage are not released."""
+    """Hidden tests, kept answers and sources, which are also in a stage's folder, stay there."""
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
@@ -147,7 +147,7 @@ PASTED = """\
 def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     namespace = {}
     text = earlier_lessons.with_functions(PASTED)
-    exec(text, namespace)  # including imports
+    exec(text, namespace)  # including the imports
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
     points = np.random.default_rng(1).random((40, 3))
@@ -335,6 +335,6 @@ def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
 
 
 def test_the_tests_in_this_file_run_in_one_process(request):
-    """Fail if pytest-xdist ignores test groups, as an incompatible version does silently."""
+    """Fail if pytest-xdist silently ignores test groups, as incompatible versions do."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         assert request.node.nodeid.endswith("@test_build")

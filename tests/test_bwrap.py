@@ -14,7 +14,7 @@ OPTIONS = ["--unshare-net"]
 ORDINARY = 31_415
 FILTERED = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
 FREE = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
-WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # Docker's default for root
+WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of Docker's root
 
 
 def program(folder, script, name="bwrap"):

@@ -145,7 +145,7 @@ def cars_at(x, y, *degrees, sides=(4.2, 1.8, 1.5)):
 
 
 def fixed_boxes_with_returns(boxes):
-    """Return a detector that returns the given boxes with many points of the cloud near them."""
+    """Return a detector that returns those of the given boxes that have many points nearby."""
 
     def detect_obstacles(cloud):
         middles = boxes(cloud).mean(axis=1)[:, None]
@@ -443,7 +443,7 @@ NEARLY_RIGHT = {
 
 @pytest.mark.filterwarnings("ignore")
 def test_no_small_expression_proves_a_slip(lesson):
-    """A known mistake that such an expression makes must be marked as cheap or as the task."""
+    """Known mistakes that these expressions make are marked as cheap, or as missing the task."""
     expressions = [text.strip() for text in SMALL.replace("\n", "|").split("|") if text.strip()]
     names = {"np": np, **{name: getattr(np.linalg, name) for name in ("norm", "eigh", "svd")}}
     assert len(expressions) > 100

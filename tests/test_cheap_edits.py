@@ -38,7 +38,7 @@ SOURCES = sources()
 
 
 def as_text(function):
-    """Return the source that defines a function of the table, and the names it can use."""
+    """Return the source of a function in the table, and the names that it can use."""
     kind = ast.Lambda if function.__name__ == "<lambda>" else ast.FunctionDef
     node = SOURCES[function.__code__.co_firstlineno, kind]
     closure = inspect.getclosurevars(function).nonlocals
@@ -49,7 +49,7 @@ def as_text(function):
 
 
 def edited(function):
-    """Yield (source, function) for all functions one edit away from a function of the table."""
+    """Yield (source, function) for all functions one edit away from a function in the table."""
     text, names = as_text(function)
     names.pop("answer", None)
     statements, _ = slicing.parse_notebook([text])

@@ -383,7 +383,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
     for line in ("x, y, z = points[i]", "for x, y, z in cloud:", "x, y, z = cloud[near].T"):
         assert "intensity" in tip_for("ValueError", str(caught.value), f"`{line}`")
-    # The result of a call is not a row of a cloud, whatever its name. A plane has four numbers.
+    # These lines do not unpack a row of a cloud, so the tip must not mention the intensity.
     for line in (
         "a, b, c = plane_through(p, q, r)",
         "a, b, c = fit_plane(points)",

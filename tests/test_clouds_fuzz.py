@@ -246,7 +246,7 @@ def fuzz_recordings(folder, kind: str, examples: int) -> None:
 
     seed = recording(folder, kind)
     path.write_bytes(seed)
-    assert len(read()) == 2  # this also imports rosbags before memory is measured
+    assert len(read()) == 2  # also imports rosbags, before memory is measured
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged([seed]))

@@ -1,4 +1,4 @@
-"""Clouds as text: all common notations are read, and errors explain files that are not clouds."""
+"""Clouds as text: all common notations are read, and errors explain why a file is not a cloud."""
 
 import time
 

@@ -1,6 +1,6 @@
-"""Grading on a Dask cluster gives the same gradebook as grading here, or stops and can be resumed.
+"""Grading on a Dask cluster produces the same gradebook as local grading, or can be resumed.
 
-Dask's own command starts schedulers and workers, in an empty folder without the course.
+Dask's own command starts schedulers and workers in an empty folder, without the course.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Notebooks in Colab, where each notebook runs alone and with Colab's package versions."""
+"""Notebooks in Colab, where each one runs without the course's files and with Colab's packages."""
 
 import io
 import json

@@ -257,7 +257,7 @@ TIMES = {
 
 @pytest.mark.parametrize("language", TIMES)
 def test_names_and_times_are_read_from_moodles_worksheet(course, language):
-    """The worksheet's titles and dates are in the teacher's language; its times are in UTC here."""
+    """The titles and dates of a worksheet are in the teacher's language."""
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = [
         *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),
@@ -304,7 +304,7 @@ def test_times_are_read_from_a_table_by_id(course):
 
 
 def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
-    """A student without a row is on time if Canvas did not mark the file, but not with folders."""
+    """Files that Canvas did not mark as late are on time; folders carry no such marks."""
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = [
@@ -727,7 +727,7 @@ def test_a_second_answer_replaces_the_first(course):
 
 @pytest.mark.parametrize("inside", ["", "hw/", "a/b/"])
 def test_an_archive_of_one_student_may_have_any_folders(course, inside):
-    """The option that the message about such a zip suggests works for folders of any depth."""
+    """The option suggested by the message about a student's zip works for folders of any depth."""
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
@@ -1143,7 +1143,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
 
     def look(data, name):
         if data == b"PK!":
-            raise IndexError  # an error that the reader does not expect
+            raise IndexError  # an unforeseen error
         return original(data, name)
 
     monkeypatch.setattr(inspection, "_unpack", look)

@@ -1,4 +1,4 @@
-"""The time of a submission, for archives in any order and for runs that stop at any moment."""
+"""The time of a submission, with archives in any order and runs that stop at any moment."""
 
 import contextlib
 from datetime import UTC, datetime
@@ -113,7 +113,7 @@ def test_an_unreadable_time_stays_undecided(course):
 
 
 class Stopped(BaseException):
-    """Raised instead of pressing Ctrl-C."""
+    """Stands in for Ctrl-C."""
 
 
 def stop_at(change, calls, number, after):

@@ -198,7 +198,7 @@ def test_changing_an_argument_fails_only_that_check(made, argument):
 
 
 def also_about_writing(exercise):
-    """Return the names of other checks that may fail if an argument changes."""
+    """Return the names of the other checks that fail if a function changes its argument."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 

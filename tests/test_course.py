@@ -1,4 +1,4 @@
-"""A whole course from release to export with the real commands, including faults at every step."""
+"""A whole course, from release to export, with the real commands and faults at every step."""
 
 import csv
 import errno
@@ -142,7 +142,7 @@ def report_of(course):
     """Return the report's HTML without dates, durations and counts of judged notebooks."""
     page = (course.report / "index.html").read_text()
     page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
-    page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # how many were judged in this run
+    page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # notebooks judged now and earlier
     return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
 
 

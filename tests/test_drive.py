@@ -221,7 +221,7 @@ def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
 
 
 def test_road_users_who_approach_from_the_side_count_as_ahead():
-    """The predicted position counts, which overlaps the ego car unlike the present one."""
+    """Their predicted position overlaps the ego car, although their present one does not."""
     cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
     assert room(cyclist, 8.0) < -0.5
     assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
@@ -288,7 +288,7 @@ def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
 
 
 def match_all_with_first(previous, current, max_distance):
-    """Match every box with the first one: a wrong answer."""
+    """Wrongly match every box with the first one."""
     return np.full(len(current), -1 if len(previous) == 0 else 0)
 
 

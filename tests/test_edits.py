@@ -1,4 +1,4 @@
-"""Edits that undo a slip, which is a mistake that one small edit makes."""
+"""Edits that undo a slip, which is a mistake of one small edit."""
 
 import ast
 import textwrap
@@ -204,7 +204,7 @@ def test_a_slip_is_one_edit_away(slip):
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_the_lines_of_an_edit_form_its_statement(slip):
-    """The lines are right even after multi-byte characters and for a decorated function."""
+    """The lines are right even after multi-byte characters and in a decorated function."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
     edits = edits_in(*cells)

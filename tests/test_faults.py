@@ -685,10 +685,10 @@ class FakeWorker:
         (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9),
         (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # other processes also ran
         (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # the call slept
-        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads that wait for each other
-        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads at once
+        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads waited for each other
+        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads ran at once
         (3.0, 0.1, {1: 5.9, 2: 5.0}, 0.1),
-        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the clock of the kernel has not ticked yet
+        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the kernel's clock has not ticked yet
     ],
 )
 def test_a_call_is_charged_only_for_time_in_which_it_does_not_wait(
@@ -716,7 +716,7 @@ def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
 
 
 def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
-    """Time with ready threads is waiting, because the kernel drops the times of ended threads."""
+    """While threads are ready to run, a call waits and does not sleep."""
     now, ours, worker = [100.0], [2.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])

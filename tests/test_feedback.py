@@ -165,7 +165,7 @@ def sentences(late=timedelta(), **more):
 
 
 def test_times_are_in_the_time_zone_of_the_course():
-    """Times before and after the end of summer time have different zone names."""
+    """Times on either side of the end of summer time have different zone names."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
@@ -201,7 +201,7 @@ def test_undecided_lateness_has_the_same_sentence_for_every_reason(why):
 
 
 def test_an_excuse_comes_first_and_without_a_penalty():
-    """An excused student who still submits gets a page, even if the submission is late."""
+    """The page of an excused student mentions only the excuse, even after a late submission."""
     result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
     (sentence,) = Feedback(Person("ada"), result, ()).sentences
     assert sentence.startswith("You are excused from this stage")

@@ -1,4 +1,4 @@
-"""Films are written to files and read again, and their frames are counted."""
+"""Writing films to files, reading them again, and counting their frames."""
 
 import gc
 

@@ -285,7 +285,7 @@ def test_second_run_judges_only_changed_submissions(judged_course, sandbox, monk
 
 @pytest.mark.slow
 def test_a_verdict_without_a_fingerprint_is_judged_again(judged_course, sandbox):
-    """Verdicts of older versions have no fingerprint of the submission."""
+    """Verdicts from older versions contain no fingerprint of the submission."""
     path = judged_course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json"
     verdict = json.loads(path.read_text("utf-8"))
     fingerprint = verdict.pop("fingerprint")

@@ -1,4 +1,4 @@
-"""The gradebook agrees with the verdicts after entering, comparing, correcting and withdrawing."""
+"""The gradebook agrees with the verdicts after marks are entered, corrected or withdrawn."""
 
 import dataclasses
 import datetime
@@ -403,7 +403,7 @@ def test_a_registered_stage_does_not_prevent_registering_another(course):
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
-# Cells that are not in the release, by their kind.
+# Cells that are not in the release, by kind.
 EXTRA_CELLS = {
     "source": functools.partial(SourceCell, name="of_old", cell_type="code", source=""),
     "points": functools.partial(GradeCell, name="of_old", cell_type="code", max_score=0.0),
@@ -677,7 +677,7 @@ def test_an_error_rolls_the_transaction_back(error):
 
 @pytest.fixture
 def written(tmp_path):
-    """Return a course of lesson 12, part of which is graded by hand, and a function to answer."""
+    """Return a course of lesson 12 and a function that enters a written answer."""
     course = Course(tmp_path / "course")
     (course.released / STREAM.stage).mkdir(parents=True)
     shutil.copy(STREAM.released, course.released / STREAM.stage)

@@ -1,4 +1,4 @@
-"""The autograder that is exported for Gradescope delivers the right marks there."""
+"""The autograder that is exported for Gradescope reports the right marks."""
 
 import dataclasses
 import io

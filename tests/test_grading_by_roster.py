@@ -1,4 +1,4 @@
-"""The table, the doctor and the marks of one student follow the roster."""
+"""The table, `grader doctor` and the marks of a single student follow the roster."""
 
 from datetime import timedelta
 from pathlib import Path

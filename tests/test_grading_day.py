@@ -1,4 +1,4 @@
-"""A whole day of grading by command, from the zips of two platforms to the marks in both."""
+"""A day of grading with commands only, from the zips of two platforms to the marks in both."""
 
 import csv
 import re

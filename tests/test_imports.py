@@ -1,4 +1,4 @@
-"""The modules of utils load only the packages that they need, and never the grader."""
+"""The modules of `utils` load only the packages that they need, and never the grader."""
 
 import ast
 import importlib

@@ -161,7 +161,7 @@ def test_a_detector_made_of_the_lessons_functions_earns_everything(sandbox, tmp_
 def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
     for_colab.write_bytes(make_standalone(lesson.released.read_bytes()))
-    # The judge sees from the text that the notebook is untouched, so it needs no sandbox.
+    # The text shows that the notebook is untouched, so the judge needs no sandbox.
     from_text = [judge(path, 1, None) for path in (lesson.released, for_colab)]
     monkeypatch.setattr(preflight, "_is_as_released", lambda *about: False)
     judged = judge(lesson.released, 1, sandbox)

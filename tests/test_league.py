@@ -334,7 +334,7 @@ def course(tmp_path):
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Replace driving with a function that records each job; return the list of jobs."""
+    """Replace driving with a function that records each job; return the list of recorded jobs."""
     calls = []
 
     def drive_one(submitted_files, lesson, number, seed, sandbox):

@@ -1,4 +1,4 @@
-"""Messages about failures contain the kind of failure, and only words from the notebook."""
+"""Messages about failures name the kind of failure, and quote only the notebook."""
 
 import ast
 
@@ -110,7 +110,7 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
-    # The judge needs the type, but the message does not say how much.
+    # The type is kept for the judge, although the message does not state the amount.
     assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
     shared = shareable_failure(Outcome(HIDDEN, waits), False)

@@ -264,7 +264,7 @@ def test_a_function_that_uses_figures_does_not_draw_them(folder):
     with pytest.raises(NameError, match="axes"):
         functions.lowest(show=True)
     assert plt.get_fignums() == figures and not (folder / "measured").exists()
-    # The function needs the street, which the judge also computes for it.
+    # The judge also runs the statements that compute the street, which this function needs.
     assert functions.exercise() == 1
 
 

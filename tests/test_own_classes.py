@@ -1,4 +1,4 @@
-"""A student's own class is judged instead of the class that the lesson gives."""
+"""A student's own class is judged instead of the class that the lesson provides."""
 
 import json
 

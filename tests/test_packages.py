@@ -1,4 +1,4 @@
-"""`check` accepts only the judge's packages; both print the same message about others."""
+"""`check` accepts only the judge's packages, and prints the judge's message about others."""
 
 import importlib
 import sys

@@ -422,7 +422,7 @@ def test_a_blind_worksheet_is_matched_by_number_only(fill):
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
-    """Participants have other numbers in each assignment, so an lms_id may match one by chance."""
+    """Participant numbers differ between assignments, so an lms_id may match one by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0

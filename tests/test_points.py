@@ -1,4 +1,4 @@
-"""Wherever points are shown, they add up exactly."""
+"""Points add up exactly, wherever they are shown."""
 
 import json
 from fractions import Fraction

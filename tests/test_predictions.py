@@ -17,7 +17,7 @@ def no_stored_guesses(monkeypatch):
 
 @pytest.fixture
 def entry(monkeypatch):
-    """Return a list to which each widget of a prediction is added when it is created."""
+    """Return a list that collects the widgets that predictions create."""
     widgets = []
     for kind in ("RadioButtons", "FloatSlider", "Text"):
         build = getattr(ipywidgets, kind)

@@ -407,13 +407,13 @@ def test_prepared_notebooks_are_immutable():
     for kind in (WrittenAnswer, PreparedNotebook, JudgeInput):
         assert kind.__dataclass_params__.frozen
     assert WrittenAnswer("a").certain
-    assert preflight.cells_as_released(LESSON) is preflight.cells_as_released(LESSON)  # cached
+    assert preflight.cells_as_released(LESSON) is preflight.cells_as_released(LESSON)  # read once
 
 
 @pytest.mark.parametrize(
     ("cells", "kinds"),
     [
-        # A text that quotes code remains text, even in an exercise's cell.
+        # A text cell that quotes code remains text, even if it is an exercise's cell.
         ([text("```\n" + GROUND + "\n```")], ["markdown"]),
         ([tagged(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")], ["markdown"]),
         ([text("Above: def filter_ground(cloud)")], ["markdown"]),

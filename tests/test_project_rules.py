@@ -38,7 +38,7 @@ def test_no_layer_of_the_grader_imports_from_a_higher_layer(room):
 
 
 def imports_within(root, folders):
-    """Return the import graph of some folders, as a set of imported modules by module."""
+    """Return the import graph within some folders: the set of imported modules for each module."""
     files = {
         ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
         for folder in folders

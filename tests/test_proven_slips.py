@@ -239,7 +239,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(shown))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
-        # The judge's own process uses as much processor time as the student's.
+        # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
@@ -293,7 +293,7 @@ def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passin
     # The first limit applied to the answer without an edit.
     assert first_times == [long, long, long, long, short, short, short]
     assert {seconds for letter, seconds in student.given if letter in "bxy"} == {long}
-    # If the answer itself hangs, most of its edits hang too, so all of their limits are short.
+    # If the answer itself hangs, so do most of its edits, so all edits have short limits.
     student = EditedStudent(["Abxy", "A", ""])
     assert passing(student) == [1]
     assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
@@ -404,7 +404,7 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds between two time checks
+    student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds pass between two time checks
     assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     assert student.budget is budget
     assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)

@@ -1,4 +1,4 @@
-"""Work in a child process returns a result, or raises an error with the reason in one sentence."""
+"""Work in a child process returns a result, or raises an error that states the reason."""
 
 import json
 import os

@@ -309,7 +309,7 @@ def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
 
     def declare(lesson, exercise):
         def finds_it(function):
-            """Accept any function; `__module__` is set below."""
+            """Accept every answer; `__module__` is set below."""
 
         finds_it.__module__ = f"utils.checks.{lesson}"
         core.visible(exercise, title="Finds it", why="", hint="")(finds_it)

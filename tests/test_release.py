@@ -1,4 +1,4 @@
-"""Releases for students work: zips, notebooks through nbgrader, and solutions."""
+"""Releases for students: zips, notebooks through nbgrader, and solutions."""
 
 import io
 import json

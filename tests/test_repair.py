@@ -63,7 +63,7 @@ ENDLESS = WRONG_SIGN.replace(
 
 
 def judge_with(sandbox, lesson=LINE, limits=None, **answers):
-    """Judge a notebook of right answers in which some are replaced.
+    """Judge a notebook of right answers, some of which are replaced.
 
     Returns
     -------
@@ -151,7 +151,7 @@ DROPS_NOTHING = "def drop_invalid(cloud):\n    return cloud.copy()"
 
 
 def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
-    """The answer applies half of the rule, which a named mistake explains but no edit fixes."""
+    """The answer applies half of the rule. No edit fixes it, but a named mistake explains it."""
     lesson = find_lesson("01_point_clouds")
     _, exercises = judge_with(sandbox, lesson, drop_invalid=KEEPS_LOST)
     drop = exercises["drop_invalid"]

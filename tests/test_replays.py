@@ -39,7 +39,7 @@ RUNS = {
 
 
 def function_of(exercise, source=None, name="the hints followed to the letter"):
-    """Return a function as defined in a notebook, with the helpers of its lesson."""
+    """Return a function as a notebook would define it, with its lesson's helpers."""
     space = {"np": np, "deque": deque, "math": math, "dist": math.dist, "__name__": "notebook"}
     for helper in HELPERS[exercise]:
         exec(source_of(helper), space)
@@ -171,7 +171,7 @@ def test_rounds_show_the_samples_of_the_generator():
 
 # ---- wrong answers -----------------------------------------------------------------------------
 
-# For each wrong answer, the text of the step marked as wrong, and part of the reason.
+# For each wrong answer, the text of the step that is marked as wrong, and part of the reason.
 WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),

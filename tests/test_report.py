@@ -262,7 +262,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
 def scores_and_passes(number):
     """Return each student's score in other checks, and whether the student passes a check.
 
-    Students with a high score are more likely to pass.
+    Students with higher scores are more likely to pass.
     """
     random = np.random.default_rng(5)
     other_scores = random.permutation(number) / 4

@@ -37,7 +37,7 @@ BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .c
 
 
 def normal(name):
-    """Return the normalised name of a distribution on PyPI."""
+    """Return a distribution's name in PyPI's normalised form."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 

@@ -1,4 +1,4 @@
-"""The roster is read, and people are found by id, name, e-mail or login."""
+"""Reading the roster, and finding people by id, name, e-mail or login."""
 
 import unicodedata
 

@@ -255,7 +255,7 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypat
     student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
-    assert student.closed == 1  # the process may have been sending a reply
+    assert student.closed == 1  # closed, because its process may have been sending a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
 
@@ -342,7 +342,7 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
 
 
 class Answer:
-    """An answer to which weak references are possible."""
+    """An answer that supports weak references."""
 
 
 @pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])

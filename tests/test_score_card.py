@@ -1,4 +1,4 @@
-"""The score card agrees with counts by hand, `score_boxes` and other estimates of the errors."""
+"""The score card agrees with counts by hand, `score_boxes` and other error estimates."""
 
 from types import SimpleNamespace
 

@@ -105,7 +105,7 @@ def test_overlaps_agree_with_results_computed_by_hand():
     assert_allclose(plane_iou(square, square + (1, 0, 9)), 1 / 3)
     assert_allclose(space_iou(square, square + (0, 0, 9)), 0.0)
     assert_allclose(plane_iou(square, square + (2, 0, 0)), 0.0, atol=1e-12)
-    # Two squares, one turned by an eighth of a circle, share a regular octagon.
+    # Two squares, one rotated by 45 degrees, intersect in a regular octagon.
     octagon = 8 * (np.sqrt(2) - 1)
     turned = corners(0, 0, 0, 2, 2, 2, np.pi / 4)[None]
     assert_allclose(plane_iou(square, turned), octagon / (8 - octagon))

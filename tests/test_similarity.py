@@ -34,7 +34,7 @@ def answer(exercise, source):
 
 
 def written(exercise, right=None):
-    """Return the kept answers to an exercise by name, as if each name were a student."""
+    """Return the kept answers to an exercise by name; each name stands for a student."""
     found = {
         variant.name: answer(exercise, variant.source)
         for variant in answers_to(exercise)
@@ -57,7 +57,7 @@ def names_of(comparison):
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
-    """Even at lower thresholds, no pair of right answers is flagged; they are independent."""
+    """Right answers, which were written independently, are not flagged even at lower thresholds."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()

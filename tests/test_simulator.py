@@ -38,7 +38,7 @@ def thing(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0
 
 
 def random_solids(rng, count):
-    """Return boxes, frusta, cylinders and balls around the sensor, near and far."""
+    """Return random boxes, frusta, cylinders and balls around the sensor, near and far."""
     solids = []
     for _ in range(count):
         centre = (*rng.uniform(-15, 15, 2), rng.uniform(-1, 3))
@@ -57,7 +57,7 @@ def random_solids(rng, count):
 
 
 def contains(solid, points):
-    """Return a mask of the points (..., 3) inside a solid, from the solid's definition."""
+    """Return whether each point (..., 3) is inside a solid, according to the solid's definition."""
     if hasattr(solid, "normals"):
         return np.all(points @ solid.normals.T <= solid.offsets, axis=-1)
     if hasattr(solid, "base"):
@@ -318,7 +318,7 @@ def test_glass_loses_the_stated_share_of_echoes():
 
 
 def test_weak_echoes_are_lost():
-    # A wall of reflectivity 0.4, at 50 m and perpendicular to the beam, returns a signal of 1.6.
+    # A wall of reflectivity 0.4 returns a signal of 1.6 from 50 m, if perpendicular to the beam.
     assert abs(share_seen(50, Material(0.4), 1.6) - (1 - math.exp(-1))) < 0.05
     dark, far, near = (
         share_seen(distance, Material(reflectivity), 1.6)

@@ -12,7 +12,7 @@ DEGREE = np.radians(1.0)
 
 
 def turned(model):
-    """Return a line or plane with its normal turned by one degree."""
+    """Return a line or plane with its normal rotated by one degree."""
     if model is None:
         return None
     normal, offset = np.array(model[:-1], dtype=float), model[-1]
@@ -43,7 +43,7 @@ def shrunk(boxes):
 
 
 def model_turned(result):
-    """Return a RANSAC result with its model turned by one degree and the same inliers."""
+    """Return a RANSAC result with its model rotated by one degree and the same inliers."""
     model, inliers = result
     return turned(model), inliers
 

@@ -1,4 +1,4 @@
-"""Each submission has the right standing (missing, excused, waiting or marked) and lateness."""
+"""Each submission gets the right standing (missing, excused, waiting or marked) and lateness."""
 
 import datetime
 import shutil

@@ -124,7 +124,7 @@ def test_keys_ignore_the_last_digits():
 
 
 def stub(cloud, level=0.0):
-    """Do nothing; like the lessons' stubs, this stub has only a docstring and a plan."""
+    """Raise NotImplementedError, after a docstring and a plan as in the lessons' stubs."""
     # 1. a step
     raise NotImplementedError()
 

@@ -1,4 +1,4 @@
-"""Calls into the sandbox reach a student's objects, locate exceptions, and can be interrupted."""
+"""Calls into the sandbox: access to a student's objects, places of exceptions, interruptions."""
 
 import numpy as np
 import pytest

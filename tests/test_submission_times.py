@@ -1,4 +1,4 @@
-"""Whether the submission time of a student with one or two folders is known, and what it is."""
+"""The submission time of a student with one or two folders, or why it is unknown."""
 
 import os
 from datetime import UTC, datetime

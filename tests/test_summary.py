@@ -44,7 +44,7 @@ def declared(title, exercise="double", weight=1, **more):
 
 
 def shown_by(function, capsys, **options):
-    """Return what a failing `check` prints."""
+    """Return the output of a `check` that fails."""
     with pytest.raises(ChecksFailed):
         check(function, "double", **options)
     return capsys.readouterr().out

@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Match each box with the nearest previous box, or -1, which works if objects are far apart."""
+    """Match each box with the nearest previous box, or -1. This works if objects are far apart."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]

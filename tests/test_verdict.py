@@ -1,4 +1,4 @@
-"""Verdicts are stored, published and validated."""
+"""Storing, publishing and validating verdicts."""
 
 import dataclasses
 import json

@@ -257,7 +257,7 @@ def forget():
 
 @pytest.fixture
 def artificial_lesson(tmp_path, monkeypatch):
-    """Return the lesson of an artificial project in its own folder."""
+    """Create an artificial project in its own folder, and return its lesson."""
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)

@@ -124,7 +124,7 @@ def test_homogeneous_and_mixed_lists_cross_alike(value):
 
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
-    """The time is proportional to the number of arrays; in quadratic time, it would be minutes."""
+    """Encoding and decoding take linear time; quadratic time would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
@@ -355,7 +355,7 @@ def test_lone_surrogates_are_replaced():
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
 def test_the_name_of_a_students_class_does_not_cross(value):
-    """Only a general description crosses, because the name could contain hidden input."""
+    """Only a general description is sent, because the name could contain hidden input."""
     assert there_and_back([value])[0].type_name in (
         "an object of a custom class",
         "an array of void",

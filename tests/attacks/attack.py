@@ -1,7 +1,7 @@
 """Helpers for attacks: run hostile code in the sandbox and read its report.
 
-The hostile code really runs. Its function reports what it achieved. The tests read this report and
-also check for effects on the grader.
+The hostile code really runs, and its function reports what it achieved. The tests read this report
+and also check for effects on the grader.
 """
 
 import os
@@ -59,7 +59,7 @@ def outcome_of(source, *arguments, **options):
 
 
 def stopped_by(source, *arguments, calls=3, **limits):
-    """Return the message of the sandbox when it stops `f`; fail if it does not."""
+    """Call `f` until the sandbox stops it; return the sandbox's message, or fail."""
     begin = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):

@@ -1,4 +1,4 @@
-"""Attacks through replies to the judge: invalid messages, deceptive values, odd exceptions."""
+"""Attacks through replies to the judge: invalid messages, deceptive values and odd exceptions."""
 
 import os
 import re
@@ -568,7 +568,7 @@ def test_overwriting_arguments_changes_only_copies():
 
 
 def test_forged_changes_of_arguments_affect_only_copies():
-    """A forged report of changed arguments does not reach the judge's objects."""
+    """A forged report of changed arguments cannot change the judge's objects."""
     forged = (
         'say(b\'{"dict":[["id",1],["result",null],["shared",{"list":["x",-1,true,99]}],'
         '["arguments",{"list":[{"array":["<f8",[2]]},{"list":[7]},null]}]]}\', b"\\0" * 16)\n'

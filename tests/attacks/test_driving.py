@@ -44,7 +44,7 @@ def answers_of(sandbox, source):
 
 
 def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
-    """The sandbox hides these files from a detector, which finds them without a sandbox."""
+    """The sandbox hides these files from a detector, which would find them without a sandbox."""
     for name in (".course_seed", "submitted/ada/notebook.ipynb", "verdicts/ada/street_1.json"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("a secret")

@@ -21,7 +21,7 @@ LATER = "2026-01-11 10:00:00.000000 UTC"
 
 @pytest.fixture
 def inbound(tmp_path):
-    """Return the folder of the exchange in which every account may create folders."""
+    """Return the exchange's inbound folder, in which every account may create folders."""
     folder = tmp_path / "exchange" / "lidar_obstacle_lab" / "inbound"
     folder.mkdir(parents=True)
     return folder
@@ -80,7 +80,7 @@ def test_notebooks_and_modules_are_collected_with_their_time(inbound, collect):
 
 
 def test_links_are_not_followed(inbound, collect, tmp_path):
-    """Links to the solution, to an endless device, to a folder or to nothing are left out."""
+    """Links to the solution, an endless device, a folder or a missing file are left out."""
     secret = tmp_path / "course" / "solution.ipynb"
     secret.write_text("the solution")
     links = {NOTEBOOK: secret, "a.ipynb": "/nowhere", "b.ipynb": "/dev/zero", "c": secret.parent}
@@ -127,7 +127,7 @@ def test_another_students_name_is_refused(inbound, collect):
 
 
 def test_a_time_that_the_student_set_is_named(inbound, collect):
-    """The time in `timestamp.txt` is replaced; the folder's time is checked for plausibility."""
+    """The folder's time replaces the one in `timestamp.txt` and is checked for plausibility."""
     submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
     collected, warnings = collect()
     assert collected[f"{ME}/{STAGE}/timestamp.txt"] == TIME

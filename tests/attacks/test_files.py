@@ -249,7 +249,7 @@ def test_deeply_nested_metadata_gets_a_verdict(submit, filter_lesson):
     ],
 )
 def test_a_submitted_module_hides_no_other_module(name):
-    """A module with the name of one that the worker or a lesson uses does not replace it."""
+    """A submitted module does not replace a worker's or lesson's module of the same name."""
     body = "import numpy, utils, os, json\ndef f():\n    return numpy.arange(3) + 1\n"
     with attack(body, modules={name: "raise SystemExit('in the way')"}) as student:
         assert student.f().tolist() == [1, 2, 3]

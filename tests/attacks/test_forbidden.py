@@ -31,7 +31,7 @@ def attack_on(lesson, source):
 @pytest.mark.slow
 @with_attacks("forbidding", FORBIDDING)
 def test_forbidden_code_is_not_in_memory_after_libraries_import_it(forbidding):
-    """Memory contains only stand-ins, and no code, class or function of a forbidden module."""
+    """Memory contains stand-ins, but no code, classes or functions of forbidden modules."""
     source = (
         "# scipy is named here, so it may have been imported.\n"
         + HUNGRY

@@ -60,7 +60,7 @@ def looked(monkeypatch, forks):
 
 
 def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monkeypatch):
-    """Compare open files, privileges, groups, limits, signals, paths, variables and processes."""
+    """Both have the same open files, privileges, groups, limits, signals, paths and variables."""
     forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
     # The forked worker's parent is outside the sandbox, so its ID appears as 0. The other worker's
     # parent is process 1.
@@ -77,7 +77,7 @@ def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monk
 
 
 def test_all_namespaces_are_separate():
-    """A worker shares only the time namespace with the grader and, if root grades, the user one."""
+    """A worker shares only the time namespace with the grader, and for root the user namespace."""
     names = sorted(os.listdir("/proc/self/ns"))
     body = "import os\nreturn {name: os.readlink('/proc/self/ns/' + name) for name in names}"
     inside = outcome_of(function(body, parameters="names"), names)
@@ -86,7 +86,7 @@ def test_all_namespaces_are_separate():
 
 
 def test_the_fork_server_and_the_judge_cannot_be_reached():
-    """A worker cannot send them signals or open their memory in /proc."""
+    """A worker can neither send signals to these processes nor open their memory in /proc."""
     body = (
         "import os, signal\nreached = []\n"
         "for number in [0, -1, *numbers]:\n"
@@ -126,7 +126,7 @@ def test_only_packages_of_the_lesson_are_preloaded():
 
 
 def test_slow_packages_are_imported_only_if_the_code_names_them():
-    forbidden = ("no_such_module",)  # no other test forbids this, so a new server starts
+    forbidden = ("no_such_module",)  # no other test forbids this module, so a new server starts
     search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
     assert outcome_of(function(search), forbidden=forbidden) == []
     named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
@@ -228,7 +228,7 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
 @pytest.mark.slow
 def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
     """All processes end. Bubblewrap's option --die-with-parent would leave a waiting process."""
-    # The path of the test's folder in their environment identifies the processes.
+    # The processes are identified by the path of the test's folder in their environment.
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"

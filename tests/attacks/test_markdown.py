@@ -1,4 +1,4 @@
-"""Attacks with scripts in a written answer, which Formgrader, feedback and report show."""
+"""Attacks with scripts in a written answer, which Formgrader, the feedback and the report show."""
 
 import html.parser
 import json
@@ -190,7 +190,7 @@ def page_of(notebook):
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
 def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
-    """Cells of every kind with all the scripts above add nothing active to the page."""
+    """Cells of each kind that contain all the scripts above add nothing active to the page."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
     hostile = '"><script>alert("here I am")</script>'

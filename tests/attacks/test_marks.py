@@ -127,7 +127,7 @@ def test_answers_from_elsewhere_earn_almost_nothing(exercise, source, submit):
 
 
 def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
-    """A right answer gets full points; otherwise, the attacks above would prove nothing."""
+    """A right answer gets full points; if it did not, the attacks above would prove nothing."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
@@ -138,7 +138,7 @@ EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 
 def everything_shown():
-    """Return every function and class in the project's modules in the sandbox, by name."""
+    """Return all functions and classes of the project that are visible in the sandbox, by name."""
     files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
     found = {}
     for file in sorted(files):
@@ -157,7 +157,7 @@ def everything_shown():
 
 
 def with_answers(lesson, answers):
-    """Return the lesson's functions, with the given answers in place of some."""
+    """Return the lesson's functions, some of them replaced with the given answers."""
     statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(lesson.names, statements):
@@ -167,7 +167,7 @@ def with_answers(lesson, answers):
 
 
 def calls_of(lesson):
-    """Return the first calls to each exercise in a run of the tests, each (arguments, answer)."""
+    """Return the first calls to each exercise in a run of the tests, as (arguments, answer)."""
     reference, calls = load_reference(lesson.name), {}
 
     def recorder(name, function):
@@ -221,7 +221,7 @@ def orders_that_work(function, calls):
 
 
 def vars_of(value):
-    """Return a dictionary from each attribute of an object to whether it is None."""
+    """Return whether each attribute of an object is None, by name."""
     return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
 
 
@@ -236,7 +236,7 @@ def points_of(lesson, exercise, answer):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
-    """Try every visible function as the answer to every exercise, in every argument order."""
+    """No visible function earns points for any exercise, whatever the order of arguments."""
     monkeypatch.chdir(tmp_path)
     shown = everything_shown()
     assert len(shown) > 40

@@ -1,4 +1,4 @@
-"""Attempts to put hidden input, markup or terminal commands into the feedback."""
+"""Attempts to smuggle hidden input, markup or terminal commands into the feedback."""
 
 import ast
 import json
@@ -118,7 +118,7 @@ def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, show
     assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # Not even messages about visible checks may show it, because code could save hidden input.
+    # Even messages about visible checks must not show it, because code could save hidden input.
     for text in shown(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
@@ -290,7 +290,7 @@ def {name}(cloud, *arguments, **keywords):
     },
 )
 def test_only_lines_of_the_function_are_shown(where, submit):
-    """A message names a line of the function or none, because a cell may have thousands."""
+    """A message names only lines of the function, because a cell may have thousands of lines."""
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
     verdict = submit({"filter_ground": source})
@@ -350,7 +350,7 @@ def blanks_in(message):
 
 
 def test_the_threat_model_states_how_much_a_failure_can_leak():
-    """Student code chooses the type, line and tip of an exception, or how else a check fails."""
+    """Student code chooses the type, line and tip of an exception, or another failure."""
     tips_for = {kind: {""} for kind in (*KNOWN_EXCEPTIONS, "another")}
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
@@ -370,7 +370,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
 
 
 def test_the_threat_model_states_how_much_an_exercise_can_leak():
-    """The searches for a known mistake and for an edit leak bits because they use hidden input."""
+    """The searches for a known mistake and for an edit use hidden input, so they leak bits too."""
     exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
     mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
@@ -382,7 +382,7 @@ def test_the_threat_model_states_how_much_an_exercise_can_leak():
 
 
 def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
-    """Messages about visible checks and cells may leak more, as these do not see hidden input."""
+    """Messages about visible checks and cells may say more, as these do not see hidden input."""
     tips_for = {
         kind: {""} for kind in (*NAMED_EXCEPTIONS, "an exception that the line raises", "another")
     }

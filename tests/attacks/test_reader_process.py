@@ -69,7 +69,7 @@ def test_reading_in_another_process_gives_the_same_result():
 
 
 def make_vulnerable(monkeypatch, module, name, work=loop_forever):
-    """Replace a grader's function with one that does `work` when it reads the hostile text."""
+    """Replace a function of the grader with one that calls `work` on the hostile text."""
     right = getattr(module, name)
 
     def holed(given, *others):

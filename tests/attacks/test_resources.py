@@ -238,7 +238,7 @@ def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatc
 
 
 def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
-    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # increases
+    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # grows
     source = HOLD + function("children(12, 256)\ntime.sleep(60)")
     with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
@@ -268,7 +268,7 @@ def f():
 
 
 def test_no_process_outlives_the_worker():
-    """Even processes that were forked twice and have their own session end with the worker."""
+    """Even processes that were forked twice, in their own session, end with the worker."""
     source = """
 import ctypes, os, time
 def f(name):

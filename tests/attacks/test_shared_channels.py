@@ -1,7 +1,7 @@
 """Attempts to signal from one notebook to another through read-only files that both can see.
 
 One notebook sends eight bits and the other tries to receive them, at the same time or afterwards.
-The bits received must all be equal, although those sent are not.
+The received bits must all be equal, although the sent bits differ.
 """
 
 import contextlib

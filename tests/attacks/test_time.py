@@ -245,7 +245,7 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} seconds of wall time",
         f"waits {limits.call_seconds:.0f} seconds for the first",
-        # A failed exercise runs again with correct helpers.
+        # An exercise may run again with correct helpers.
         f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
     ):
         assert sentence in threats
@@ -284,7 +284,7 @@ def budgets(monkeypatch):
 def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
     submit, budgets, monkeypatch
 ):
-    """The calls stay within their limit, so only the failed checks can shorten the judging."""
+    """Each call stays within its limit, so the time is cut because of the failed checks."""
     monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)

@@ -183,7 +183,7 @@ def f(roots):
                       if ".so" in name and any(w in name.lower() for w in ("vtk", "pcl"))]
     return found
 """
-    # Only Python's folders in /usr, because the system's own libraries are shown on purpose.
+    # In /usr, only Python's folders; the system's own libraries are visible on purpose.
     roots = [sys.prefix]
     for root in (sys.base_prefix, "/usr", "/usr/local"):
         roots += glob.glob(f"{root}/lib/python3*")
@@ -191,7 +191,7 @@ def f(roots):
 
 
 def test_a_forbidden_library_has_no_files():
-    """Code that removes the importer that refuses the library still finds no files to import."""
+    """Code that removes the importer's refusal still finds no files to import."""
     source = """
 import glob, importlib, subprocess, sys
 def f():
@@ -244,7 +244,7 @@ def f():
 
 
 def test_open_files_of_the_grader_are_out_of_reach():
-    """Code cannot open them through a process's root in /proc or through the parent's memory."""
+    """Code cannot reach the files through a process's root in /proc or the parent's memory."""
     source = """
 import os
 def f():
@@ -374,7 +374,7 @@ def f():
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Return a function that puts a project into a subfolder and lists the visible files."""
+    """Return a function that creates a project and Python and lists the visible files."""
 
     def put(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
@@ -441,7 +441,7 @@ def test_the_location_of_project_and_python_does_not_matter(
 
 
 def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
-    """If root is treated as an ordinary user, it also cannot leave the sandbox."""
+    """Root cannot leave the sandbox either, if it is treated as an ordinary user."""
     monkeypatch.setattr(users, "is_root", lambda: False)
     identity = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
     script = (

@@ -62,7 +62,7 @@ def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
         nested,
         np.arange(60_000) // 30_000,
     )
-    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # one point per ten cells
+    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # such that there is one point per ten cells
     sparse = rng.uniform(0, edge, (1_000_000, 3))
     yield "a million points, one for every ten cells", sparse, all_pairs(sparse)()
 

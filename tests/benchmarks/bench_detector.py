@@ -2,8 +2,8 @@
 
 The two detectors run in turn on `cloud.txt`, ROUNDS times each. Quality is the F1 score over one
 frame of each of the eight streets of lesson 12, and of eight other streets. The standard errors
-come from a jackknife over streets. The labelled frames in REAL_CLOUDS give recall with Wilson's
-95 % interval, which is wide because there are only a few cars.
+come from a jackknife over streets. Recall is measured on the labelled frames in REAL_CLOUDS, with
+Wilson's 95 % interval, which is wide because there are only a few cars.
 
 Rows of the table are not directly comparable; a note below the table says why.
 `search_detector.py` searches for better parameters.

@@ -9,8 +9,8 @@ class, including start-up, sandbox, report and gradebook. ROUNDS is the number o
 The time for a class of 200 in all lessons is extrapolated from a run inside this process, which
 can observe each verdict as it arrives.
 
-Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and has a whole
-core as long as the core's other thread is idle. The judge uses all threads anyway. Other work on
+Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and gets a whole
+core while the core's other thread is idle. The judge uses all threads anyway. Other work on
 the machine may therefore slow nbgrader more than the judge.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
@@ -81,7 +81,7 @@ def make_course(root, students, lessons):
             root / folder,
             ignore=shutil.ignore_patterns("*.py", "*.md", "*.png", "*.gif"),
         )
-    # nbgrader runs each notebook in its folder. The notebook finds `utils` and `data` in a parent.
+    # nbgrader runs each notebook in its own folder. The notebook finds these in a parent folder.
     for name in ("utils", "data"):
         (root / name).symlink_to(PROJECT / name)
     for number in range(students):

@@ -94,7 +94,7 @@ def print_table(clouds: dict[str, np.ndarray]) -> None:
 
 
 def _figures(cloud: np.ndarray):
-    """Yield the label and the formatted number of each row, for one cloud."""
+    """Yield each row's label and formatted number for one cloud."""
     reach = np.hypot(cloud[:, 0], cloud[:, 1])
     yield "returns", f"{len(cloud):,}".replace(",", " ")
     for low, high, value in zip(RANGES, RANGES[1:], share(reach, RANGES), strict=False):

@@ -32,7 +32,7 @@ SEED = 1
 
 
 def submit(course, count):
-    """Write `count` submissions, cycling through the lessons and their right answers."""
+    """Write `count` submissions, cycling through all lessons and right answers."""
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
         for exercise in lesson.machine_graded:
@@ -58,7 +58,7 @@ def busy(count):
 
 
 def judge_under_load(load, course, sandbox):
-    """Judge the class under a load; return verdicts, submissions judged twice, and seconds."""
+    """Judge the class under a load; return verdicts, repeated submissions and seconds."""
     for verdicts in course.verdicts.glob("student*"):
         shutil.rmtree(verdicts)
     judged_submissions = []

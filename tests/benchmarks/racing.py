@@ -56,7 +56,7 @@ class Result:
         return float(np.nanmin(self.seconds))
 
     def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
-        """Return the median, lowest and highest ratio to another result's times, by round."""
+        """Return the median, minimum and maximum of the ratios to another result's times."""
         quotients = self.seconds / other.seconds
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 

@@ -12,8 +12,8 @@ voxel is up to half a voxel inside the surface, which matters for a person but h
 The result is the mean difference from today's score on these streets, with a jackknife standard
 error.
 
-Lesson 12 keeps today's parameters. Its detector is also used for driving, with a scanner that has a
-third of the returns. There, with a minimum of 30 points, a child would be detected too late.
+Lesson 12 keeps today's parameters. Its detector also drives a car whose scanner produces a third of
+the returns. With a minimum of 30 points, that car would detect a child too late.
 
     python tests/benchmarks/search_detector.py
 """
