@@ -1,6 +1,6 @@
 """A stand-in for Google Colab: an environment with Colab's versions, and a web server.
 
-The versions are those of Colab in August 2026. Only packages that a notebook can use are installed.
+The versions are from Colab in August 2026. Only packages that a notebook can use are installed.
 """
 
 import contextlib

@@ -2,7 +2,7 @@
 
     python3 tests/containers.py USER COMMAND...    # USER is a number, and 0 is root
 
-The script needs root and only Python's standard library. The lists are those of Docker's
+The script needs root and only Python's standard library. The lists come from Docker's
 default seccomp profile and capabilities.
 """
 

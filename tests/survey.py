@@ -269,7 +269,7 @@ class CheckRunner:
         return run_checks(self.lesson, student, seed, lambda check: check.exercise == exercise)
 
     def check_calls(self):
-        """Return the calls of the visible checks, and then those of the hidden tests."""
+        """Return the calls of the visible checks, followed by the calls of the hidden tests."""
         return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
     def check_calls_for(self, function):

@@ -606,7 +606,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
 
 
 def test_copies_without_an_order_become_a_question(course):
-    """The times in Moodle's zips do not decide, because they are those of the download."""
+    """Times in Moodle's zips do not decide, because they are only the times of the download."""
     names = (f"a/{SIX}.ipynb", f"b/{SIX}.ipynb")
     files = moodle_files("Ada Lovelace", 1, [(name, notebook(text=name)) for name in names])
     files[1] = (*files[1], (2027, 1, 1, 0, 0, 0))

@@ -101,7 +101,7 @@ def copied(tmp_path, monkeypatch):
 
 
 def add_slip(path):
-    """Add a slip to plane_through: its normals do not have unit length."""
+    """Add a slip to plane_through, so that its normals do not have unit length."""
     text = path.read_text("utf-8")
     assert text.count("normal = normal / length") == 1
     path.write_text(text.replace("normal = normal / length", "normal = normal * length"), "utf-8")

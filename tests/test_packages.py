@@ -80,7 +80,7 @@ def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sa
 
 @pytest.fixture
 def foreign(tmp_path, monkeypatch):
-    """Install a package in this Python that the judge does not have."""
+    """Make a package importable that the judge does not have."""
     folder = tmp_path / "site-packages"
     folder.mkdir()
     (folder / "foreign_bars.py").write_text("def bar(values):\n    return values\n")

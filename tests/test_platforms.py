@@ -234,7 +234,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
-    # If both rows are in the file, Anna's gets the mark.
+    # If the file contains both rows, Anna's row gets the mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)

@@ -38,7 +38,7 @@ def test_an_oracle_runs_once_for_each_content(counted):
     assert len(calls) == 1
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
-    # The same bytes in another shape or type, and other clouds. Another setting follows below.
+    # Each needs a new result: the same bytes in another shape or type, and other clouds.
     others = [cloud.reshape(3, 4), cloud.view(np.int64), cloud + 1, cloud[:0], cloud[:0, :2]]
     for other in others:
         assert np.array_equal(doubled(other, 0.5), 2 * other)

@@ -144,7 +144,7 @@ def test_splitting_planes_of_a_kd_tree_end_even_with_a_cycle():
     root.left.left = root  # a cycle, such as a wrong `insert` may build
     cuts = list(solids.kd_cuts(root, (-10, -10, -10), (10, 10, 10), depth=5))
     assert [cut.axis for cut in cuts] == [0, 1, 1]
-    assert cuts[1].corners[:, 0].max() == 0  # the plane of the left child ends at the root's
+    assert cuts[1].corners[:, 0].max() == 0  # the left child's plane ends at the root's plane
     assert set(cuts[1].corners[:, 1]) == {1}
 
 

@@ -344,7 +344,7 @@ def test_a_link_to_another_submission_earns_no_points(link, course, filter_lesso
 
 
 def test_swapping_the_file_while_it_is_judged_gains_nothing(course, filter_lesson):
-    """The file is read only once, so the verdict's key is that of the judged bytes."""
+    """The file is read only once, so the verdict's key belongs to the judged bytes."""
     submission = find_submissions(course)[0]
     submitted = submission.read(course)
     submission.path.write_text(json.dumps(notebook_of("x = 1")))

@@ -1,7 +1,7 @@
 """Check that no input in the sandbox reveals the seed of other inputs.
 
 NumPy's seeding can be inverted, so the state of a generator reveals its seed. The constants below
-are those of `numpy.random.SeedSequence` and of PCG64.
+come from `numpy.random.SeedSequence` and PCG64.
 """
 
 import copy

@@ -191,7 +191,7 @@ def f(roots):
 
 
 def test_a_forbidden_library_has_no_files():
-    """Code that removes the importer's refusal still finds no files to import."""
+    """Even without the importer that refuses the library, there are no files to import."""
     source = """
 import glob, importlib, subprocess, sys
 def f():

@@ -59,7 +59,7 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds for a stage, and peak megabytes of this process, which reads and writes files.
+    """Seconds for a stage, and the peak memory of this process in megabytes.
 
     `further` maps each lesson to the seconds for each further notebook.
     """
