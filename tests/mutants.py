@@ -342,7 +342,7 @@ class MutantRunner:
             entered.clear()
             begun, clock = time.process_time(), time.monotonic()
             sys.settrace(enter)
-            # With `nextitem=None`, shared fixtures end here, so their time counts for every test.
+            # With `nextitem=None`, shared fixtures end here, so each test pays for them.
             item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
             sys.settrace(None)
             took = time.process_time() - begun, time.monotonic() - clock

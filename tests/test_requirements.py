@@ -129,7 +129,7 @@ def test_constraints_pin_all_requirements(file):
 @pytest.mark.parametrize("file", FILES)
 def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
     text = (PROJECT / file).read_text("utf-8")
-    assert re.search(r"^-[rc] ", text, re.M)  # directly, or through requirements.txt
+    assert re.search(r"^-[rc] ", text, re.M)  # constrained directly or by requirements.txt
     pattern = (
         r"(#.*|-r requirements[\w-]*\.txt|-c constraints\.txt|[\w.-]+==[\w.]+( ; [^#]+)?( +#.*)?|)"
     )

@@ -1,4 +1,4 @@
-"""Calls into the sandbox: access to a student's objects, places of exceptions, interruptions."""
+"""Calls into the sandbox: a student's objects, the places of exceptions, and interrupts."""
 
 import numpy as np
 import pytest
