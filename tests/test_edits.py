@@ -1,4 +1,4 @@
-"""Edits that undo a slip, which is a mistake caused by one small edit."""
+"""Edits that undo a slip, which is a mistake of one small edit."""
 
 import ast
 import textwrap
@@ -8,7 +8,7 @@ import pytest
 from utils.notebooks import slicing
 from utils.notebooks.edits import MOST_EDITS, edits_of
 
-# Wrong and right lines for the body of a function with the parameters x, y, z, n and node.
+# Wrong and right lines of a function body; the parameters are x, y, z, n and node.
 SLIPS = {
     "an operator": ("return x + y * z", "return x + y / z"),
     "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),
@@ -204,7 +204,7 @@ def test_a_slip_is_one_edit_away(slip):
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_the_lines_of_an_edit_form_its_statement(slip):
-    """The function has a decorator, and the text before it contains multi-byte characters."""
+    """The lines are right even after multi-byte characters and in a decorated function."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
     edits = edits_in(*cells)
