@@ -1297,7 +1297,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
 @visible(
     "ransac_line",
     weight=2,
-    title="Accepts a whole number, a seed, as rng",
+    title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
     "and returns a generator unchanged.",

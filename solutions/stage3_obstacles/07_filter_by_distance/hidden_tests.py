@@ -275,7 +275,7 @@ def other_clouds(cloud):
 
 @functools.lru_cache(maxsize=64)
 def scan_around_the_car(seed):
-    """Return part of a new street, including all invalid returns and all of the ego car."""
+    """Return part of a new street, with all invalid returns and all returns from the ego car."""
     cloud = samples.fresh_street(seed)
     near = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 2.5)
     rest = np.random.default_rng(seed).choice(len(cloud), 700, replace=False)
