@@ -54,6 +54,7 @@ SLIPS = {
     "the order of two returned values": ("return x, y", "return y, x"),
     "the order of three returned values": ("return x, y, z", "return z, x, y"),
     "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
+    "one truth value of an array": ("if x == y:\n    return z", "if (x == y).all():\n    return z"),
     "the other child": ("node.left = x", "node.right = x"),
     "min and max": ("return x.min(), x.max()", "return x.max(), x.max()"),
     "a return one level out": (
@@ -235,6 +236,22 @@ def test_moving_a_return_one_level_out_is_tried_first():
 
 
 @pytest.mark.slow
+def test_similar_names_are_exchanged_early():
+    """In a function with many names, other edits would otherwise use up the limit."""
+    code = """
+def line_through(p, q):
+    (px, py), (qx, qy) = p, q
+    length = math.dist(p, q)
+    if length == 0:
+        return None
+    a = (py - qy) / length
+    b = (qx - px) / length
+    return a, b, -(a * px + b * qy)
+"""
+    texts = [edit.text.strip() for edit in edits_in(code)]
+    assert "return a, b, -(a * px + b * py)" in texts[:200]
+
+
 def test_the_number_of_edits_is_limited():
     long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
     assert len(edits_in(long)) == MOST_EDITS

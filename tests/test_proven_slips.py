@@ -1,5 +1,6 @@
 """The strict rules by which the judge proves a single slip, tested with stand-ins."""
 
+import copy
 import functools
 import itertools
 import operator
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.course import rules
-from grader.course.lessons import find_lesson, lesson_of, load_reference
+from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.intake.preflight import cells_as_released
 from grader.judging import mistake_diagnosis, repair, results
 from grader.judging.error_carried_forward import CarriedForward
@@ -23,7 +24,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import TOOK_TOO_LONG
 from grader.sandbox.time_budget import Budget
 from tests.students import student_with
-from utils.checks import Check, checks_of
+from utils.checks import Check, checks_of, diagnosis
 from utils.checks.diagnosis import Mistake, imitation_of, known_mistakes
 from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
@@ -654,6 +655,22 @@ def test_every_known_mistake_runs_within_seconds(step):
         assert time.process_time() - start < 20, (
             mistake.says
         )  # seconds; each mistake used to take 45 or more
+
+
+@pytest.mark.parametrize(
+    "exercise", [graded.name for lesson in all_lessons() for graded in lesson.machine_graded]
+)
+def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
+    """The solution may return a tuple, although predictions compute with arrays."""
+    assert checks_of(exercise)
+    solution = mistake_diagnosis._solution(lesson_of(exercise), exercise)
+    known = diagnosis._KNOWN.get(exercise)
+    for mistake in known.mistakes if known else ():
+        if (imitation := imitation_of(exercise, mistake, solution)) is None:
+            continue
+        for case in known.cases:
+            expected = mistake.predicts(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
+            assert imitation.same(imitation.call(*case), expected), mistake.says
 
 
 def test_the_solution_is_the_lessons_own_and_is_loaded_once():

@@ -232,7 +232,8 @@ def edits_of_node(
             yield 1, *source.span(node), twin
         shown = isinstance(parent, (ast.Return, ast.Tuple, ast.Compare))
         for name in names.bound if node.id in names.bound else ():
-            yield 2 if shown else 4, *source.span(node), name
+            rank = 1 if _are_easily_confused(name, node.id) else 2 if shown else 4
+            yield rank, *source.span(node), name
         if isinstance(parent, ast.Tuple):
             yield 2, *source.span(node), f"*{node.id}"
     elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
@@ -259,6 +260,14 @@ def edits_of_node(
     if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
         yield from _wrapped(source, node, parent, field)
         yield from _with_a_name(source, node, parent, field, names)
+
+
+def _are_easily_confused(one: str, other: str) -> bool:
+    """Return whether two names differ in one character, such as `px` and `qx`, or `p` and `q`."""
+    pairs = [pair for pair in zip(one, other, strict=False) if pair[0] != pair[1]]
+    if len(one) != len(other) or len(pairs) != 1:
+        return False
+    return len(one) > 1 or abs(ord(one) - ord(other)) == 1
 
 
 def _operators(
@@ -553,6 +562,8 @@ def _wrapped(
     inner = text if atom else f"({text})"
     if tested or isinstance(parent, ast.BoolOp):
         yield 0, begin, end, f"(not {inner})"
+        for method in (".all()", ".any()") if isinstance(node, ast.Compare) else ():
+            yield 1, begin, end, inner + method
     elif isinstance(parent, ast.Subscript):
         for rank, sign in ((0, "~"), (1, "-")) if field == "slice" else ():
             yield rank, begin, end, sign + inner
