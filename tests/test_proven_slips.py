@@ -673,6 +673,15 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
             assert imitation.same(imitation.call(*case), expected), mistake.says
 
 
+def test_an_imitation_also_returns_none_where_the_solution_does():
+    checks_of("line_through")
+    solution = mistake_diagnosis._solution(LINE, "line_through")
+    imitation = imitation_of("line_through", known_mistakes("line_through")[0], solution)
+    answer = imitation.call((1.0, 2.0), (1.0, 2.0))
+    assert answer is None and imitation.same(None, answer)
+    assert not imitation.same((1.0, 0.0, -1.0), answer)
+
+
 def test_the_solution_is_the_lessons_own_and_is_loaded_once():
     line_through = mistake_diagnosis._solution(LINE, "line_through")
     a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))

@@ -237,9 +237,8 @@ def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message says {answer.says!r}. The messages are: {_quoted(result)}"
-    shown = [
-        mistake.says for mistake in known_mistakes(answer.exercise) if mistake.says in result.cause
-    ]
+    known = dict.fromkeys(mistake.says for mistake in known_mistakes(answer.exercise))
+    shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
         yield f"The student should see {wanted}, but sees {shown or 'none'}."
