@@ -54,6 +54,16 @@ SLIPS = {
     "the order of two returned values": ("return x, y", "return y, x"),
     "the order of three returned values": ("return x, y, z", "return z, x, y"),
     "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
+    "row numbers for a mask": (
+        "if z:\n    return y, n\nreturn y, n",
+        "if z:\n    return y, np.isin(np.arange(len(x)), n)\n"
+        "return y, np.isin(np.arange(len(x)), n)",
+    ),
+    "a missing assignment in an if": (
+        "for k in x:\n    if k:\n        y = k\n    else:\n        z = k\nreturn y, z",
+        "for k in x:\n    if k:\n        y = k\n        z = k\n    else:\n        z = k\n"
+        "return y, z",
+    ),
     "one truth value of an array": ("if x == y:\n    return z", "if (x == y).all():\n    return z"),
     "the other child": ("node.left = x", "node.right = x"),
     "min and max": ("return x.min(), x.max()", "return x.max(), x.max()"),

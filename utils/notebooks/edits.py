@@ -171,8 +171,8 @@ def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[
 def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
     """Yield the block with an added assignment in a loop, such as `best = row`.
 
-    The name on the left is set only before the loop and occurs in a `return`. The name on the right
-    is set in the loop.
+    The name on the left occurs in a `return`. It is set only before the loop, or the assignment
+    follows another one in an `if`. The name on the right is set in the loop.
     """
     lines = block.split("\n")
     shown = {
@@ -186,11 +186,13 @@ def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
         if isinstance(loop, (ast.For, ast.While)):
             nodes = list(ast.walk(loop))
             inside = {node.id: True for node in nodes if _is_set(node)}
-            assignments = [node for node in nodes if isinstance(node, ast.Assign)]
             before = {node.id for node in ast.walk(function) if _is_set(node)} - inside.keys()
-            for node in assignments:
+            in_if = {child for node in nodes if isinstance(node, ast.If) for child in node.body}
+            for node in nodes:
+                if not isinstance(node, ast.Assign):
+                    continue
                 first, indent = node.end_lineno, " " * node.col_offset
-                for kept in sorted(shown & before):
+                for kept in sorted(shown & ({*before, *inside} if node in in_if else before)):
                     for name in inside:
                         text = f"{indent}{kept} = {name}"
                         yield "\n".join([*lines[:first], text, *lines[first:]])

@@ -15,7 +15,8 @@ def edits_of_several_nodes(
     """Yield the rank of each edit, and all its replacements.
 
     Such slips are a notebook variable or a number used instead of a parameter, two names that are
-    exchanged throughout, and several calls that lack the same axis.
+    exchanged throughout, several calls that lack the same axis, and row numbers that are returned
+    instead of a mask.
 
     Parameters
     ----------
@@ -45,6 +46,23 @@ def edits_of_several_nodes(
             ends = [(source.span(node)[1], node.attr) for node in both]
             yield 1, [(end - len(name), end, exchanged[name]) for end, name in ends]
     yield from _axes_of_several_calls(source, nodes)
+    yield from _masks_of_returned_rows(source, nodes, names)
+
+
+def _masks_of_returned_rows(
+    source: SourceText, nodes: list[ast.AST], names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Turn a name in all `return` statements from row numbers of the first argument into a mask."""
+    places: dict[str, list[tuple[int, int]]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Return) and node.value is not None:
+            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
+            for value in values:
+                if isinstance(value, ast.Name):
+                    places.setdefault(value.id, []).append(source.span(value))
+    for rows, spans in places.items() if names.arguments else ():
+        mask = f"np.isin(np.arange(len({names.arguments[0]})), {rows})"
+        yield 0, [(*span, mask) for span in spans]
 
 
 def _axes_of_several_calls(
