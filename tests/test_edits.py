@@ -54,6 +54,25 @@ SLIPS = {
     "the order of two returned values": ("return x, y", "return y, x"),
     "the order of three returned values": ("return x, y, z", "return z, x, y"),
     "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
+    "not and and for masks": ("return x[y and not z]", "return x[(y) & ~(z)]"),
+    "parentheses around comparisons": (
+        "return x[x == 0 & y == 0 & z == 0]",
+        "return x[(x == 0) & (y == 0) & (z == 0)]",
+    ),
+    "a tuple in arithmetic": ("return x + (y - z)", "return x + (np.array(y) - z)"),
+    "two parameters exchanged in a statement": (
+        "a = y < x\nb = (y > x) & (z > y)\nreturn a & b",
+        "a = y < x\nb = (z > x) & (y > z)\nreturn a & b",
+    ),
+    "a count that is never updated": (
+        "best = 0\nfor k in x:\n    n = f(k)\n    if n > best:\n        y = k\nreturn y",
+        "best = 0\nfor k in x:\n    n = f(k)\n    if n > best:\n        y = k\n"
+        "        best = n\nreturn y",
+    ),
+    "a statement that comes too late": (
+        "for k in x:\n    f(k)\n    y += k\n    z.append(k)\nreturn z",
+        "for k in x:\n    z.append(k)\n    f(k)\n    y += k\nreturn z",
+    ),
     "row numbers for a mask": (
         "if z:\n    return y, n\nreturn y, n",
         "if z:\n    return y, np.isin(np.arange(len(x)), n)\n"

@@ -203,7 +203,7 @@ def edits_of_node(
         yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
         yield from _single_operands(source, node.values, node)
         sign = " & " if isinstance(node.op, ast.And) else " | "
-        yield 1, *source.span(node), sign.join(f"({source.of(value)})" for value in node.values)
+        yield 1, *source.span(node), sign.join(_as_mask(source, value) for value in node.values)
     elif isinstance(node, ast.BinOp):
         yield from _of_binary(source, node)
     elif isinstance(node, ast.UnaryOp):
@@ -262,6 +262,13 @@ def edits_of_node(
         yield from _with_a_name(source, node, parent, field, names)
 
 
+def _as_mask(source: SourceText, node: ast.expr) -> str:
+    """Return the text of an operand in parentheses, with ~ instead of not."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        return f"~({source.of(node.operand)})"
+    return f"({source.of(node)})"
+
+
 def _are_easily_confused(one: str, other: str) -> bool:
     """Return whether two names differ in one character, such as `px` and `qx`, or `p` and `q`."""
     pairs = [pair for pair in zip(one, other, strict=False) if pair[0] != pair[1]]
@@ -291,6 +298,10 @@ def _of_comparison(
 ) -> Iterator[tuple[int, int, int, str]]:
     """Change the operator, drop the comparison, or replace a side with a copy of the other."""
     yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
+    for sign in ("&", "|"):  # x == 0 & y == 0 becomes (x == 0) & (y == 0)
+        sides = source.of(node).split(sign)
+        if len(node.ops) == len(sides) > 1:
+            yield -1, *source.span(node), f" {sign} ".join(f"({side.strip()})" for side in sides)
     if len(node.ops) > 1:
         return
     yield 2, *source.span(node), f"({source.of(node.left)})"
@@ -617,6 +628,8 @@ def _with_a_name(
     inner = source.of(node)
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
+    if operand and isinstance(node, ast.Name) and node.id in names.arguments:
+        yield 1, begin, end, f"np.array({inner})"
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
     for name in names.bound if isinstance(node, ast.Name) else ():
         if name not in names.arguments and name != node.id:

@@ -14,8 +14,8 @@ def edits_of_several_nodes(
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Yield the rank of each edit, and all its replacements.
 
-    Such slips are a notebook variable or a number used instead of a parameter, two names that are
-    exchanged throughout, several calls that lack the same axis, and row numbers that are returned
+    Such slips are a notebook variable or a number used instead of a parameter, two parameters that
+    are exchanged in a statement or throughout, several calls that lack the same axis, and row numbers that are returned
     instead of a mask.
 
     Parameters
@@ -38,6 +38,14 @@ def edits_of_several_nodes(
         exchanged = {one: other, other: one}
         both = [node for node in read if node.id in exchanged]
         yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
+    for statement in nodes:
+        if isinstance(statement, (ast.Assign, ast.AugAssign, ast.Return)):
+            inside = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
+            for one, other in itertools.combinations(names.arguments[1:], 2):
+                exchanged = {one: other, other: one}
+                both = [node for node in inside if node.id in exchanged]
+                if len({node.id for node in both}) > 1:
+                    yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
     attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
     for one, other in TWINS:
         exchanged = {one: other, other: one}
