@@ -166,7 +166,7 @@ def test_writing_refuses_an_unknown_encoding():
         (header(kind="F F F Q"), ["line 5", "TYPE"]),
         (header(count="2 1 1 1"), ["line 6", "COUNT"]),
         (header(count="1 1 1 0"), ["line 6", "COUNT"]),
-        (header(POINTS=None, WIDTH=None), ["neither POINTS nor WIDTH"]),
+        (header(POINTS=None, WIDTH=None), ["POINTS and WIDTH are missing"]),
         (header() + records()[:-1], ["byte", "3 points of 16 bytes", "47 bytes follow"]),
         (header(points=2) + records(), ["2 points", "48 bytes follow"]),
         (header() + b"1.5 -2.25 0.125 0.5\n" * 3, ["60 bytes follow"]),

@@ -102,7 +102,7 @@ def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
         marks(course)["bob", "test_filter_by_distance"][0] == 18
     )  # other students are still graded
     (sentence,) = notes(course, class_results(course), None)
-    assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
+    assert sentence.startswith("'ada' has marks in the gradebook but is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")
 
 

@@ -437,7 +437,7 @@ def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox
 
 def test_a_stage_without_a_detector_has_no_league(capsys):
     assert cli.main(["league", "stage3_obstacles"]) == 2
-    assert "No lesson of stage3_obstacles asks for a detector" in capsys.readouterr().err
+    assert "No exercise in stage3_obstacles is a detector" in capsys.readouterr().err
 
 
 def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):

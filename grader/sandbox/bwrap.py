@@ -40,7 +40,7 @@ SETTINGS = (
     (
         "kernel.apparmor_restrict_unprivileged_userns",
         "1",
-        "Ubuntu's AppArmor allows namespaces only to programs that have a profile. Install "
+        "Ubuntu's AppArmor allows namespaces only for programs that have a profile. Install "
         "bubblewrap and apparmor-profiles with apt-get and load the profile bwrap-userns-restrict, "
         "or run: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0",
     ),

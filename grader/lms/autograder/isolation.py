@@ -33,9 +33,8 @@ def restrict_access(root: Path) -> None:
     """
     if os.geteuid() != 0:
         raise IsolationFailed(
-            "Root must run this autograder, as Gradescope does; otherwise student code "
-            "would have the same user as the judge. Leave setup.sh and run_autograder as "
-            "they are."
+            "This autograder must run as root, as on Gradescope. Otherwise, student code would "
+            "run as the same user as the judge. Do not change setup.sh or run_autograder."
         )
     for names, forbidden_bits in ((ROOT_ONLY, 0o077), (NOT_WRITABLE, 0o022)):
         for path in filter(os.path.lexists, (root / name for name in names)):
