@@ -138,7 +138,7 @@ def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "doctor",
         commands.run_doctor,
-        "Check that everything is ready for grading. Check package versions, the sandbox, the "
+        "Check that everything is ready for grading. Examine package versions, the sandbox, the "
         "seed, disk space, the roster, due dates and the gradebook, and judge the course's own "
         "solutions. Exit with status 1 if anything needs fixing.",
         "",
@@ -189,8 +189,7 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--standalone",
         action="store_true",
-        help="write one notebook per lesson that needs no other file, for example for Colab, "
-        "instead of zips",
+        help="write one self-contained notebook per lesson instead of zips, for example for Colab",
     )
     kind.add_argument(
         "--solutions",
@@ -211,8 +210,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         commands.run_collect,
         "Put the submissions of a class into submitted/. Accept archives from Canvas, Moodle and "
         "GitHub Classroom, folders and single files. If the student or lesson of a file is "
-        "unclear, list the file with the options to add, and exit with status 1. Add one of them "
-        "and run the command again.",
+        "unclear, list the file and the options to choose from, and exit with status 1. Run the "
+        "command again with one of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -312,7 +311,7 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         "report",
         commands.run_report,
         "Write the class report again without judging. Use this command after you change marks by "
-        "hand. Write report/index.html, and report/anonymous.html without names.",
+        "hand. Write report/index.html and, without names, report/anonymous.html.",
         "",
     )
 
@@ -363,7 +362,8 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
     export.add_argument(
         "--assignment",
         metavar="NAME",
-        help="stage or lesson whose marks to export; required except for csv (default: all)",
+        help="stage or lesson whose marks to export (default for csv: all; required for other "
+        "formats)",
     )
     export.add_argument(
         "--into",
@@ -463,8 +463,8 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
     new.add_argument(
         "name",
         metavar="NN_NAME",
-        help="number and name of the lesson, such as 14_free_distance; the name is also the name "
-        "of the exercise",
+        help="number and name of the lesson, such as 14_free_distance; the exercise has the same "
+        "name",
     )
     new.add_argument(
         "--stage",

@@ -174,7 +174,7 @@ def print_class(
 
 def print_history(changes: Sequence[MarkChange]) -> None:
     """Print the history of a student's marks."""
-    table = Table(title="Marks that changed", title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title="Changed marks", title_justify="left", box=SIMPLE_HEAD)
     for heading in ("Noticed", "Lesson", "Exercise"):
         table.add_column(heading, no_wrap=True)
     for heading in ("From", "To"):

@@ -410,7 +410,7 @@ def test_written_answers_have_a_mark_and_a_comment(pages):
     page = pages["bjorn"]
     assert "write up 7.5 of 10" in words(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
-    assert "to be graded, of 10" in words(pages["ada"])
+    assert "not graded yet, of 10" in words(pages["ada"])
     assert "Some answers still have to be graded by hand" in words(pages["ada"])
     assert "This answer is empty." in words(pages["cy"])
 

@@ -41,7 +41,7 @@ DETECTOR = "detect_obstacles"
 SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MOST_BOXES = 300
-"""Maximum number of boxes in a scan. One for every square metre in front of the car is fewer."""
+"""Maximum number of boxes in a scan; more than one box per square metre in front of the car."""
 MOST_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
 FARTHEST = 1000.0
@@ -196,7 +196,7 @@ class _SandboxedDetector:
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MOST_FAILURES:
-            raise StudentStopped(f"It gave no boxes for {self.failed} scans. {self.failure}")
+            raise StudentStopped(f"It returned no boxes for {self.failed} scans. {self.failure}")
         self.answers.append(boxes)
         return boxes / 1000
 

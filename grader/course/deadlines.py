@@ -151,7 +151,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
         return zoneinfo.ZoneInfo(name)
     except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
         raise DeadlinesError(
-            f"{file}: this machine does not know the timezone {name!r}. Write one such as "
+            f"{file}: the timezone {name!r} is unknown on this machine. Write one such as "
             f'"Europe/Berlin" or "UTC". Without this line, the timezone of this machine is used.'
         ) from error
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pyvista
 
 SMOOTHED = 2
-"""Factor by which dots and lines are widened, since supersampling makes them thinner."""
+"""Factor by which dots and lines are widened, because supersampling makes them thinner."""
 
 
 class Studio:

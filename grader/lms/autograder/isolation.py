@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 PREFERRED_SANDBOXES = ("bubblewrap", "chroot")
-"""Sandboxes, the strongest first; "process" suffices, as a container judges one submission only."""
+"""Sandboxes, the strongest first; "process" is enough, as a container judges one submission."""
 ROOT_ONLY = ("source", "submission", "submission_metadata.json", "run_autograder")
 NOT_WRITABLE = (".", "results")
 
