@@ -70,7 +70,7 @@ def test_true_notes_are_not_reported():
             verdict_on("sorts", "test_a[1]"),
             "The student should see the mistake 'rounded', but sees none.",
         ),
-        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
+        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "Add a line"),
     ],
 )
 def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):

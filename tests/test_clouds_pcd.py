@@ -181,12 +181,12 @@ def test_writing_refuses_an_unknown_encoding():
         (header(encoding="binary_compressed") + struct.pack("<II", 99, 48) + bytes(9),
          ["99 compressed bytes", "9 follow"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 9, 47) + bytes(9),
-         ["3 points", "unpack to 47"]),
+         ["3 points", "decompress to 47"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 9, 48) + bytes(9), ["damaged"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 3, 48) + b"\x20\x09\x00",
          ["damaged", "before the beginning"]),
         (header(points=2**28 - 1, encoding="binary_compressed")
-         + struct.pack("<II", 9, 2**32 - 16) + bytes(9), ["unpack to 4294967280"]),
+         + struct.pack("<II", 9, 2**32 - 16) + bytes(9), ["decompress to 4294967280"]),
     ],
 )  # fmt: skip
 def test_errors_name_the_line_or_the_sizes(data, parts):

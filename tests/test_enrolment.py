@@ -198,7 +198,7 @@ def test_both_possible_owners_of_a_folder_are_named(course):
     submit(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     assert (
-        "It may belong to yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right"
+        "It may belong to yan (Yan Yip) or yan2 (Yan Yip). Rename the folder to the right"
         in sentence
     )
 

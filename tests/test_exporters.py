@@ -177,7 +177,7 @@ def test_marks_of_a_lesson_are_points_minus_penalties():
 
 
 def test_waiting_marks_are_refused_unless_provisional():
-    with pytest.raises(ExportError, match=f"^Waiting: {TWELVE} of ada. .*--provisional"):
+    with pytest.raises(ExportError, match=f"^Not fully graded: {TWELVE} of ada. .*--provisional"):
         marks(FOUR)
     found, points = marks(FOUR, provisional=True)
     assert points == {"ada": 25.0}

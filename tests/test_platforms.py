@@ -210,7 +210,7 @@ def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
-    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for them.",)
+    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for this student.",)
 
 
 def test_another_name_with_the_same_number_is_noted(fill):
@@ -300,7 +300,9 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill(course, marks())
-    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: the file has no row for them.",)
+    assert exported.lost == (
+        "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
+    )
     assert "In the file but not on the roster: Gast, Gerd." in exported.notes
     absent = "On the roster but not in the file: noshow (Noah Show)."
     assert absent in exported.notes
@@ -428,7 +430,9 @@ def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
-    assert exported.lost == ("x (Xaver Unbekannt), 50 points: the file has no row for them.",)
+    assert exported.lost == (
+        "x (Xaver Unbekannt), 50 points: the file has no row for this student.",
+    )
 
 
 def test_the_maximum_grade_of_moodle_is_kept(fill):

@@ -126,7 +126,9 @@ def test_the_detector_takes_settings(notebook, capsys):
     assert play.main([*arguments, *settings, *SMALL]) == 0
     assert set(seen) == {(0.7, (-1.5, 2, 3))}
     assert play.main([*arguments, "--set", "tolerance=1"]) == 2
-    assert "no parameter tolerance. It has threshold, minimum." in capsys.readouterr().out
+    assert (
+        "no parameter tolerance. Its parameters are threshold, minimum." in capsys.readouterr().out
+    )
     for wrong in ("threshold", "threshold=", "1=2", "threshold=open('x')"):
         with pytest.raises(SystemExit):
             play.main([*arguments, "--set", wrong])
