@@ -135,7 +135,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
-    with pytest.raises(SubmissionTimeUnknown, match="marks it late"):
+    with pytest.raises(SubmissionTimeUnknown, match="shows it as late"):
         submission_time(folders[:1])
     assert submission_time(folders[1:]) is None
     (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")

@@ -83,7 +83,7 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        ("similarity stage1_ransac", "collect ARCHIVE --stage STAGE"),
+        ("similarity stage1_ransac", "collect ARCHIVE --stage stage1_ransac"),
         ("feedback", "There is no feedback to write yet."),
         ("collect nothing.zip --stage stage1_ransac", "nothing.zip does not exist."),
         ("report", "Nothing has been graded yet."),

@@ -191,7 +191,7 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the learning platform marks it late without a time",
+        "the learning platform shows it as late, but without a time",
         "the table of submission times has no row for this student",
     ],
 )
@@ -372,7 +372,7 @@ def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
 @pytest.mark.parametrize("other", [(WRONG, 6.25), (STUB, 2.0)])
 def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
     page = words(feedback_page(feedback_on((STUB, 0.0), other)))
-    assert "No exercise of this stage" not in page and "insert is not started." in page
+    assert "No exercise in this stage" not in page and "insert is not started." in page
 
 
 def test_points_for_a_single_slip_are_explained():

@@ -224,7 +224,7 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
     """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
-            f"{location}.sections]: the sections are not known, because there is no roster.csv. "
+            f"{location}.sections]: the sections are unknown, because there is no roster.csv. "
             f"Write one with the columns id and section, or set dates for single students."
         )
     if roster is None:

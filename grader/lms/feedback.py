@@ -124,7 +124,7 @@ class Feedback:
             return ("You are excused from this stage, so none of these points count.",)
         waiting = self.result.standing == WAITING
         untouched = (
-            "No exercise of this stage was started. If you can still submit, replace "
+            "No exercise in this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
         about = "Some answers still have to be graded by hand, so the points are not final."

