@@ -42,8 +42,8 @@ def test_true_notes_are_not_reported():
 @pytest.mark.parametrize(
     ("answer", "verdict", "says"),
     [
-        (RIGHT, verdict_on("keeps"), "It loses keeps."),
-        (WRONG, verdict_on("sorts"), "It loses sorts, but its note says sorts, test_a."),
+        (RIGHT, verdict_on("keeps"), "It fails keeps."),
+        (WRONG, verdict_on("sorts"), "It fails sorts, but its note lists sorts, test_a."),
         (
             dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
             verdict_on("sorts", "test_a[1]"),
@@ -52,7 +52,7 @@ def test_true_notes_are_not_reported():
         (
             WRONG,
             verdict_on("sorts", "test_a[1]", "keeps"),
-            "It loses sorts, keeps, test_a[1], but its note says sorts, test_a.",
+            "It fails sorts, keeps, test_a[1], but its note lists sorts, test_a.",
         ),
         (
             dataclasses.replace(WRONG, loses=("sort", "test_a")),
@@ -63,14 +63,14 @@ def test_true_notes_are_not_reported():
         (
             dataclasses.replace(WRONG, says="Bananas"),
             verdict_on("sorts", "test_a[1]"),
-            "No message says 'Bananas'. The messages are: \n2 rows too many",
+            "No message contains 'Bananas'. The messages are: \n2 rows too many",
         ),
         (
             dataclasses.replace(WRONG, told="rounded"),
             verdict_on("sorts", "test_a[1]"),
             "The student should see the mistake 'rounded', but sees none.",
         ),
-        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
+        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "Add a line"),
     ],
 )
 def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
@@ -167,7 +167,7 @@ def test_removed_parts_are_reported(copy, sandbox):
     hidden.rename(folder / "away")
     tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     (folder / "away").rename(hidden)
-    assert "There is no file solutions/stage5_own/16_far_distance/hidden_t" in tried.stdout
+    assert "16_far_distance/hidden_tests.py does not exist" in tried.stdout
 
 
 @pytest.mark.slow

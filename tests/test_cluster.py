@@ -262,7 +262,7 @@ def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypat
         assert executor.submit(max, 1, 2).result() == 2
         with pytest.raises(ZeroDivisionError) as caught:
             executor.submit(divmod, 1, 0).result()
-        assert "Where it was judged" in caught.value.__notes__[0]
+        assert "In the judging process" in caught.value.__notes__[0]
 
         changed = BytesIO(cluster.packed_course())
         with zipfile.ZipFile(changed, "a") as archive:

@@ -194,7 +194,7 @@ def test_matplotlib_draws_in_colab_if_pyvista_cannot_be_installed(monkeypatch, c
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     problem = opengl.problem.__wrapped__()
     assert problem.startswith("PyVista cannot be installed (ERROR: ")
-    assert problem.endswith("), so matplotlib draws.")
+    assert problem.endswith("), so matplotlib draws the scene.")
     assert "half a minute" in capsys.readouterr().out
 
 

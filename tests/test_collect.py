@@ -135,7 +135,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
-    with pytest.raises(SubmissionTimeUnknown, match="marks it late"):
+    with pytest.raises(SubmissionTimeUnknown, match="shows it as late"):
         submission_time(folders[:1])
     assert submission_time(folders[1:]) is None
     (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
@@ -928,7 +928,7 @@ def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
     assert command(path) == 1
     output = capsys.readouterr().out
-    assert "an answer is needed" in output and "--who eve=ID" in output
+    assert "until you decide" in output and "--who eve=ID" in output
     assert (
         "Students on the roster without a submission: 2 (bjorn, cy)." in output
         and "xcused" not in output
@@ -951,7 +951,7 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["none.zip"], "There is no file or folder"),
+        (["none.zip"], "does not exist"),
         (["damaged.zip"], "is not a complete zip"),
         (["empty"], " is empty."),
         ([".", "--who", "x=nobody"], "no student on the roster has the id nobody"),
@@ -973,7 +973,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
     table.write_text("id,Last modified (submission)\nada,-\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     assert command(path, "--timestamps", table) == 0
-    assert "It is not known whether these students were late: ada." in capsys.readouterr().out
+    assert "Lateness is undecided for: ada." in capsys.readouterr().out
 
 
 def test_an_option_cannot_lead_to_another_folder(anonymous_course):
@@ -1058,7 +1058,7 @@ def test_an_ambiguous_row_is_not_used(course):
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
-    reason = "the table of times has no row or several rows for this student"
+    reason = "the table of submission times has no row for this student, or several rows"
     assert outcome.undecided == {"yan": reason}
 
 
@@ -1096,7 +1096,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {}
-    assert "the roster has the number 126 (yan), not 999" in questions(outcome)["yipyan_999"]
+    assert "with the number 126 (yan), not 999" in questions(outcome)["yipyan_999"]
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
@@ -1150,7 +1150,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
-    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened. Look at it")
+    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened. Inspect the file")
 
 
 def test_a_damaged_zip_is_read_or_reported():
@@ -1180,7 +1180,7 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
-    assert "is, with the student's other files, more than" in texts["ada/1.zip"]
+    assert "brings the student's total to more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]

@@ -109,7 +109,7 @@ def test_an_unreadable_time_stays_undecided(course):
     collect(course, lesson(course, SIX), times=table(course, EARLY))
     (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == "timestamp.txt has no readable time"
+    assert time_of(course) == "timestamp.txt does not contain a valid time"
 
 
 class Stopped(BaseException):

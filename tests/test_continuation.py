@@ -128,8 +128,8 @@ def test_a_students_cell_uses_the_students_function(run):
 def test_a_students_cell_says_which_names_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].displayed == [
-        "top was computed with the course's answer for largest. To compute it with yours, run the "
-        "cell that makes it again."
+        "top was computed with the course's answer for largest. To use yours, rerun the cell that "
+        "computes it."
     ]
     assert (
         ran[-1].displayed[0].startswith("mine was computed with the course's answer for largest.")

@@ -173,7 +173,7 @@ class TestDownload:
     def test_the_next_session_resumes_a_download(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         server.breaks = [30_000, 0]
-        with pytest.raises(DownloadError, match="What has arrived is kept"):
+        with pytest.raises(DownloadError, match="continues where it stopped"):
             download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin.part").stat().st_size == 30_000
         download(f"{server.address}/a.bin", tmp_path / "a.bin")

@@ -654,7 +654,7 @@ def test_films_and_pages_are_written(tmp_path):
     assert Image.open(tmp_path / "film.gif").n_frames == 3 and "street 1" in message
     trip.save(tmp_path / "strip.html")
     assert "<svg" in (tmp_path / "strip.html").read_text("utf-8")
-    with pytest.raises(ValueError, match="films end in"):
+    with pytest.raises(ValueError, match="film must end in"):
         trip.save(tmp_path / "film.avi")
 
 
@@ -675,7 +675,7 @@ def test_the_command_explains_errors(tmp_path, capsys):
     assert command.main([str(tmp_path / "none.ipynb")]) == 2
     assert "There is no notebook" in capsys.readouterr().out
     assert command.main(["--to", "film.mp4"]) == 2
-    assert "A film shows a single street" in capsys.readouterr().out
+    assert "--to writes one street" in capsys.readouterr().out
     for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
         with pytest.raises(SystemExit):
             command.main(wrong)

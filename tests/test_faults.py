@@ -818,12 +818,12 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
     (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
     reasons = {str(path): reason for path, reason in unaccounted_files(course)}
     assert set(reasons.values()) == {
-        "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
-        "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
-        "it is a zip: run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
+        "it is not a notebook; submit 08_bounding_boxes.ipynb as Jupyter saves it",
+        "it is not a notebook; submit 06_filter_ground.ipynb as Jupyter saves it",
+        "it is a zip; run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
         "--stage stage3_obstacles --who 'my work=ada', and delete the zip",
-        "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
-        "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",
+        "01_point_clouds belongs to stage1_ransac; move it to ada/stage1_ransac/",
+        "it is not in <student>/<stage>/; move it to ada/stage3_obstacles/",
     }
     assert len(find_submissions(course)) == 3
 

@@ -118,7 +118,7 @@ def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
     film = record(frames, tmp_path / "f.gif", detect, size=SIZE, renderer="matplotlib")
     assert film.problems == ("frame 2, IndexError: too far",)
     assert film.boxes == (1, 1)
-    assert "failed in 1 of them. The first failure: frame 2" in film.recap
+    assert "the detector failed: 1. The first failure: frame 2" in film.recap
 
 
 def test_the_caption_contains_time_and_number(frames):

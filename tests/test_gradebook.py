@@ -234,7 +234,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     assert str(trouble.value).splitlines() == [
         "The gradebook is not complete:",
         f"ada, {STAGE}: ValueError: no",
-        f"ada, {STAGE}: it is not in the gradebook",
+        f"ada, {STAGE}: not in the gradebook",
     ]
     assert {student for student, _ in marks(course)} == {"bob"}
     assert not (course.autograded / "ada" / STAGE).exists()
@@ -351,13 +351,13 @@ def test_points_for_a_missing_notebook_are_a_difference(entered):
 
 def test_students_who_are_not_in_the_gradebook_are_named(entered):
     entry = StageEntry("eve", STAGE, ())
-    assert differences_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
+    assert differences_in(entered, entry) == [f"eve, {STAGE}: not in the gradebook"]
     (submission, verdict), _ = verdicts(entered)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
     judged = (*verdicts(entered)[:2], (later, other))
     assert differences_in(entered, StageEntry("ada", STAGE, judged)) == [
-        f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
+        f"ada, {STAGE}, {STREAM.name}: not in the gradebook"
     ]
 
 

@@ -181,13 +181,13 @@ def test_marks_that_cannot_be_exported_are_named(course):
     without_email = Person("anna", "Anna", "Schmidt")
     (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
-        "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, and the "
+        "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, but the "
         "roster has no address for this student."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
     (lost,) = write(course).lost
     assert "was replaced after it was judged" in lost
     os.remove(course.submitted / "anna" / STAGE / f"{SIX}.ipynb")
-    assert "submitted/ has no submission" in write(course).lost[0]
+    assert "no longer in submitted/" in write(course).lost[0]
     shutil.rmtree(course.verdicts / "bo")
     assert "there is no verdict" in write(course).lost[1]

@@ -460,7 +460,7 @@ def test_command_line_prints_one_json_object(sandbox):
 @pytest.mark.slow
 def test_command_line_explains_wrong_arguments(tmp_path):
     assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
-    assert "There is no file" in command("judge", tmp_path / "nothing.ipynb").stderr
+    assert "does not exist" in command("judge", tmp_path / "nothing.ipynb").stderr
     assert command("grade", "stage9_none").returncode == 2
     assert "The stages are" in command("grade", "stage9_none").stderr
     assert command("frobnicate").returncode == 2

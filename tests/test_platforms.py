@@ -210,7 +210,7 @@ def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
-    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for them.",)
+    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for this student.",)
 
 
 def test_another_name_with_the_same_number_is_noted(fill):
@@ -255,10 +255,10 @@ def test_numbers_of_another_kind_are_ignored(fill):
 @pytest.mark.parametrize(
     ("there", "said"),
     [
-        (85.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 85.00 by EX"),
-        (0.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 0.00 by EX"),
-        ("EX", "björn (Björn Müller) 12.00 by 31.25"),
-        (None, "björn (Björn Müller) 12.00 by 31.25"),
+        (85.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 85.00 to EX"),
+        (0.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 0.00 to EX"),
+        ("EX", "björn (Björn Müller) from 12.00 to 31.25"),
+        (None, "björn (Björn Müller) from 12.00 to 31.25"),
     ],
 )
 def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
@@ -268,23 +268,23 @@ def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
     exported = fill(course, marks())
     course.import_(exported.content)
     assert course.scores[9006, 42] == "EX"
-    assert f"Marks in the file that are replaced: {said}." in exported.notes
+    assert f"Marks changed in the file: {said}." in exported.notes
 
 
 def test_an_excuse_that_a_mark_replaces_is_named(fill):
     course = canvas_course()
     course.scores[9001, 42] = "EX"
-    replaced = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
+    replaced = "anna (Anna Schmidt) from EX to 8.5; björn (Björn Müller) from 12.00 to 31.25"
     exported = fill(course, marks())
-    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
+    assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
 def test_excused_students_without_the_assignment_are_named(fill):
     exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.placed, exported.lost) == (4, ())
     assert b"EX" not in exported.content
-    (note,) = [note for note in exported.notes if note.startswith("Excused, so no mark is written")]
-    assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in note
+    (note,) = [note for note in exported.notes if note.startswith("Excused, but not marked")]
+    assert "ill (Ilse Krank): Canvas would ignore the mark" in note and "(N/A)" in note
 
 
 def test_a_mark_for_an_unassigned_student_is_reported(fill):
@@ -292,7 +292,7 @@ def test_a_mark_for_an_unassigned_student_is_reported(fill):
     exported = fill(course, marks())
     assert exported.placed == 3
     (lost,) = exported.lost
-    assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas has not assigned it to them")
+    assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas would ignore the mark")
 
 
 def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
@@ -300,7 +300,9 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill(course, marks())
-    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: the file has no row for them.",)
+    assert exported.lost == (
+        "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
+    )
     assert "In the file but not on the roster: Gast, Gerd." in exported.notes
     absent = "On the roster but not in the file: noshow (Noah Show)."
     assert absent in exported.notes
@@ -375,8 +377,8 @@ def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "graded again"
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
-    replaced = f"björn (Björn Müller) 12{mark}00 by 31{mark}25"
-    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
+    replaced = f"björn (Björn Müller) from 12{mark}00 to 31{mark}25"
+    assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
 def test_a_worksheet_keeps_its_format(fill):
@@ -395,9 +397,9 @@ def test_marks_that_moodle_would_skip_are_named(fill):
     exported = fill(course, marks({**POINTS, "mary jane": 101.0}))
     assert exported.placed == 2
     locked, above = exported.lost
-    assert locked.startswith("anna (Anna Schmidt), 8.5 points: their grade is locked in Moodle")
+    assert locked.startswith("anna (Anna Schmidt), 8.5 points: the grade is locked in Moodle")
     assert above.startswith(
-        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle ignores marks above 100"
+        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle silently ignores marks above 100"
     )
     course.import_(exported.content)
     assert not course.skipped
@@ -426,7 +428,9 @@ def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
-    assert exported.lost == ("x (Xaver Unbekannt), 50 points: the file has no row for them.",)
+    assert exported.lost == (
+        "x (Xaver Unbekannt), 50 points: the file has no row for this student.",
+    )
 
 
 def test_the_maximum_grade_of_moodle_is_kept(fill):
@@ -464,9 +468,9 @@ def test_a_site_without_fractions_gets_readable_points(fill):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"", "has no table of students"),
+        (b"", "does not contain a table of students"),
         (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
-        ("Student,ID\nMüller,1\n".encode("cp1252"), "save it as CSV UTF-8"),
+        ("Student,ID\nMüller,1\n".encode("cp1252"), "as CSV UTF-8"),
         (b"a,b\nc,d\n", "is not "),
         (b"Student,ID,SIS Login ID,Section,T (1)\nAnna,1,anna,A,1\n", "no row 'Points Possible'"),
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),

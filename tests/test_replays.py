@@ -120,8 +120,8 @@ def test_the_queue_matches_the_table_in_the_lesson():
         "Point 0 gets label 1. In the queue: 0.",
         "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
         "Point 2 is visited. Point 5 gets label 1. In the queue: 4, 5.",
-        "Point 4 is visited. No point joins. In the queue: 5.",
-        "Point 5 is visited. No point joins. In the queue: no point.",
+        "Point 4 is visited. No point gets a label. In the queue: 5.",
+        "Point 5 is visited. No point gets a label. In the queue: no point.",
         "Point 1 gets label 2. In the queue: 1.",
     ]
     assert len(says) == 1 + len(GROUPS) + len(POINTS)
@@ -188,7 +188,7 @@ WRONG = {
         "forgets the height": ("Point 1 is visited", "and 9 have the same label"),
         "the threshold is written into the function": ("Point 3 is visited", "Point 7 is 0.71 m"),
         "a cluster never ends": ("Point 0 is visited", "for the second time"),
-        "everything is one cluster": ("Labels of points", "no chain of steps"),
+        "everything is one cluster": ("Labels of points", "no chain of points"),
         "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
         "each point gets the label of an earlier neighbour": (
             "Point 11 gets label 4",

@@ -259,7 +259,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     )
     page = report(tmp_path, [*empty, wrong])
     assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
-    assert "have not started an exercise: <code>filter_ground</code> (3)." in page
+    assert "with the number of students: <code>filter_ground</code> (3)." in page
 
 
 def scores_and_passes(number):

@@ -292,7 +292,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
         )
     )
     *found, last = differences(course, book, entry, None, Deadlines({}))
-    assert last.endswith("it is not in the gradebook")
+    assert last.endswith(": not in the gradebook")
     assert bool(found) == (hour != 12) and all("submission time" in one for one in found)
 
 

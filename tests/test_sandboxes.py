@@ -129,6 +129,6 @@ def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
         assert student.answer() == "answer"
         with pytest.raises(StudentStopped, match="did not answer within"):
             student.hang()
-        with pytest.raises(StudentStopped, match="ended itself"):
+        with pytest.raises(StudentStopped, match="killed it"):
             student.kill()
         assert student.answer() == "answer"

@@ -401,7 +401,7 @@ def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "fewer than two")]
+    "stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "Fewer than two")]
 )
 def test_the_command_reports_a_missing_class(stage, words, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))

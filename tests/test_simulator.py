@@ -402,7 +402,7 @@ def test_the_presets_are_the_published_sensors():
         ({"elevations": ()}, "at least one beam"),
         ({"azimuth_step": 0.0}, "azimuth step"),
         ({"azimuth_step": math.nan}, "azimuth step"),
-        ({"minimum_range": 90.0}, "ranges run"),
+        ({"minimum_range": 90.0}, "minimum range"),
     ],
 )
 def test_a_sensor_without_rays_is_refused(change, words):

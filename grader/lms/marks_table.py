@@ -174,14 +174,14 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
     if result is None or result.standing == MISSING:
         return MarkCell("–", "missing: nothing was submitted")
     if result.standing == EXCUSED and result.score is None:
-        return MarkCell("exc.", "excused: nothing is expected")
+        return MarkCell("exc.", "excused: no submission needed")
     if result.score is None:
-        return MarkCell("…", "submitted, not entered yet")
+        return MarkCell("…", "submitted, but not in the gradebook yet")
     text, notes = rounded_points(result.points), []
     if result.standing == EXCUSED:
         text, notes = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
-        text, notes = f"{text} …", ["a grader still has to grade a part"]
+        text, notes = f"{text} …", ["partly waiting for a grader"]
     if result.penalty:
         notes.append(
             f"{rounded_points(result.score)} minus {rounded_points(result.penalty)} for lateness"

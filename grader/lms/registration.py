@@ -40,7 +40,7 @@ def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> l
                 SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": names})
             except RuntimeError as error:
                 trouble.append(
-                    f"{lesson.name}: its graded cells have changed since submissions were entered, "
+                    f"{lesson.name}: the graded cells have changed since submissions were entered, "
                     f"and nbgrader refuses to change them: {error}"
                 )
         book.db.expire_all()

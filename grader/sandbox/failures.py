@@ -102,8 +102,8 @@ def why_it_ended(code: int | None) -> str:
     """
     if code in (137, -9):
         return (
-            "The system stopped the notebook's process, because it used too much memory or "
-            "ended itself."
+            "The notebook's process was killed. Either it used too much memory, or the notebook "
+            "killed it."
         )
     if code in (152, -24):
         return "The notebook's process used up its processor time. Is there an endless loop?"

@@ -94,7 +94,7 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
             "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
             "ended",
         ),
-        "kills itself": ("os.kill(os.getpid(), 9)", "memory or ended itself"),
+        "kills itself": ("os.kill(os.getpid(), 9)", "or the notebook killed it"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
         "exits but leaves a child running": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
         "replaces itself with another program": (

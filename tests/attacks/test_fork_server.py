@@ -162,7 +162,7 @@ def test_the_end_of_a_worker_ends_only_its_children():
         first.f(False)
         assert second.f() == 2
         children = [number for pid in first._worker.pids for number in tree(pid)]
-        with pytest.raises(StudentStopped, match="ended itself"):
+        with pytest.raises(StudentStopped, match="killed it"):
             first.f(True)
         assert second.f() == 2
     deadline = time.monotonic() + PATIENCE

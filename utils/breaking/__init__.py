@@ -101,7 +101,7 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
     except (TypeError, ValueError):
         cloud = np.empty(0)
     if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
-        return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
+        return f"✗ Use a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
         return "✗ Use finite numbers. The versions differ on ordinary points."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]

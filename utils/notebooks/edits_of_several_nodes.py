@@ -15,8 +15,8 @@ def edits_of_several_nodes(
     """Yield the rank of each edit, and all its replacements.
 
     Such slips are a notebook variable or a number used instead of a parameter, two parameters that
-    are exchanged in a statement or throughout, several calls that lack the same axis, and row numbers that are returned
-    instead of a mask.
+    are exchanged in a statement or throughout, several calls that lack the same axis, and row
+    numbers that are returned instead of a mask.
 
     Parameters
     ----------
