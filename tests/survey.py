@@ -41,8 +41,8 @@ from tests.course_lessons import COURSE
 from tests.students import student_with
 from tests.test_slips import solution_of
 from utils.checks import checks_of
-from utils.checks.assertions import call_each, observe, timed
-from utils.checks.run_cache import one_run
+from utils.checks.assertions import call_each, observe, time_call
+from utils.checks.run_cache import cached_run
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 from utils.remote_objects import Remote
@@ -217,7 +217,7 @@ class LocalRemote(Remote):
         return observe(self.function, *arguments)
 
     def timed(self, *arguments):
-        return timed(self.function, *arguments)
+        return time_call(self.function, *arguments)
 
     def each(self, calls):
         return call_each(self.function, calls)
@@ -283,7 +283,7 @@ class CheckRunner:
         """Record how long each check call takes for a right function, to set time limits."""
         for number, check_call in enumerate(self.check_calls_for(function)):
             begin = time.process_time()
-            with one_run():
+            with cached_run():
                 check_call()
             self.cost[number] = max(self.cost[number], time.process_time() - begin)
 
@@ -293,7 +293,7 @@ class CheckRunner:
         # Start with calls that are quick or have rejected many functions.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
             try:
-                with one_run(), within(SECONDS + 4 * self.cost[number]):
+                with cached_run(), within(SECONDS + 4 * self.cost[number]):
                     check_calls[number]()
             except BaseException as failure:
                 if is_graders_fault(failure):

@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.lessons import load_reference
 from utils.checks import CheckFailed, boxes
-from utils.checks.boxes import assert_box_corners, assert_holds, corners_between
+from utils.checks.boxes import assert_box_corners, assert_contains_points, corners_between
 from utils.checks.core import notes_of, run_check
 
 CORNERS = {
@@ -66,7 +66,7 @@ def test_the_picture_contains_the_box_and_its_cluster(shift):
     labels = np.ones(50, dtype=int)
     box = corners_between([8.9 + shift, 4.9, -1], [9.1 + shift, 5.1, 1])[None]
     for check in (
-        lambda: assert_holds(box, cloud, labels),
+        lambda: assert_contains_points(box, cloud, labels),
         lambda: assert_box_corners(
             box, corners_between(cloud.min(axis=0), cloud.max(axis=0))[None], cloud, labels
         ),
@@ -110,7 +110,7 @@ def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, 
     wrong, drawn = corners_between(*ends), []
     with pytest.raises(CheckFailed) as caught:
         assert_box_corners(wrong[None], right[None], points, np.ones(3, dtype=int))
-    monkeypatch.setattr(boxes, "_draw", lambda *about: drawn.append(about))
+    monkeypatch.setattr(boxes, "_draw_box", lambda *about: drawn.append(about))
     caught.value.draw()
     [(_, _, _, [circled], view, _)] = drawn
     columns = [0, 1] if view == "above" else [0, 2]

@@ -22,10 +22,10 @@ from utils.checks.assertions import (
     as_array,
     as_labels,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
     assert_partition,
-    assert_places,
+    assert_positions,
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
@@ -36,7 +36,7 @@ from utils.checks.assertions import (
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import details, resolve
+from utils.checks.summary import failure_texts, summarise
 from utils.checks.tips import locate, tip_for
 
 CLOUD = np.array([[1.0, 2.0, -1.5, 0.1], [3.0, 4.0, 0.5, 0.2], [5.0, 6.0, 1.5, 0.3]])
@@ -134,7 +134,9 @@ def test_the_table_escapes_text_from_students():
         return "<script>alert(1)</script>"
 
     outcome = run_check(checks_of("filter_ground")[0], filter_ground)
-    assert "<script>" not in as_html(resolve([outcome])) and "script" in as_html(resolve([outcome]))
+    assert "<script>" not in as_html(summarise([outcome])) and "script" in as_html(
+        summarise([outcome])
+    )
 
 
 @pytest.mark.parametrize(
@@ -194,13 +196,13 @@ def test_empty_answers_need_the_right_columns():
         (CLOUD[KEEP][::-1], (assert_order,)),
         (CLOUD[KEEP][:, :3], (assert_all_columns,)),
         (CLOUD[KEEP] * [1, 1, 1, 2], (assert_all_columns,)),
-        (CLOUD, (assert_places, assert_order, assert_all_columns)),
-        (CLOUD[[1, 1]], (assert_places, assert_order, assert_all_columns)),
-        (KEEP, (assert_places, assert_order, assert_all_columns)),
+        (CLOUD, (assert_positions, assert_order, assert_all_columns)),
+        (CLOUD[[1, 1]], (assert_positions, assert_order, assert_all_columns)),
+        (KEEP, (assert_positions, assert_order, assert_all_columns)),
     ],
 )
 def test_places_order_and_columns_are_checked_separately(answer, lost):
-    for look in (assert_places, assert_order, assert_all_columns):
+    for look in (assert_positions, assert_order, assert_all_columns):
         if look in lost:
             with pytest.raises(CheckFailed):
                 look(answer, CLOUD, KEEP)
@@ -210,14 +212,14 @@ def test_places_order_and_columns_are_checked_separately(answer, lost):
 
 def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
     for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
-        assert_nothing_left(nothing, CLOUD, 3)
+        assert_empty_table(nothing, CLOUD, 3)
     for something, words in (
         (CLOUD[:1], "No rows should be left"),
         (np.empty((0, 3)), "columns"),
         (None, "None"),
     ):
         with pytest.raises(CheckFailed, match=words):
-            assert_nothing_left(something, CLOUD, 4)
+            assert_empty_table(something, CLOUD, 4)
 
 
 def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
@@ -770,7 +772,7 @@ def test_yours_and_expected_are_never_the_same_text(name, wrong):
 def test_equal_texts_are_left_out():
     failure = CheckFailed("Something else is wrong.", yours="1 row", expected="1 row")
     [check_, *_] = checks_of("horizontal_distance")
-    labels = [label for label, _ in details(Outcome(check_, failure))]
+    labels = [label for label, _ in failure_texts(Outcome(check_, failure))]
     assert "What happened" in labels and not {"Yours", "Expected"} & {*labels}
 
 
@@ -788,7 +790,7 @@ def test_equal_texts_are_left_out():
 )
 def test_the_type_of_a_wrong_answer_is_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
-        as_array(answer, columns=4, what="rows")
+        as_array(answer, columns=4, description="rows")
 
 
 def test_a_coroutine_is_named():
@@ -797,7 +799,7 @@ def test_a_coroutine_is_named():
 
     coroutine = returned()
     with pytest.raises(CheckFailed, match="Delete `async` before `def`"):
-        as_array(coroutine, columns=4, what="rows")
+        as_array(coroutine, columns=4, description="rows")
     coroutine.close()
 
 

@@ -10,7 +10,7 @@ from grader.course.lessons import load_reference
 from tests.course_lessons import COURSE
 from utils.checks import checks_of, common_checks
 from utils.checks.core import run_check
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 
 LESSONS = {exercise.name: lesson.name for lesson in COURSE for exercise in lesson.machine_graded}
 for name in LESSONS:
@@ -27,7 +27,7 @@ def parameter(made, argument=""):
 def failures(exercise, function):
     """Return the message of each visible check that a function fails, by the check's name."""
     function.__name__ = exercise
-    with one_run():
+    with cached_run():
         outcomes = [run_check(check, function) for check in checks_of(exercise)]
     return {outcome.check.name: str(outcome.failure) for outcome in outcomes if outcome.failure}
 
@@ -226,8 +226,8 @@ def test_a_common_check_belongs_to_its_lesson(made, _):
 
 def test_in_full_adds_missing_features_to_a_plain_case():
     plain = {"cloud": np.zeros((3, 3)), "cluster_labels": np.array([1, 2, 2]), "min_num_points": 3}
-    full = common_checks.extended(plain)
-    dark_cloud = common_checks.extended({"cloud": np.zeros((3, 4))})["cloud"]
+    full = common_checks.extend_arguments(plain)
+    dark_cloud = common_checks.extend_arguments({"cloud": np.zeros((3, 4))})["cloud"]
     assert dark_cloud.shape == (3, 4) and dark_cloud[:, 3].all()
     assert list(full) == list(plain) and full["min_num_points"] == 3
     assert full["cloud"].shape == (5, 4) and full["cloud"][:, 3].all()
@@ -241,13 +241,15 @@ def test_in_full_returns_complete_values_unchanged():
         "cluster_labels": np.array([0, 2, 2]),
         "line": np.array([0.6, 0.8, 1.0]),
     }
-    assert all(common_checks.extended(plain)[name] is value for name, value in plain.items())
+    assert all(
+        common_checks.extend_arguments(plain)[name] is value for name, value in plain.items()
+    )
 
 
 def test_a_line_through_the_origin_is_moved_away_from_it():
-    assert common_checks.extended({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
+    assert common_checks.extend_arguments({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
     flat = {"points": np.ones((4, 2))}
-    assert common_checks.extended(flat)["points"] is flat["points"], (
+    assert common_checks.extend_arguments(flat)["points"] is flat["points"], (
         "points on a map have two columns"
     )
 

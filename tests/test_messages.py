@@ -31,7 +31,7 @@ from utils.checks.failures import (
     fixed,
 )
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import resolve
+from utils.checks.summary import summarise
 from utils.in_sandbox import ABSENT
 
 SHOWN = Check("shown", "f", "It works", "Look at it.", run=print)
@@ -50,7 +50,7 @@ def test_a_passed_check_has_no_message():
         shareable(outcome, True) is outcome
         and shareable(Outcome(HIDDEN, None), False).failure is None
     )
-    assert messages_of(resolve([outcome])) == {}
+    assert messages_of(summarise([outcome])) == {}
 
 
 WRONG = CheckFailed(
@@ -98,10 +98,10 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
 def test_the_pointer_to_the_notebook_occurs_once(failure, says):
     others = [CheckFailed("another"), CheckFailed("a third")]
     outcomes = [Outcome(SHOWN, failed) for failed in (failure, *others)]
-    messages = messages_of(resolve(outcomes))
+    messages = messages_of(summarise(outcomes))
     ends = [message.text.rsplit("\n", 1)[-1] for message in messages.values()]
     assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
-    hidden = messages_of(resolve([Outcome(HIDDEN, failure)]))
+    hidden = messages_of(summarise([Outcome(HIDDEN, failure)]))
     assert "in the notebook" not in "".join(message.text for message in hidden.values())
 
 
@@ -268,7 +268,7 @@ def test_one_cause_is_shown_once_and_others_in_full():
         Outcome(Check("3", "f", "Third", "Three."), WrongForm("no array")),
         Outcome(Check("4", "f", "Fourth", "Four."), NotYet("First")),
     ]
-    messages = messages_of(resolve(outcomes, mistake=UPSIDE_DOWN))
+    messages = messages_of(summarise(outcomes, mistake=UPSIDE_DOWN))
     assert {outcome.check.name: message for outcome, message in messages.items()} == {
         "1": Message(
             "It is upside down.\nno array\nHint: Turn it round.", hint="Hint: Turn it round."

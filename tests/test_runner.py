@@ -19,11 +19,11 @@ from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
 from utils.checks import Check, CheckFailed
-from utils.checks.assertions import needs
+from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import FarTooMuch, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import answer_to, once, one_run
+from utils.checks.run_cache import answer_to, cached_run, once
 from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
@@ -357,7 +357,7 @@ def test_no_answer_outlives_its_check(made, how):
 
     @once
     def require(function):
-        with needs("an answer"):
+        with precondition("an answer"):
             kept = answer()
             function(kept is not None)
             raise CheckFailed("no")
@@ -383,7 +383,7 @@ def test_second(student):
             return lambda *_: answer()
 
     student = Answering()
-    with one_run():
+    with cached_run():
         outcomes = run_checks(made(hidden, checks), student, SEED)
         gc.collect()
         assert len(failures(outcomes)) == 4 and len(answers) == 0
@@ -406,7 +406,7 @@ def test_an_answer_larger_than_any_right_one_is_not_cached():
         asked.append(len(cloud))
         return np.zeros(MOST_NUMBERS + len(cloud) - 1)
 
-    with one_run():
+    with cached_run():
         for rows in (1, 1, 2, 2):
             answer_to(function, rows, np.zeros(rows))
     assert asked == [1, 2, 2]
