@@ -10,7 +10,7 @@ import hashlib
 import hmac
 from collections.abc import Iterable
 
-from extension.league.streets import secret
+from extension.league.streets import derive_secret
 
 COLOURS = (
     *("amber", "azure", "beige", "black", "blue", "bronze", "brown", "coral", "crimson", "cyan"),
@@ -36,7 +36,7 @@ def pseudonyms(students: Iterable[str], seed: int) -> dict[str, str]:
     seed : int
         The course's secret.
     """
-    key = secret(seed, "pseudonyms").to_bytes(32, "big")
+    key = derive_secret(seed, "pseudonyms").to_bytes(32, "big")
     names: dict[str, str] = {}
     for student in sorted(students):
         attempt = 0

@@ -104,7 +104,7 @@ def run_program(
         except JudgeFault as error:
             fault = str(error)
         if explain:
-            mistakes = _mistakes(outcomes, student, budget)
+            mistakes = _diagnose_mistakes(outcomes, student, budget)
         observed = (tuple(student.problems), student.uses, student.starved)
         return RunResults(tuple(outcomes), *observed, mistakes, fault)
 
@@ -117,7 +117,7 @@ def untouched_results(lesson: Lesson) -> RunResults:
         return RunResults((), fault=str(error))
 
 
-def _mistakes(
+def _diagnose_mistakes(
     outcomes: Iterable[Outcome], student: StudentProxy, budget: Budget
 ) -> dict[str, Mistake]:
     """Return the mistake that explains an exercise's wrong answers, by the exercise's name."""
