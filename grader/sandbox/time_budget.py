@@ -168,7 +168,7 @@ class TimeLimit:
         self.starved = False
 
     def __call__(self) -> float:
-        """Return the maximum number of seconds to wait before the next call; see `wire.start_time_limit`.
+        """Return the maximum number of seconds to wait; see `wire.start_time_limit`.
 
         Raises
         ------
